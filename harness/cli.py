@@ -1,0 +1,231 @@
+"""The command line. What computes is imported by the command that needs it: help is at once."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
+
+from harness import HarnessError
+from harness.cases import COMPLETED, Case, cases_of
+from harness.study import load_study, study_names
+from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DONE, INCOMPLETE, BAD_INPUT = 0, 1, 2
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM has come; ends a run as Ctrl-C does."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, like all others."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        arguments: the command line without the program's name; default: that of the process.
+
+    Returns:
+        Exit code: 0 done, 1 a case did not complete, 2 bad input or unusable files,
+        130 Ctrl-C, 143 SIGTERM.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        code: int = options.command(options)
+    except (HarnessError, UnknownSceneError, OSError) as error:
+        _tell(str(error))
+        return BAD_INPUT
+    except Terminated:
+        return 128 + signal.SIGTERM
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="harness", description="Parametric studies of the material point method.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
+    run.set_defaults(command=_run)
+    run.add_argument("study", metavar="STUDY", help="name of a study, or a TOML file")
+    run.add_argument(
+        "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
+    )
+    run.add_argument(
+        "--workers",
+        type=_worker_count,
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="processes, each with a case at a time; default: one for each core",
+    )
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="set a parameter; a list, as in KEY=[1,2], varies it; repeatable",
+    )
+    run.add_argument("--fresh", action="store_true", help="run what is done already again")
+
+    commands.add_parser("list", help="list studies and scenes").set_defaults(command=_list)
+
+    describe = commands.add_parser("describe", help="list the parameters of a scene")
+    describe.set_defaults(command=_describe)
+    describe.add_argument("scene", metavar="SCENE")
+
+    compare = commands.add_parser("compare", help="compare a result with the references")
+    compare.set_defaults(command=_compare)
+    compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
+
+    plot = commands.add_parser("plot", help="draw the pictures of a result")
+    plot.set_defaults(command=_plot)
+    plot.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
+    plot.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
+    return parser
+
+
+def _worker_count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
+    return int(text)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from harness import archive
+    from harness.compare import NothingToCompareError, with_references
+    from harness.progress import Display
+    from harness.runner import run_cases
+
+    study = load_study(options.study, options.set)
+    cases = cases_of(study)
+    folder = archive.case_folder(options.out, study)
+    archive.prepare(folder)
+    if options.fresh:
+        archive.discard(folder, cases)
+    pending = [case for case in cases if not _is_done(folder, case)]
+
+    workers = min(options.workers, len(pending))
+    done = len(cases) - len(pending)
+    signal.signal(signal.SIGTERM, _raise_terminated)
+    try:
+        _tell(f"{study.name}: {len(cases)} cases, {done} done already, {workers} workers")
+        with Display(len(pending), sys.stderr) as display:
+            run_cases(pending, folder, workers, display)
+    except KeyboardInterrupt:
+        _tell("interrupted; finished cases are kept, the same command goes on with the rest")
+        raise
+
+    dataset = archive.collect(study, cases, folder)
+    try:
+        dataset = with_references(dataset, study.references)
+    except NothingToCompareError as error:
+        _tell(str(error))
+    result_file = options.out / f"{study.name}.nc"
+    archive.write_study(result_file, dataset)
+    _show(dataset, options.out)
+    print(result_file)
+    return _list_incomplete(cases, dataset)
+
+
+def _show(dataset: xr.Dataset, folder: Path) -> None:
+    """Print the table and draw the pictures, as far as the scene has what they show."""
+    from harness.compare import NothingToCompareError, table
+    from harness.plots import NothingToDrawError, draw
+
+    try:
+        print(table(dataset))
+        for picture in draw(dataset, folder):
+            print(picture)
+    except (NothingToCompareError, NothingToDrawError) as error:
+        _tell(str(error))
+
+
+def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
+    outcomes = zip(cases, dataset.status.values.flat, dataset.message.values.flat, strict=True)
+    lost = [outcome for outcome in outcomes if outcome[1] != COMPLETED]
+    for case, status, message in lost:
+        _tell(f"{case.label}: {status}: {message}")
+    return INCOMPLETE if lost else DONE
+
+
+def _is_done(folder: Path, case: Case) -> bool:
+    from harness import archive
+
+    try:
+        result = archive.read_case(folder, case)
+    except archive.ArchiveError as error:
+        _tell(f"{error}; the case is run again")
+        return False
+    return result is not None and result.attrs["status"] == COMPLETED
+
+
+def _list(options: argparse.Namespace) -> int:
+    print("studies:")
+    for name in study_names():
+        print(f"  {name:24} {load_study(name).title}")
+    print("scenes:")
+    for name in scene_names():
+        print(f"  {name:24} {scene_class(name).summary}")
+    return DONE
+
+
+def _describe(options: argparse.Namespace) -> int:
+    scene = scene_class(options.scene)
+    print(f"{options.scene}: {scene.summary}\n")
+    for name, parameter in parameters_of(scene).items():
+        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+        default = "derived" if parameter.default is None else f"{parameter.default}{unit}"
+        print(f"{name:26} {default:16} {parameter.meaning}; {parameter.allowed}")
+    return DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from harness.archive import read_study
+    from harness.compare import NothingToCompareError, table
+
+    dataset = read_study(options.file)
+    try:
+        print(table(dataset))
+    except NothingToCompareError as error:
+        raise HarnessError(f"{options.file}: {error}") from None
+    return DONE
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from harness import archive
+    from harness.plots import NothingToDrawError, draw
+
+    dataset = archive.read_study(options.file)
+    folder = options.out or options.file.parent
+    archive.prepare(folder)
+    try:
+        pictures = draw(dataset, folder)
+    except NothingToDrawError as error:
+        raise HarnessError(f"{options.file}: {error}") from None
+    print(*pictures, sep="\n")
+    return DONE
+
+
+def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
+    raise Terminated
+
+
+def _tell(message: str) -> None:
+    """Say one line on standard error, where it does not mix with results."""
+    print("harness:", " ".join(message.split()), file=sys.stderr)

@@ -1,0 +1,215 @@
+"""Cone factors from the literature, Nc = (qc - sigma_v0) / su, for a 60 degree cone.
+
+A new reference is one new entry in :data:`CONE_FACTORS`. The formulas take floats, numpy arrays
+and xarray data arrays alike.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+Quantity: TypeAlias = "float | np.ndarray | xr.DataArray"
+QUOTED = "coefficients as commonly quoted; the original was not read"
+"""How an entry is known whose source could not be consulted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """What the literature's cone factors depend on; all of it dimensionless but the angle.
+
+    Attributes:
+        rigidity_index: shear modulus over undrained shear strength, G/su, above 0.
+        face_adhesion: adhesion factor of the cone face, 0 to 1.
+        shaft_adhesion: adhesion factor of the shaft, 0 to 1.
+        stress_anisotropy: (sigma_v0 - sigma_h0) / (2 su) in the ground before.
+        apex_angle: of the cone [degree]; no formula uses it, all are made for 60.
+    """
+
+    rigidity_index: Quantity
+    face_adhesion: Quantity
+    shaft_adhesion: Quantity
+    stress_anisotropy: Quantity = 0.0
+    apex_angle: Quantity = 60.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConeFactor:
+    """One literature formula for the cone factor.
+
+    Attributes:
+        id: name in study definitions and in the variables of a result.
+        label: authors and year, for pictures.
+        formula: the formula as text.
+        evaluate: the formula; it extrapolates, :meth:`applies` tells where it should not.
+        criterion: yield criterion, and which strength su means where the source says so.
+        method: how the source arrived at the formula.
+        source: where it was published.
+        has_adhesion_term: whether the formula knows the adhesion of the face; without it, it
+            is taken as a statement on the smooth cone alone.
+        in_envelope: whether it is one of the analyses of penetration with an adhesion term,
+            which together form the envelope that a result is shown in.
+        how_known: where the coefficients were taken from.
+        rigidity_index_range: smallest and largest rigidity index it is meant for.
+    """
+
+    id: str
+    label: str
+    formula: str
+    evaluate: Callable[[Conditions], Quantity]
+    criterion: str
+    method: str
+    source: str
+    has_adhesion_term: bool = False
+    in_envelope: bool = False
+    how_known: str = QUOTED
+    rigidity_index_range: tuple[float, float] = (50.0, 500.0)
+
+    @property
+    def validity(self) -> str:
+        """The conditions that the formula is meant for, in words."""
+        low, high = self.rigidity_index_range
+        smooth = "" if self.has_adhesion_term else ", smooth face"
+        return f"60 degree cone, rigidity index {low:g} to {high:g}{smooth}"
+
+    def applies(self, conditions: Conditions) -> Quantity:
+        """Whether `conditions` lie within the :attr:`validity`, element by element."""
+        low, high = self.rigidity_index_range
+        inside = (
+            (conditions.rigidity_index >= low)
+            & (conditions.rigidity_index <= high)
+            & (conditions.apex_angle == 60.0)
+        )
+        return inside if self.has_adhesion_term else inside & (conditions.face_adhesion == 0)
+
+
+def _ln(number: Quantity) -> Quantity:
+    # Imported here because the references can be named without it; see the package.
+    import numpy as np
+
+    return np.log(number)
+
+
+def _spherical_cavity(rigidity_index: Quantity) -> Quantity:
+    """Limit pressure of a spherical cavity over su."""
+    return 4 / 3 * (1 + _ln(rigidity_index))
+
+
+CONE_FACTORS: tuple[ConeFactor, ...] = (
+    ConeFactor(
+        id="lu_2004",
+        label="Lu et al. 2004",
+        formula="3.4 + 1.6 ln Ir - 1.9 Delta + 1.3 alpha_c",
+        evaluate=lambda c: (
+            3.4 + 1.6 * _ln(c.rigidity_index) - 1.9 * c.stress_anisotropy + 1.3 * c.face_adhesion
+        ),
+        criterion="Tresca",
+        method="large-deformation finite elements with remeshing",
+        source="Lu, Randolph, Hu & Bugarski 2004, Geotechnique 54(4):257-267",
+        has_adhesion_term=True,
+        in_envelope=True,
+    ),
+    ConeFactor(
+        id="teh_houlsby_1991",
+        label="Teh & Houlsby 1991",
+        formula=("4/3 (1 + ln Ir) (1.25 + Ir/2000) + 2.4 alpha_c - 0.2 alpha_s - 1.8 Delta"),
+        evaluate=lambda c: (
+            _spherical_cavity(c.rigidity_index) * (1.25 + c.rigidity_index / 2000)
+            + 2.4 * c.face_adhesion
+            - 0.2 * c.shaft_adhesion
+            - 1.8 * c.stress_anisotropy
+        ),
+        criterion="von Mises, su from triaxial compression",
+        method="strain path and finite elements",
+        source="Teh & Houlsby 1991, Geotechnique 41(1):17-34",
+        has_adhesion_term=True,
+        in_envelope=True,
+    ),
+    ConeFactor(
+        id="yu_2000",
+        label="Yu et al. 2000",
+        formula="0.33 + 2 ln Ir + 2.37 alpha - 1.83 Delta",
+        evaluate=lambda c: (
+            0.33 + 2 * _ln(c.rigidity_index) + 2.37 * c.face_adhesion - 1.83 * c.stress_anisotropy
+        ),
+        criterion="von Mises",
+        method="steady-state finite elements",
+        source=("Yu, Herrmann & Boulanger 2000, J. Geotech. Geoenviron. Eng. 126(7):594-605"),
+        has_adhesion_term=True,
+        in_envelope=True,
+    ),
+    ConeFactor(
+        id="vesic_1977",
+        label="Vesic 1977",
+        formula="4/3 (1 + ln Ir) + 2.57",
+        evaluate=lambda c: _spherical_cavity(c.rigidity_index) + 2.57,
+        criterion="not stated here",
+        method="spherical cavity and end wedge",
+        source="Vesic 1977, NCHRP Synthesis 42",
+    ),
+    ConeFactor(
+        id="ladanyi_johnston_1974",
+        label="Ladanyi & Johnston 1974",
+        formula="4/3 (1 + ln Ir) + sqrt(3) alpha_c",
+        evaluate=lambda c: _spherical_cavity(c.rigidity_index) + math.sqrt(3) * c.face_adhesion,
+        criterion="not stated here",
+        method="spherical cavity on the face and face adhesion",
+        source="Ladanyi & Johnston 1974, Can. Geotech. J. 11(4):531-553",
+        has_adhesion_term=True,
+    ),
+    ConeFactor(
+        id="baligh_1985",
+        label="Baligh 1985",
+        formula="1.51 + 2 ln Ir",
+        evaluate=lambda c: 1.51 + 2 * _ln(c.rigidity_index),
+        criterion="not stated here",
+        method="strain path",
+        source="Baligh 1985, J. Geotech. Eng. 111(9):1108-1136",
+    ),
+    ConeFactor(
+        id="yu_1993",
+        label="Yu 1993",
+        formula="4.18 + 1.155 ln(sqrt(3)/2 Ir)",
+        evaluate=lambda c: 4.18 + 1.155 * _ln(math.sqrt(3) / 2 * c.rigidity_index),
+        criterion="von Mises",
+        method="cylindrical cavity",
+        source="Yu 2000, Cavity Expansion Methods in Geomechanics, ch. 8",
+    ),
+    ConeFactor(
+        id="abu_farsakh_2003",
+        label="Abu-Farsakh et al. 2003",
+        formula="2.45 + 1.8 ln Ir - 2.1 Delta",
+        evaluate=lambda c: 2.45 + 1.8 * _ln(c.rigidity_index) - 2.1 * c.stress_anisotropy,
+        criterion="modified Cam clay",
+        method="coupled finite elements",
+        source="Abu-Farsakh, Tumay & Voyiadjis 2003, Int. J. Geomech. 3(2):170-181",
+    ),
+)
+
+ENVELOPE = tuple(reference for reference in CONE_FACTORS if reference.in_envelope)
+"""The references that together form the envelope that a result is shown in."""
+
+
+def envelope(conditions: Conditions) -> tuple[Quantity, Quantity]:
+    """Smallest and largest cone factor among the references that form the envelope.
+
+    It is no confidence interval: its few members differ in criterion, in which strength they
+    mean, and in method.
+    """
+    import numpy as np
+
+    values = [reference.evaluate(conditions) for reference in ENVELOPE]
+    return functools.reduce(np.minimum, values), functools.reduce(np.maximum, values)
+
+
+def envelope_applies(conditions: Conditions) -> Quantity:
+    """Whether all references that form the envelope apply, element by element."""
+    return functools.reduce(operator.and_, (member.applies(conditions) for member in ENVELOPE))

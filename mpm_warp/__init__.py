@@ -1,0 +1,1 @@
+"""Axisymmetric and plane-strain material point method on NVIDIA Warp kernels."""

@@ -1,0 +1,63 @@
+"""Boundary conditions on nodes of the grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpm_warp.grids import Floats, Grid, Integers
+from mpm_warp.materials import LinearElastic
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fixed:
+    """Nodes that rest relative to undisturbed soil, in r, z or both.
+
+    Attributes:
+        nodes: flat indices, each once, shape [node_count].
+        free: 1 where the velocity component is free, 0 where it is held, shape [node_count, 2].
+    """
+
+    nodes: Integers
+    free: Floats
+
+    @classmethod
+    def axis_and_ends(cls, grid: Grid) -> Fixed:
+        """No radial velocity on the axis, none at all at the bottom, no vertical one at the top."""
+        free = np.ones((grid.row_count + 1, grid.column_count + 1, 2))
+        free[grid.surface_radius == 0.0, 0, 0] = 0.0
+        free[0] = 0.0
+        free[-1, :, 1] = 0.0
+        nodes = np.flatnonzero(free.min(axis=-1) == 0.0)
+        return cls(nodes=nodes, free=free.reshape(-1, 2)[nodes])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FarField:
+    """The infinite elastic medium beyond the outer radius of the grid.
+
+    Statically a spring of 2 G / r per area (the elastic cavity, u = p r / 2 G); for waves the quiet
+    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877).
+
+    Attributes:
+        nodes: flat indices of the nodes on the side, from below to above, shape [node_count].
+        spring: stiffness of each node per radian [N/m], shape [node_count].
+        dashpot: viscosity of each node along r and z per radian [N s/m], shape [node_count, 2].
+    """
+
+    nodes: Integers
+    spring: Floats
+    dashpot: Floats
+
+    @classmethod
+    def around(cls, grid: Grid, material: LinearElastic) -> FarField:
+        """The medium around all of the grid's outer side but its two ends."""
+        rows = np.arange(1, grid.row_count)
+        area = grid.outer_radius * 0.5 * (grid.rows[2:] - grid.rows[:-2])
+        speeds = np.array([material.pressure_wave_speed, material.shear_wave_speed])
+        return cls(
+            nodes=grid.node(grid.column_count, rows),
+            spring=2.0 * material.shear_modulus / grid.outer_radius * area,
+            dashpot=material.density * area[:, None] * speeds,
+        )

@@ -1,0 +1,164 @@
+"""The background grid: horizontal rows, columns that follow a surface on the left.
+
+A node sits at
+
+    r(i, j) = surface_radius[j] + (outer_radius - surface_radius[j]) * columns[i]
+    z(i, j) = rows[j]
+
+so the first column of nodes lies on the surface, a penetrometer say, and nowhere else does the
+grid need to know of it. With a surface radius of zero the grid is rectilinear. Inside a cell the
+map from natural coordinates (xi, eta), both from 0 to 1, to (r, z) is bilinear and its inverse has
+a closed form.
+
+Arrays over cells and nodes are flat, column fastest: cell (i, j) is ``j * column_count + i``,
+node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per radian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating[Any]]
+Integers = NDArray[np.integer[Any]]
+
+# Two Gauss points on [0, 1], equal weights: exact for cubics.
+GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """A structured axisymmetric grid of bilinear cells.
+
+    Attributes:
+        columns: where the columns of nodes stand between surface (0) and outer radius (1),
+            rising, shape [column_count + 1], dimensionless.
+        rows: heights z of the rows of nodes, rising [m], shape [row_count + 1].
+        surface_radius: radius of the inner surface on each row of nodes [m],
+            shape [row_count + 1]; 0 on the axis.
+        outer_radius: radius of the last column of nodes [m].
+    """
+
+    columns: Floats
+    rows: Floats
+    surface_radius: Floats
+    outer_radius: float
+
+    @property
+    def column_count(self) -> int:
+        """Number of cells in a row."""
+        return len(self.columns) - 1
+
+    @property
+    def row_count(self) -> int:
+        """Number of rows of cells."""
+        return len(self.rows) - 1
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return self.column_count * self.row_count
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return (self.column_count + 1) * (self.row_count + 1)
+
+    def node(self, column: int | Integers, row: int | Integers) -> Integers:
+        """Flat index of the node at a column and row, or of many."""
+        return np.asarray(row * (self.column_count + 1) + column, dtype=np.int32)
+
+    def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """Position (r, z) [m] of natural coordinates in cells, shape [..., 2]."""
+        fraction = self.columns[column] + xi * np.diff(self.columns)[column]
+        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
+        radius = surface + (self.outer_radius - surface) * fraction
+        height = self.rows[row] + eta * np.diff(self.rows)[row]
+        return np.stack(np.broadcast_arrays(radius, height), axis=-1)
+
+    @cached_property
+    def node_positions(self) -> Floats:
+        """Positions (r, z) of the nodes [m], shape [node_count, 2]."""
+        surface = self.surface_radius[:, None]
+        radius = surface + (self.outer_radius - surface) * self.columns
+        height = np.broadcast_to(self.rows[:, None], radius.shape)
+        return np.stack([radius, height], axis=-1).reshape(-1, 2)
+
+    @cached_property
+    def cell_nodes(self) -> Integers:
+        """The nodes of each cell at (xi, eta) = 00, 10, 01, 11, shape [cell_count, 4]."""
+        row, column = np.divmod(np.arange(self.cell_count), self.column_count)
+        first = self.node(column, row)
+        stride = self.column_count + 1
+        return np.stack([first, first + 1, first + stride, first + stride + 1], axis=-1)
+
+    @cached_property
+    def gradient_integrals(self) -> Floats:
+        """Integrals over each cell of (dN/dr r, dN/dz r, N), N the shape function of each node.
+
+        The three make the radial, vertical and hoop parts of the internal force of a uniform
+        stress, and of the mean strain rate of the cell. Exact. In m2, shape [cell_count, 4, 3].
+        """
+        xi, eta = (g.ravel() for g in np.meshgrid(GAUSS_POINTS, GAUSS_POINTS))
+        shape, d_xi, d_eta = _bilinear(xi, eta)  # each [4 nodes, 4 points]
+        radius, height = np.moveaxis(self.node_positions[self.cell_nodes], -1, 0)
+        r, r_xi, r_eta = (radius @ function for function in (shape, d_xi, d_eta))
+        z_eta = height @ d_eta
+        # Rows are horizontal, so z does not depend on xi.
+        d_r = d_xi / r_xi[:, None, :]
+        d_z = (d_eta - d_xi * (r_eta / r_xi)[:, None, :]) / z_eta[:, None, :]
+        area = (0.25 * r_xi * z_eta)[:, None, :]
+        parts = (d_r * r[:, None, :], d_z * r[:, None, :], np.broadcast_to(shape, d_r.shape))
+        return np.stack([np.sum(part * area, axis=-1) for part in parts], axis=-1)
+
+    @cached_property
+    def cell_volumes(self) -> Floats:
+        """Volume of each cell per radian [m3], shape [cell_count]."""
+        radius = self.node_positions[self.cell_nodes, 0]
+        # r is the sum of N r_i over the nodes, so the integral of r is that of the integrals of N.
+        volumes: Floats = np.sum(self.gradient_integrals[..., 2] * radius, axis=-1)
+        return volumes
+
+    @cached_property
+    def cell_lengths(self) -> Floats:
+        """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
+
+        1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
+        frequency of a uniform-strain cell (Flanagan & Belytschko 1984, Eng. Comput. 1:249-253).
+        """
+        gradients = self.gradient_integrals[..., :2] / self.cell_volumes[:, None, None]
+        lengths: Floats = 1.0 / np.sqrt(np.sum(gradients**2, axis=(1, 2)))
+        return lengths
+
+
+def graded(first: float, length: float, growth: float) -> Floats:
+    """Edges from 0 to `length` whose spacing starts near `first` and grows by about `growth`.
+
+    The number of cells is the nearest whole one; `first` is then kept and the growth adjusted.
+
+    Args:
+        first: width of the first cell [m].
+        length: sum of all widths [m], more than `first`.
+        growth: ratio of a cell's width to the one before, more than 1.
+    """
+    count = max(1, round(np.log1p(length / first * (growth - 1.0)) / np.log(growth)))
+    low, high = 1.0 + 1e-12, 10.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        reached = first * (middle**count - 1.0) / (middle - 1.0)
+        low, high = (middle, high) if reached < length else (low, middle)
+    edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
+    edges *= length / edges[-1]
+    return edges
+
+
+def _bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
+    """Shape functions and their derivatives along xi and eta, each [4 nodes, points]."""
+    shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta])
+    d_xi = np.array([eta - 1, 1 - eta, -eta, eta])
+    d_eta = np.array([xi - 1, -xi, 1 - xi, xi])
+    return shape, d_xi, d_eta

@@ -1,0 +1,119 @@
+"""Stage 3: particles take velocity, position, strain and stress from the grid.
+
+Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle,
+L velocity gradient, D its symmetric part, W its spin, tr the trace, beta the blend, U the velocity
+of the soil past the grid.
+
+    v_p  <- (1 - beta) (v_p + N (v - u)) + beta N v
+    x_p  <- x_p + dt (N v + U)
+    D    <- D + (div v of the cell - tr D) / 3        mean dilation: no volumetric locking
+    sigma <- yield(R sigma R' + dt (K tr D + 2 G dev D))     R the rotation by dt W (Cayley)
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.kernels.location import make_location
+from mpm_warp.kernels.precision import Precision
+
+
+@functools.cache
+def make_elastic_trial(precision: Precision) -> Any:
+    """The function (stress, step of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
+    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
+    two = wp.constant(real(2.0))
+
+    @wp.func
+    def elastic_trial(stress: vec4, step: vec7) -> vec4:
+        rr, zz, rz = stress[0], stress[1], stress[2]
+        cc, ss, cs = step[4], step[5], step[6]
+        return vec4(
+            cc * rr + ss * zz + two * cs * rz + step[0],
+            ss * rr + cc * zz - two * cs * rz + step[1],
+            (cc - ss) * rz + cs * (zz - rr) + step[2],
+            stress[3] + step[3],
+        )
+
+    return elastic_trial
+
+
+@functools.cache
+def make_grid_to_particles(yielding: Any, window: bool, precision: Precision) -> Any:
+    """The kernel, launched over particles.
+
+    Args:
+        yielding: returns a trial stress to the yield surface; None for a material that never yields.
+        window: whether particles that rise above the grid leave it; otherwise they stay below.
+        precision: floating point types.
+    """
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
+    vec5, vec7 = precision.vec5, precision.vec7
+    location = make_location(precision)
+    natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
+    elastic_trial = make_elastic_trial(precision)
+    yields = yielding is not None
+    one = wp.constant(real(1.0))
+    key = f"{yielding.key if yields else 'elastic'}.{'window' if window else 'closed'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
+    def grid_to_particles(
+        motion: wp.array(dtype=vec4),
+        stress_step: wp.array(dtype=vec7),
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        cell_counts: wp.vec2i,
+        time_step: real,
+        blend: real,
+        strength: real,
+        position: wp.array(dtype=vec2),
+        velocity: wp.array(dtype=vec2),
+        stress: wp.array(dtype=vec4),
+        particle_cell: wp.array(dtype=wp.vec2i),
+        window_motion: wp.array(dtype=real),
+        top: real,
+        free_slots: wp.array(dtype=int),
+        free_count: wp.array(dtype=int),
+    ):
+        p = wp.tid()
+        cell = particle_cell[p]
+        i, j = cell[0], cell[1]
+        if wp.static(window):
+            if i < 0:
+                return
+        x = position[p]
+        where = natural(x, columns[i], rows[j], outer_radius)
+        xi, eta = where[0], where[1]
+
+        node = j * (cell_counts[0] + 1) + i
+        upper = node + cell_counts[0] + 1
+        lower_left, lower_right = motion[node], motion[node + 1]
+        upper_left, upper_right = motion[upper], motion[upper + 1]
+        # (v, u) at the particle: v the velocity after the step, u before it.
+        left = lower_left + eta * (upper_left - lower_left)
+        right = lower_right + eta * (upper_right - lower_right)
+        here = left + xi * (right - left)
+        v = vec2(here[0], here[1])
+        u = vec2(here[2], here[3])
+        velocity[p] = (one - blend) * (velocity[p] + (v - u)) + blend * v
+
+        trial = elastic_trial(stress[p], stress_step[j * cell_counts[0] + i])
+        if wp.static(yields):
+            stress[p] = yielding(trial, strength)
+        else:
+            stress[p] = trial
+
+        x += time_step * v
+        if wp.static(window):
+            x += vec2(real(0.0), time_step * window_motion[1])
+            if x[1] >= top:
+                particle_cell[p] = wp.vec2i(-1, -1)
+                free_slots[wp.atomic_add(free_count, 0, 1)] = p
+                return
+        cell = settle(x, cell, columns, rows, outer_radius, cell_counts)
+        particle_cell[p] = cell
+        position[p] = outside_surface(x, rows[cell[1]])
+
+    return grid_to_particles

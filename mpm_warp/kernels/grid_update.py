@@ -1,0 +1,166 @@
+"""Stage 2: the momentum equation on cells and nodes.
+
+Symbols: sigma stress (rr, zz, rz, tt), V volume of a cell, m mass, v velocity, h length of a cell,
+c pressure wave speed, b coefficient of the bulk viscosity, G_i the integrals over a cell of
+(dN_i/dr r, dN_i/dz r, N_i).
+
+    sigma_c = sum m sigma / sum m + b rho c h div v          mean stress and bulk viscosity
+    f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
+                                sigma_rz G_r + sigma_zz G_z)
+    v_i     = (m v)_i / m_i + dt f_i / m_i
+    div v_c = sum over nodes (v_r (G_r + G_t) + v_z G_z) / V
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.kernels.precision import Precision
+
+
+@functools.cache
+def make_cell_stress(viscous: bool, precision: Precision) -> Any:
+    """Mean stress of each cell from the particles' sums, which it clears; launched over cells."""
+    real, vec4 = precision.real, precision.vec4
+    zero = wp.constant(real(0.0))
+
+    key = f"{'viscous' if viscous else 'inviscid'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
+    def cell_stress(
+        stress_sum: wp.array(dtype=vec4),
+        mass: wp.array(dtype=real),
+        dilation_rate: wp.array(dtype=real),
+        viscosity: wp.array(dtype=real),
+        stress: wp.array(dtype=vec4),
+    ):
+        c = wp.tid()
+        if mass[c] > zero:
+            # A cell that is empty for a moment keeps the stress it had: soil is all around it.
+            mean = stress_sum[c] / mass[c]
+            if wp.static(viscous):
+                q = viscosity[c] * dilation_rate[c]
+                mean += vec4(q, q, zero, q)
+            stress[c] = mean
+        stress_sum[c] = vec4()
+        mass[c] = zero
+
+    return cell_stress
+
+
+@functools.cache
+def make_node_update(precision: Precision) -> Any:
+    """Velocity of each node before and after the step; launched over (rows, columns) of nodes.
+
+    The sums of mass and momentum are cleared; `motion` is (v_r, v_z, u_r, u_z), velocity after the
+    step and before it.
+    """
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
+    zero = wp.constant(real(0.0))
+
+    @wp.func
+    def pull(stress: vec4, G: vec3) -> vec2:
+        return vec2(
+            stress[0] * G[0] + stress[2] * G[1] + stress[3] * G[2],
+            stress[2] * G[0] + stress[1] * G[1],
+        )
+
+    @wp.kernel(module=f"mpm_warp.node_update.{precision.numpy_name}", enable_backward=False)
+    def node_update(
+        momentum: wp.array(dtype=vec3),
+        stress: wp.array(dtype=vec4),
+        integrals: wp.array2d(dtype=vec3),
+        column_count: int,
+        row_count: int,
+        time_step: real,
+        mass: wp.array(dtype=real),
+        motion: wp.array(dtype=vec4),
+    ):
+        j, i = wp.tid()
+        node = j * (column_count + 1) + i
+        sums = momentum[node]
+        momentum[node] = vec3()
+        m = sums[0]
+        mass[node] = m
+        if m <= zero:
+            motion[node] = vec4()
+            return
+        force = vec2()
+        cell = j * column_count + i
+        if j < row_count:
+            if i < column_count:
+                force -= pull(stress[cell], integrals[cell, 0])
+            if i > 0:
+                force -= pull(stress[cell - 1], integrals[cell - 1, 1])
+        if j > 0:
+            cell -= column_count
+            if i < column_count:
+                force -= pull(stress[cell], integrals[cell, 2])
+            if i > 0:
+                force -= pull(stress[cell - 1], integrals[cell - 1, 3])
+        before = vec2(sums[1], sums[2]) / m
+        after = before + (time_step / m) * force
+        motion[node] = vec4(after[0], after[1], before[0], before[1])
+
+    return node_update
+
+
+@functools.cache
+def make_cell_rates(viscous: bool, precision: Precision) -> Any:
+    """Velocity gradient of each cell and what a step of it does to stress; launched over cells."""
+    real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
+    vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
+    quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
+
+    @wp.func
+    def rates(v: vec4, G: vec3) -> vec5:
+        return vec5(v[0] * G[0], v[0] * G[1], v[1] * G[0], v[1] * G[1], v[0] * G[2])
+
+    key = f"{'viscous' if viscous else 'inviscid'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
+    def cell_rates(
+        motion: wp.array(dtype=vec4),
+        integrals: wp.array2d(dtype=vec3),
+        volume: wp.array(dtype=real),
+        column_count: int,
+        time_step: real,
+        shear_modulus: real,
+        bulk_modulus: real,
+        gradient: wp.array(dtype=mat22),
+        dilation_rate: wp.array(dtype=real),
+        stress_step: wp.array(dtype=vec7),
+    ):
+        c = wp.tid()
+        node = c + c / column_count
+        upper = node + column_count + 1
+        L = (
+            rates(motion[node], integrals[c, 0])
+            + rates(motion[node + 1], integrals[c, 1])
+            + rates(motion[upper], integrals[c, 2])
+            + rates(motion[upper + 1], integrals[c, 3])
+        ) / volume[c]
+        gradient[c] = mat22(L[0], L[1], L[2], L[3])
+        dilation = L[0] + L[3] + L[4]
+        if wp.static(viscous):
+            dilation_rate[c] = dilation
+
+        two_shear = two * shear_modulus * time_step
+        pressure = (bulk_modulus * time_step - two_shear / three) * dilation
+        # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
+        t = quarter * time_step * (L[1] - L[2])
+        scale = one / (one + t * t)
+        cosine = (one - t * t) * scale
+        sine = two * t * scale
+        stress_step[c] = vec7(
+            two_shear * L[0] + pressure,
+            two_shear * L[3] + pressure,
+            shear_modulus * time_step * (L[1] + L[2]),
+            two_shear * L[4] + pressure,
+            cosine * cosine,
+            sine * sine,
+            cosine * sine,
+        )
+
+    return cell_rates

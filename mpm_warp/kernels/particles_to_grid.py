@@ -1,0 +1,104 @@
+"""Stage 1: particles give mass and momentum to nodes, and stress to cells.
+
+Symbols: m mass, v velocity, L velocity gradient of the cell, sigma stress, d_i = x_i - x offset of
+node i, N_i its shape function.
+
+    m_i       = sum m N_i
+    (m v)_i   = sum m N_i (v + L d_i)          the affine part: linear fields arrive exactly
+    sigma_c   = sum m sigma / sum m            the mean over the cell; divided in stage 2
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.kernels.location import make_location
+from mpm_warp.kernels.precision import Precision
+
+
+@functools.cache
+def make_particles_to_grid(window: bool, precision: Precision) -> Any:
+    """The kernel, launched over particles.
+
+    Args:
+        window: whether there are places without a particle, to be passed over.
+        precision: floating point types.
+    """
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
+    vec5, mat22 = precision.vec5, precision.mat22
+    natural = make_location(precision).natural
+    one = wp.constant(real(1.0))
+
+    @wp.func
+    def share(N: real, m: real, v: vec2, L: mat22, d: vec2) -> vec3:
+        w = N * m
+        velocity = v + L * d
+        return vec3(w, w * velocity[0], w * velocity[1])
+
+    key = f"{'window' if window else 'closed'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
+    def particles_to_grid(
+        position: wp.array(dtype=vec2),
+        velocity: wp.array(dtype=vec2),
+        stress: wp.array(dtype=vec4),
+        mass: wp.array(dtype=real),
+        particle_cell: wp.array(dtype=wp.vec2i),
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        column_count: int,
+        cell_gradient: wp.array(dtype=mat22),
+        node_momentum: wp.array(dtype=vec3),
+        cell_stress_sum: wp.array(dtype=vec4),
+        cell_mass: wp.array(dtype=real),
+    ):
+        p = wp.tid()
+        cell = particle_cell[p]
+        i, j = cell[0], cell[1]
+        if wp.static(window):
+            if i < 0:
+                return
+        column = columns[i]
+        row = rows[j]
+        where = natural(position[p], column, row, outer_radius)
+        xi, eta, width = where[0], where[1], where[2]
+        m = mass[p]
+
+        c = j * column_count + i
+        wp.atomic_add(cell_stress_sum, c, m * stress[p])
+        wp.atomic_add(cell_mass, c, m)
+
+        # Offsets of the four nodes: the left and right edge of the cell are straight lines.
+        below, above = -eta, one - eta
+        left, right = -xi * width, (one - xi) * width
+        lean_left = row[4] * (one - column[0])
+        lean_right = lean_left - row[4] * column[1]
+        v, L = velocity[p], cell_gradient[c]
+        node = j * (column_count + 1) + i
+        upper = node + column_count + 1
+        wp.atomic_add(
+            node_momentum,
+            node,
+            share(
+                (one - xi) * (one - eta), m, v, L, vec2(left + below * lean_left, below * row[1])
+            ),
+        )
+        wp.atomic_add(
+            node_momentum,
+            node + 1,
+            share(xi * (one - eta), m, v, L, vec2(right + below * lean_right, below * row[1])),
+        )
+        wp.atomic_add(
+            node_momentum,
+            upper,
+            share((one - xi) * eta, m, v, L, vec2(left + above * lean_left, above * row[1])),
+        )
+        wp.atomic_add(
+            node_momentum,
+            upper + 1,
+            share(xi * eta, m, v, L, vec2(right + above * lean_right, above * row[1])),
+        )
+
+    return particles_to_grid

@@ -1,0 +1,56 @@
+"""Stage 4: the window moves on, and now and then a layer of soil enters at its bottom.
+
+Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
+device so that a recorded step can be replayed as it is.
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.kernels.precision import Precision
+
+
+@functools.cache
+def make_advance_window(precision: Precision) -> Any:
+    """One step of the motion, the speed rising linearly to its final value; launched once."""
+    real = precision.real
+
+    @wp.kernel(module=f"mpm_warp.advance_window.{precision.numpy_name}", enable_backward=False)
+    def advance_window(time_step: real, speed: real, ramp_time: real, window: wp.array(dtype=real)):
+        window[2] += time_step * window[1]
+        window[0] += time_step
+        window[1] = speed * wp.min(window[0] / ramp_time, real(1.0))
+
+    return advance_window
+
+
+@functools.cache
+def make_admit(precision: Precision) -> Any:
+    """A layer of soil at rest enters, into places of particles that left; over its particles."""
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.admit.{precision.numpy_name}", enable_backward=False)
+    def admit(
+        layer_position: wp.array(dtype=vec2),
+        layer_mass: wp.array(dtype=real),
+        layer_cell: wp.array(dtype=wp.vec2i),
+        layer_lift: wp.array(dtype=real),
+        free_slots: wp.array(dtype=int),
+        free_count: wp.array(dtype=int),
+        position: wp.array(dtype=vec2),
+        velocity: wp.array(dtype=vec2),
+        stress: wp.array(dtype=vec4),
+        mass: wp.array(dtype=real),
+        particle_cell: wp.array(dtype=wp.vec2i),
+    ):
+        k = wp.tid()
+        p = free_slots[free_count[0] - 1 - k]
+        position[p] = layer_position[k] + vec2(real(0.0), layer_lift[0])
+        velocity[p] = vec2()
+        stress[p] = vec4()
+        mass[p] = layer_mass[k]
+        particle_cell[p] = layer_cell[k]
+
+    return admit

@@ -1,0 +1,202 @@
+"""The one place where a parameter is defined: meaning, unit, default and allowed range.
+
+A scene is a frozen dataclass whose fields are made by :func:`parameter`. Validation, error
+messages, help texts, documentation and the metadata of result files all come from there.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import types
+import typing
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+Value = float | int | str | bool
+SceneT = typing.TypeVar("SceneT")
+
+
+class ParameterError(ValueError):
+    """A parameter is unknown or its value is not allowed; the message is one line.
+
+    Attributes:
+        key: name of the offending parameter, as it was given.
+    """
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(message)
+        self.key = key
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """Definition of one parameter.
+
+    Attributes:
+        name: field name in the scene.
+        kind: ``float``, ``int``, ``bool`` or ``str``.
+        default: value where none is given; None means "derived", as `meaning` tells.
+        unit: SI unit, "1" for a dimensionless number.
+        meaning: one phrase for help, documentation and the long names of datasets.
+        minimum, maximum: inclusive bounds.
+        above, below: exclusive bounds.
+        choices: all the values that are allowed, where there are few.
+    """
+
+    name: str
+    kind: type
+    default: Value | None
+    unit: str
+    meaning: str
+    minimum: float | None = None
+    maximum: float | None = None
+    above: float | None = None
+    below: float | None = None
+    choices: tuple[Value, ...] | None = None
+
+    @property
+    def allowed(self) -> str:
+        """What values are allowed, in words."""
+        if self.choices is not None:
+            return "one of " + ", ".join(repr(choice) for choice in self.choices)
+        bounds = [
+            f"{sign} {bound:g}"
+            for sign, bound in (
+                (">=", self.minimum),
+                (">", self.above),
+                ("<=", self.maximum),
+                ("<", self.below),
+            )
+            if bound is not None
+        ]
+        kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
+        return " ".join([kind[self.kind], " and ".join(bounds)]).strip()
+
+    def checked(self, value: object) -> Value | None:
+        """Return `value` in the parameter's own type.
+
+        Raises:
+            ParameterError: wrong type, not finite, or outside the allowed range.
+        """
+        if value is None and self.default is None:
+            return None
+        converted = self._converted(value)
+        if converted is None or not self._contains(converted):
+            nearest = _nearest_choice(value, self.choices)
+            raise ParameterError(
+                self.name,
+                f"{self.name} = {value!r} is not allowed: must be {self.allowed}{nearest}",
+            )
+        return converted
+
+    def _converted(self, value: object) -> Value | None:
+        if isinstance(value, bool):
+            return value if self.kind is bool else None
+        if self.kind is float and isinstance(value, (int, float)):
+            return float(value) if abs(value) < 1e300 else None
+        if self.kind is int and isinstance(value, float) and value.is_integer():
+            return int(value)
+        if self.kind in (int, str) and isinstance(value, self.kind):
+            return typing.cast(Value, value)
+        return None
+
+    def _contains(self, value: Value) -> bool:
+        if self.choices is not None:
+            return value in self.choices
+        if isinstance(value, str):
+            return True
+        return (
+            math.isfinite(value)
+            and (self.minimum is None or value >= self.minimum)
+            and (self.maximum is None or value <= self.maximum)
+            and (self.above is None or value > self.above)
+            and (self.below is None or value < self.below)
+        )
+
+
+def parameter(
+    default: Value | None,
+    *,
+    unit: str,
+    meaning: str,
+    minimum: float | None = None,
+    maximum: float | None = None,
+    above: float | None = None,
+    below: float | None = None,
+    choices: tuple[Value, ...] | None = None,
+) -> Any:
+    """Declare a parameter as a dataclass field; the arguments are those of :class:`Parameter`."""
+    definition = {
+        "unit": unit,
+        "meaning": meaning,
+        "minimum": minimum,
+        "maximum": maximum,
+        "above": above,
+        "below": below,
+        "choices": choices,
+    }
+    return dataclasses.field(default=default, metadata=definition)
+
+
+def parameters_of(scene: type) -> dict[str, Parameter]:
+    """All parameters of a scene class, by name, in the order of their declaration."""
+    kinds = typing.get_type_hints(scene)
+    return {
+        field.name: Parameter(
+            name=field.name,
+            kind=_bare_type(kinds[field.name]),
+            default=typing.cast(Value | None, field.default),
+            **field.metadata,
+        )
+        for field in dataclasses.fields(scene)
+    }
+
+
+def check_parameters(scene: object) -> None:
+    """Validate every field of a scene instance, in place; to be called from ``__post_init__``.
+
+    Raises:
+        ParameterError: a value is not allowed.
+    """
+    for name, definition in parameters_of(type(scene)).items():
+        object.__setattr__(scene, name, definition.checked(getattr(scene, name)))
+
+
+def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:
+    """Make a scene from names and values.
+
+    Raises:
+        ParameterError: a name is unknown (the nearest valid one is named), or a value is not
+            allowed.
+    """
+    known = parameters_of(scene)
+    for name in values:
+        if name not in known:
+            raise ParameterError(name, f"unknown parameter {name!r}{nearest_name(name, known)}")
+    return scene(**values)
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str:
+    """A phrase that names the nearest valid name, or all of them where none is near."""
+    names = list(known)
+    close = difflib.get_close_matches(name, names, n=1)
+    if close:
+        return f"; did you mean {close[0]!r}?"
+    return "; known: " + ", ".join(names)
+
+
+def _nearest_choice(value: object, choices: tuple[Value, ...] | None) -> str:
+    if not isinstance(value, str) or choices is None:
+        return ""
+    close = difflib.get_close_matches(value, [str(choice) for choice in choices], n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def _bare_type(hint: Any) -> type:
+    """``float`` of ``float | None``."""
+    kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+    kind: type = next(kind for kind in kinds if kind is not types.NoneType)
+    return kind

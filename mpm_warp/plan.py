@@ -1,0 +1,100 @@
+"""A plan: the exact list of arrays and kernel launches of a run, as data.
+
+It can be printed, compared and tested. `mpm_warp.planning` makes one from a scene.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.kernels.precision import Precision
+from mpm_warp.scene import Scene
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Array:
+    """One array on the device: its type, and what it holds when the run starts (None: zeros)."""
+
+    dtype: Any
+    shape: tuple[int, ...]
+    initial: np.ndarray | None
+
+    @property
+    def byte_count(self) -> int:
+        """Bytes on the device."""
+        return math.prod(self.shape) * int(wp.types.type_size_in_bytes(self.dtype))
+
+    def allocate(self, device: str) -> wp.array[Any]:
+        """The array, filled, on a device."""
+        if self.initial is None:
+            return wp.zeros(self.shape, dtype=self.dtype, device=device)
+        return wp.array(self.initial, dtype=self.dtype, device=device)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Launch:
+    """One kernel launch over `dim` threads; texts among the arguments name arrays of the plan."""
+
+    kernel: Any
+    dim: int | tuple[int, ...]
+    arguments: tuple[Any, ...]
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """Names of the arrays that the launch reads or writes."""
+        return tuple(name for name in self.arguments if isinstance(name, str))
+
+
+@dataclass(kw_only=True, eq=False)
+class Plan:
+    """All that a run of a scene consists of.
+
+    Attributes:
+        scene: what is run.
+        precision: floating point types.
+        time_step: length of every step [s].
+        particle_count: particles at the start.
+        arrays: by name, "particle.mass" say; the first word tells over what they run.
+        step: the launches of one step, in order.
+        admission: the launch by which a layer of soil enters; None where there is no window.
+    """
+
+    scene: Scene
+    precision: Precision
+    time_step: float
+    particle_count: int = 0
+    arrays: dict[str, Array] = field(default_factory=dict)
+    step: list[Launch] = field(default_factory=list)
+    admission: Launch | None = None
+
+    @property
+    def launches(self) -> list[Launch]:
+        """Every launch of the run, those of a step first."""
+        return self.step if self.admission is None else [*self.step, self.admission]
+
+    def add_array(self, name: str, kind: str, values: np.ndarray) -> str:
+        """Add an array that starts with the given values; `kind` is a type of the precision."""
+        dtype = self._dtype(kind)
+        components = getattr(dtype, "_shape_", ())
+        shape = values.shape[: values.ndim - len(components)]
+        initial = np.ascontiguousarray(values)
+        self.arrays[name] = Array(dtype=dtype, shape=shape, initial=initial)
+        return name
+
+    def add_zeros(self, name: str, kind: str, count: int) -> str:
+        """Add an array that starts with zeros."""
+        self.arrays[name] = Array(dtype=self._dtype(kind), shape=(count,), initial=None)
+        return name
+
+    def add_launch(self, kernel: Any, dim: int | tuple[int, ...], *arguments: Any) -> None:
+        """Add a launch to the end of the step."""
+        self.step.append(Launch(kernel=kernel, dim=dim, arguments=arguments))
+
+    def _dtype(self, kind: str) -> Any:
+        whole = {"int": wp.int32, "vec2i": wp.vec2i}
+        return whole[kind] if kind in whole else getattr(self.precision, kind)

@@ -1,0 +1,240 @@
+"""From a scene to its plan: the one place that decides what a run needs, and leaves out the rest.
+
+The functions below stand in the order of the step. Each adds the arrays that its stage is the first
+to use, and its launch.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpm_warp.boundaries import FarField, Fixed
+from mpm_warp.contact import SurfaceContact
+from mpm_warp.kernels.boundaries import make_far_field, make_fixed
+from mpm_warp.kernels.contact import make_surface_contact
+from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
+from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
+from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
+from mpm_warp.kernels.precision import FLOAT64, Precision
+from mpm_warp.kernels.window import make_admit, make_advance_window
+from mpm_warp.kernels.yielding import make_yielding
+from mpm_warp.materials import PerfectlyPlastic
+from mpm_warp.particles import seed_rows
+from mpm_warp.plan import Launch, Plan
+from mpm_warp.scene import Scene
+from mpm_warp.window import Window
+
+PARTICLE_STATE = (
+    "particle.position",
+    "particle.velocity",
+    "particle.stress",
+    "particle.mass",
+    "particle.cell",
+)
+
+
+def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
+    """The plan of a run of `scene`, complete."""
+    wave_speed = scene.material.pressure_wave_speed
+    critical_time_step = float(scene.grid.cell_lengths.min()) / wave_speed
+    plan = Plan(
+        scene=scene,
+        precision=precision,
+        time_step=scene.time_step_fraction * critical_time_step,
+    )
+    _add_particles(plan)
+    if scene.window is not None:
+        _add_admission(plan, scene.window)
+    _add_particles_to_grid(plan)
+    _add_cell_stress(plan)
+    _add_node_update(plan)
+    if scene.fixed is not None:
+        _add_fixed(plan, scene.fixed)
+    if scene.far_field is not None:
+        _add_far_field(plan, scene.far_field)
+    if scene.contact is not None:
+        _add_contact(plan, scene.contact)
+    _add_cell_rates(plan)
+    _add_grid_to_particles(plan)
+    if scene.window is not None:
+        _advance_window(plan, scene.window)
+    return plan
+
+
+def _add_particles(plan: Plan) -> None:
+    scene = plan.scene
+    seed = seed_rows(scene.grid, 0, scene.grid.row_count, scene.particles_per_side)
+    plan.particle_count = seed.particle_count
+    spare = 0
+    if scene.window is not None:
+        spare = round(scene.window.spare_fraction * seed.particle_count)
+    places = seed.particle_count + spare
+    # A place without a particle has the cell (-1, -1); its position only has to be finite.
+    position = np.concatenate([seed.position, np.full((spare, 2), scene.grid.outer_radius)])
+    mass = np.concatenate([scene.material.density * seed.volume, np.zeros(spare)])
+    cell = np.concatenate([seed.cell, np.full((spare, 2), -1, dtype=np.int32)])
+    plan.add_array("particle.position", "vec2", position)
+    plan.add_zeros("particle.velocity", "vec2", places)
+    plan.add_zeros("particle.stress", "vec4", places)
+    plan.add_array("particle.mass", "real", mass)
+    plan.add_array("particle.cell", "vec2i", cell)
+
+
+def _add_admission(plan: Plan, window: Window) -> None:
+    scene = plan.scene
+    lowest = seed_rows(scene.grid, 0, 1, scene.particles_per_side)
+    count = lowest.particle_count // scene.particles_per_side
+    # A layer enters through the bottom of the grid, when it gets there.
+    position = lowest.position[:count].copy()
+    position[:, 1] = scene.grid.rows[0]
+    plan.add_array("layer.position", "vec2", position)
+    plan.add_array("layer.mass", "real", scene.material.density * lowest.volume[:count])
+    plan.add_array("layer.cell", "vec2i", lowest.cell[:count])
+    # The places of particles that left, a stack: the last in is the first out.
+    places = plan.arrays["particle.mass"].shape[0]
+    free = np.arange(plan.particle_count, places)
+    stack = np.concatenate([free, np.zeros(plan.particle_count, dtype=free.dtype)])
+    plan.add_array("free.slots", "int", stack.astype(np.int32))
+    plan.add_array("free.count", "int", np.array([len(free)], dtype=np.int32))
+    plan.add_zeros("window.motion", "real", 3)
+    plan.add_zeros("layer.lift", "real", 1)
+    plan.admission = Launch(
+        kernel=make_admit(plan.precision),
+        dim=count,
+        arguments=(
+            *("layer.position", "layer.mass", "layer.cell", "layer.lift"),
+            *("free.slots", "free.count"),
+            *PARTICLE_STATE,
+        ),
+    )
+
+
+def _add_particles_to_grid(plan: Plan) -> None:
+    grid = plan.scene.grid
+    width = np.append(np.diff(grid.columns), 1.0)
+    height = np.append(np.diff(grid.rows), 1.0)
+    lean = np.append(np.diff(grid.surface_radius), 0.0)
+    columns = np.stack([grid.columns, width, 1.0 / width], axis=-1)
+    rows = np.stack([grid.rows, height, 1.0 / height, grid.surface_radius, lean], axis=-1)
+    plan.add_array("grid.columns", "vec3", columns)
+    plan.add_array("grid.rows", "vec5", rows)
+    plan.add_zeros("cell.gradient", "mat22", grid.cell_count)
+    plan.add_zeros("cell.stress_sum", "vec4", grid.cell_count)
+    plan.add_zeros("cell.mass", "real", grid.cell_count)
+    plan.add_zeros("node.momentum", "vec3", grid.node_count)
+    plan.add_launch(
+        make_particles_to_grid(plan.scene.window is not None, plan.precision),
+        plan.arrays["particle.mass"].shape,
+        *PARTICLE_STATE,
+        *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
+        *("cell.gradient", "node.momentum", "cell.stress_sum", "cell.mass"),
+    )
+
+
+def _add_cell_stress(plan: Plan) -> None:
+    grid, material = plan.scene.grid, plan.scene.material
+    plan.add_zeros("cell.stress", "vec4", grid.cell_count)
+    viscosity, dilation_rate = None, None
+    if plan.scene.bulk_viscosity is not None:
+        impedance = material.density * material.pressure_wave_speed
+        values = plan.scene.bulk_viscosity * impedance * grid.cell_lengths
+        viscosity = plan.add_array("cell.viscosity", "real", values)
+        dilation_rate = plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
+    plan.add_launch(
+        make_cell_stress(viscosity is not None, plan.precision),
+        grid.cell_count,
+        *("cell.stress_sum", "cell.mass", dilation_rate, viscosity, "cell.stress"),
+    )
+
+
+def _add_node_update(plan: Plan) -> None:
+    grid = plan.scene.grid
+    plan.add_array("cell.integrals", "vec3", grid.gradient_integrals)
+    plan.add_zeros("node.mass", "real", grid.node_count)
+    plan.add_zeros("node.motion", "vec4", grid.node_count)
+    plan.add_launch(
+        make_node_update(plan.precision),
+        (grid.row_count + 1, grid.column_count + 1),
+        *("node.momentum", "cell.stress", "cell.integrals"),
+        *(grid.column_count, grid.row_count, plan.time_step),
+        *("node.mass", "node.motion"),
+    )
+
+
+def _add_fixed(plan: Plan, fixed: Fixed) -> None:
+    plan.add_array("fixed.nodes", "int", fixed.nodes)
+    plan.add_array("fixed.free", "vec2", fixed.free)
+    kernel = make_fixed(plan.precision)
+    plan.add_launch(kernel, len(fixed.nodes), "fixed.nodes", "fixed.free", "node.motion")
+
+
+def _add_far_field(plan: Plan, far_field: FarField) -> None:
+    count = len(far_field.nodes)
+    plan.add_array("far_field.nodes", "int", far_field.nodes)
+    plan.add_array("far_field.spring", "real", far_field.spring)
+    plan.add_array("far_field.dashpot", "vec2", far_field.dashpot)
+    plan.add_zeros("far_field.displacement", "real", count)
+    plan.add_launch(
+        make_far_field(plan.precision),
+        count,
+        *("far_field.nodes", "far_field.spring", "far_field.dashpot"),
+        *("node.mass", plan.time_step, "far_field.displacement", "node.motion"),
+    )
+
+
+def _add_contact(plan: Plan, contact: SurfaceContact) -> None:
+    pressure_forces = contact.in_situ_stress * contact.normal_areas
+    plan.add_array("contact.nodes", "int", contact.nodes)
+    plan.add_array("contact.normals", "vec2", contact.normals)
+    plan.add_array("contact.adhesion", "real", contact.adhesion_forces)
+    plan.add_array("contact.pressure", "real", pressure_forces)
+    plan.add_zeros("contact.impulse", "vec2", len(contact.nodes))
+    window = None if plan.scene.window is None else "window.motion"
+    plan.add_launch(
+        make_surface_contact(window is not None, plan.precision),
+        len(contact.nodes),
+        *("contact.nodes", "contact.normals", contact.friction),
+        *("contact.adhesion", "contact.pressure", "node.mass", plan.time_step, window),
+        *("node.motion", "contact.impulse"),
+    )
+
+
+def _add_cell_rates(plan: Plan) -> None:
+    grid, material = plan.scene.grid, plan.scene.material
+    viscous = plan.scene.bulk_viscosity is not None
+    plan.add_array("cell.volume", "real", grid.cell_volumes)
+    plan.add_zeros("cell.stress_step", "vec7", grid.cell_count)
+    plan.add_launch(
+        make_cell_rates(viscous, plan.precision),
+        grid.cell_count,
+        *("node.motion", "cell.integrals", "cell.volume", grid.column_count, plan.time_step),
+        *(material.shear_modulus, material.bulk_modulus),
+        *("cell.gradient", "cell.dilation_rate" if viscous else None, "cell.stress_step"),
+    )
+
+
+def _add_grid_to_particles(plan: Plan) -> None:
+    scene, grid = plan.scene, plan.scene.grid
+    material = scene.material
+    strength = material.strength if isinstance(material, PerfectlyPlastic) else 0.0
+    travelling: tuple[object, ...] = (None, 0.0, None, None)
+    if scene.window is not None:
+        # Half a layer stays above the top, else the mass of the nodes there could vanish.
+        top = grid.rows[-1] + 0.5 * (grid.rows[-1] - grid.rows[-2]) / scene.particles_per_side
+        travelling = ("window.motion", float(top), "free.slots", "free.count")
+    plan.add_launch(
+        make_grid_to_particles(
+            make_yielding(material, plan.precision), scene.window is not None, plan.precision
+        ),
+        plan.arrays["particle.mass"].shape,
+        *("node.motion", "cell.stress_step", "grid.columns", "grid.rows", grid.outer_radius),
+        *((grid.column_count, grid.row_count), plan.time_step),
+        *(plan.time_step / scene.velocity_memory, strength),
+        *("particle.position", "particle.velocity", "particle.stress", "particle.cell"),
+        *travelling,
+    )
+
+
+def _advance_window(plan: Plan, window: Window) -> None:
+    kernel = make_advance_window(plan.precision)
+    plan.add_launch(kernel, 1, plan.time_step, window.speed, window.ramp_time, "window.motion")

@@ -1,0 +1,41 @@
+"""What a user declares: a composition of parts. A part that is None costs nothing in the run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mpm_warp.boundaries import FarField, Fixed
+from mpm_warp.contact import SurfaceContact
+from mpm_warp.grids import Grid
+from mpm_warp.materials import LinearElastic
+from mpm_warp.window import Window
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """Soil that fills a grid, and what acts on it. SI units; stress is the excess over in-situ.
+
+    Attributes:
+        grid: the background grid; every cell is full of soil.
+        material: the soil's constitutive model.
+        particles_per_side: particles along each side of a cell, >= 1.
+        time_step_fraction: time step over the critical one, dimensionless, > 0.
+        velocity_memory: time in which a particle's own velocity relaxes to that of the grid [s],
+            > 0. It damps what the grid can not see, uniform strain rates excepted.
+        bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
+        fixed: nodes held at rest, or none.
+        far_field: the medium around the grid, or none.
+        contact: contact with a rigid body, or none.
+        window: travel of the grid through the soil, or none.
+    """
+
+    grid: Grid
+    material: LinearElastic
+    particles_per_side: int
+    time_step_fraction: float
+    velocity_memory: float
+    bulk_viscosity: float | None = None
+    fixed: Fixed | None = None
+    far_field: FarField | None = None
+    contact: SurfaceContact | None = None
+    window: Window | None = None

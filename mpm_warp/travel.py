@@ -1,0 +1,69 @@
+"""The travel of the window through the soil, layer by layer."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mpm_warp.health import WindowOverfull
+from mpm_warp.plan import Launch
+from mpm_warp.simulation import Simulation
+
+
+class Travel:
+    """Advances a simulation whose scene has a window, and lets soil in on the way.
+
+    Args:
+        simulation: a simulation that has not travelled yet.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        scene, plan = simulation.scene, simulation.plan
+        assert scene.window is not None, "the scene has no window"
+        assert plan.admission is not None
+        self._simulation = simulation
+        self._admission: Launch = plan.admission
+        self._layer_size = plan.arrays["layer.mass"].shape[0]
+        self._layers_per_row = scene.particles_per_side
+        self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
+        self._travel_per_step = scene.window.speed * plan.time_step
+        self._layer_count = 0
+
+    @property
+    def distance(self) -> float:
+        """How far the window has moved down through the soil [m]."""
+        return float(self._simulation.array("window.motion")[2])
+
+    def advance_to(self, distance: float) -> None:
+        """Take steps until the window has moved by `distance` [m] since the start.
+
+        Raises:
+            SimulationDiverged: the run became unstable.
+            WindowOverfull: no place is left for the soil that has to enter.
+        """
+        while (now := self.distance) < distance:
+            next_layer = (self._layer_count + 0.5) * self._layer_height
+            remaining = min(distance, next_layer) - now
+            # While the speed still rises this falls short, and the loop goes round again.
+            self._simulation.advance(max(1, math.floor(remaining / self._travel_per_step)))
+            if (now := self.distance) >= next_layer:
+                self._admit_layer(lift=now - next_layer)
+
+    def _admit_layer(self, *, lift: float) -> None:
+        """Let a layer of soil in, `lift` [m] above the bottom of the grid."""
+        simulation = self._simulation
+        free = int(simulation.array("free.count")[0]) - self._layer_size
+        if free < 0:
+            raise WindowOverfull(
+                f"after {self.distance:.4g} m of travel more soil has stayed in the window than "
+                "it has places for; soil that sticks to the shaft needs a larger spare_fraction"
+            )
+        simulation.arrays["layer.lift"].assign([lift])
+        simulation.launch(self._admission)
+        simulation.arrays["free.count"].assign([free])
+        self._layer_count += 1
+        if simulation.scene.far_field is not None and self._layer_count % self._layers_per_row == 0:
+            # The springs at the side belong to the soil there, which has risen by a row.
+            springs = simulation.arrays["far_field.displacement"]
+            springs.assign(np.concatenate([[0.0], springs.numpy()[:-1]]))
