@@ -59,6 +59,7 @@ def serve(connection: Connection, folder: Path) -> None:
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
+    _start_warp_in_silence()
     from harness.archive import ArchiveError
 
     with contextlib.suppress(EOFError, ConnectionError):
@@ -69,6 +70,19 @@ def serve(connection: Connection, folder: Path) -> None:
             except ArchiveError as error:
                 outcome = Outcome(MISSING, str(error))
             connection.send(outcome)
+
+
+def _start_warp_in_silence() -> None:
+    """Keep Warp's greeting, and its remark where there is no GPU, out of the progress display."""
+    import warp
+
+    warp.config.log_level = warp.LOG_WARNING
+    kept = os.dup(2)
+    with Path(os.devnull).open("w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)  # the remark does not come from Python
+        warp.init()
+        os.dup2(kept, 2)
+    os.close(kept)
 
 
 class _Reporter:

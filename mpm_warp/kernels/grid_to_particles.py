@@ -44,7 +44,7 @@ def make_grid_to_particles(yielding: Any, window: bool, precision: Precision) ->
     """The kernel, launched over particles.
 
     Args:
-        yielding: returns a trial stress to the yield surface; None for a material that never yields.
+        yielding: returns a trial stress to the yield surface; None where the material never yields.
         window: whether particles that rise above the grid leave it; otherwise they stay below.
         precision: floating point types.
     """
@@ -55,7 +55,8 @@ def make_grid_to_particles(yielding: Any, window: bool, precision: Precision) ->
     elastic_trial = make_elastic_trial(precision)
     yields = yielding is not None
     one = wp.constant(real(1.0))
-    key = f"{yielding.key if yields else 'elastic'}.{'window' if window else 'closed'}.{precision.numpy_name}"
+    behaviour = yielding.key if yields else "elastic"
+    key = f"{behaviour}.{'window' if window else 'closed'}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
