@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpm_warp.grids import Floats, Grid, Integers
 from mpm_warp.materials import LinearElastic
+
+Booleans = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,8 +32,19 @@ class Fixed:
         free[grid.surface_radius == 0.0, 0, 0] = 0.0
         free[0] = 0.0
         free[-1, :, 1] = 0.0
+        return cls.where(radial=free[..., 0] == 0.0, vertical=free[..., 1] == 0.0)
+
+    @classmethod
+    def where(cls, *, radial: Booleans, vertical: Booleans) -> Fixed:
+        """Nodes held where a mask says so, one mask a component.
+
+        Args:
+            radial: where the radial velocity is held, shape [row_count + 1, column_count + 1].
+            vertical: the same for the vertical velocity.
+        """
+        free = np.where(np.stack([radial, vertical], axis=-1), 0.0, 1.0).reshape(-1, 2)
         nodes = np.flatnonzero(free.min(axis=-1) == 0.0)
-        return cls(nodes=nodes, free=free.reshape(-1, 2)[nodes])
+        return cls(nodes=nodes, free=free[nodes])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -21,6 +21,8 @@ class SurfaceContact:
         friction: Coulomb coefficient, dimensionless, >= 0.
         in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
             part where the simulated traction pulls by more.
+        speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
+            the window has the speed and this one is not used.
     """
 
     nodes: Integers
@@ -29,3 +31,4 @@ class SurfaceContact:
     adhesion_forces: Floats
     friction: float
     in_situ_stress: float
+    speed: float = 0.0

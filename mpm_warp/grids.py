@@ -11,7 +11,8 @@ map from natural coordinates (xi, eta), both from 0 to 1, to (r, z) is bilinear 
 a closed form.
 
 Arrays over cells and nodes are flat, column fastest: cell (i, j) is ``j * column_count + i``,
-node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per radian.
+node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per radian, or in
+plane strain per unit thickness.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Grid:
-    """A structured axisymmetric grid of bilinear cells.
+    """A structured grid of bilinear cells, axisymmetric or, of unit thickness, in plane strain.
 
     Attributes:
         columns: where the columns of nodes stand between surface (0) and outer radius (1),
@@ -41,12 +42,18 @@ class Grid:
         surface_radius: radius of the inner surface on each row of nodes [m],
             shape [row_count + 1]; 0 on the axis.
         outer_radius: radius of the last column of nodes [m].
+        planar: whether strain is plane; r is then a Cartesian coordinate.
     """
 
     columns: Floats
     rows: Floats
     surface_radius: Floats
     outer_radius: float
+    planar: bool = False
+
+    def weight(self, radius: Floats) -> Floats:
+        """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
+        return np.ones_like(radius) if self.planar else radius
 
     @property
     def column_count(self) -> int:
@@ -112,13 +119,20 @@ class Grid:
         d_r = d_xi / r_xi[:, None, :]
         d_z = (d_eta - d_xi * (r_eta / r_xi)[:, None, :]) / z_eta[:, None, :]
         area = (0.25 * r_xi * z_eta)[:, None, :]
-        parts = (d_r * r[:, None, :], d_z * r[:, None, :], np.broadcast_to(shape, d_r.shape))
+        w = self.weight(r)[:, None, :]
+        hoop = np.zeros_like(d_r) if self.planar else np.broadcast_to(shape, d_r.shape)
+        parts = (d_r * w, d_z * w, hoop)
         return np.stack([np.sum(part * area, axis=-1) for part in parts], axis=-1)
 
     @cached_property
     def cell_volumes(self) -> Floats:
         """Volume of each cell per radian [m3], shape [cell_count]."""
         radius = self.node_positions[self.cell_nodes, 0]
+        if self.planar:
+            radius_difference = radius[:, 1] - radius[:, 0] + radius[:, 3] - radius[:, 2]
+            heights = np.repeat(np.diff(self.rows), self.column_count)
+            planar_volumes: Floats = 0.5 * radius_difference * heights
+            return planar_volumes
         # r is the sum of N r_i over the nodes, so the integral of r is that of the integrals of N.
         volumes: Floats = np.sum(self.gradient_integrals[..., 2] * radius, axis=-1)
         return volumes

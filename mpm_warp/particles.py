@@ -53,7 +53,7 @@ def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: in
     surface = grid.surface_radius[row] + eta.T * np.diff(grid.surface_radius)[row]
     width = (grid.outer_radius - surface.T) * np.diff(grid.columns)[column, None]
     height = np.diff(grid.rows)[row, None]
-    volumes = points[..., 0] * width * height / (4 * n * n)
+    volumes = grid.weight(points[..., 0]) * width * height / (4 * n * n)
     volume = volumes.sum(axis=1)
     return Seed(
         position=np.sum(points * volumes[..., None], axis=1) / volume[:, None],

@@ -52,12 +52,12 @@ class Penetrometer:
             cell_growth: growth of the cells' width per distance from the surface, dimensionless.
             outer_radius: where the grid ends [m].
             depth_below: extent of the grid below the tip [m].
-            height_above: extent of the grid above the shoulder [m].
+            height_above: extent of the grid above the shoulder [m], >= 0.
         """
         rows_on_cone = max(1, round(self.cone_height / cell_size))
         cell_height = self.cone_height / rows_on_cone
         rows_below = max(1, round(depth_below / cell_height))
-        rows_above = max(1, round(height_above / cell_height))
+        rows_above = round(height_above / cell_height)
         row = np.arange(-rows_below, rows_on_cone + rows_above + 1)
         rows = cell_height * row
         span = outer_radius - self.radius

@@ -14,10 +14,12 @@ from mpm_warp.kernels.boundaries import make_far_field, make_fixed
 from mpm_warp.kernels.contact import make_surface_contact
 from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
 from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
+from mpm_warp.kernels.loads import make_damping, make_gravity, make_nodal_load
 from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
 from mpm_warp.kernels.precision import FLOAT64, Precision
 from mpm_warp.kernels.window import make_admit, make_advance_window
 from mpm_warp.kernels.yielding import make_yielding
+from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.particles import seed_rows
 from mpm_warp.plan import Launch, Plan
@@ -48,6 +50,12 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
     _add_particles_to_grid(plan)
     _add_cell_stress(plan)
     _add_node_update(plan)
+    if scene.load is not None:
+        _add_load(plan, scene.load)
+    if scene.gravity is not None:
+        _add_gravity(plan, scene.gravity)
+    if scene.damping is not None:
+        _add_damping(plan, scene.damping)
     if scene.fixed is not None:
         _add_fixed(plan, scene.fixed)
     if scene.far_field is not None:
@@ -161,6 +169,27 @@ def _add_node_update(plan: Plan) -> None:
     )
 
 
+def _add_load(plan: Plan, load: NodalLoad) -> None:
+    plan.add_array("load.nodes", "int", load.nodes)
+    plan.add_array("load.forces", "vec2", load.forces)
+    plan.add_launch(
+        make_nodal_load(plan.precision),
+        len(load.nodes),
+        *("load.nodes", "load.forces", "node.mass", plan.time_step, "node.motion"),
+    )
+
+
+def _add_gravity(plan: Plan, gravity: float) -> None:
+    kernel = make_gravity(plan.precision)
+    count = plan.scene.grid.node_count
+    plan.add_launch(kernel, count, gravity * plan.time_step, "node.mass", "node.motion")
+
+
+def _add_damping(plan: Plan, damping: float) -> None:
+    kernel = make_damping(plan.precision)
+    plan.add_launch(kernel, plan.scene.grid.node_count, damping * plan.time_step, "node.motion")
+
+
 def _add_fixed(plan: Plan, fixed: Fixed) -> None:
     plan.add_array("fixed.nodes", "int", fixed.nodes)
     plan.add_array("fixed.free", "vec2", fixed.free)
@@ -194,7 +223,8 @@ def _add_contact(plan: Plan, contact: SurfaceContact) -> None:
         make_surface_contact(window is not None, plan.precision),
         len(contact.nodes),
         *("contact.nodes", "contact.normals", contact.friction),
-        *("contact.adhesion", "contact.pressure", "node.mass", plan.time_step, window),
+        *("contact.adhesion", "contact.pressure", "node.mass", plan.time_step),
+        *(contact.speed, window),
         *("node.motion", "contact.impulse"),
     )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
 from mpm_warp.grids import Grid
+from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import LinearElastic
 from mpm_warp.window import Window
 
@@ -21,8 +22,13 @@ class Scene:
         particles_per_side: particles along each side of a cell, >= 1.
         time_step_fraction: time step over the critical one, dimensionless, > 0.
         velocity_memory: time in which a particle's own velocity relaxes to that of the grid [s],
-            > 0. It damps what the grid can not see, uniform strain rates excepted.
+            > 0; infinite where it never does. It damps what the grid can not see, uniform strain
+            rates excepted.
         bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
+        load: forces on nodes, or none.
+        gravity: acceleration downward [m/s2], > 0, or none.
+        damping: rate at which all motion dies out, force over momentum [1/s], > 0, or none: for
+            states of rest.
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
         contact: contact with a rigid body, or none.
@@ -35,6 +41,9 @@ class Scene:
     time_step_fraction: float
     velocity_memory: float
     bulk_viscosity: float | None = None
+    load: NodalLoad | None = None
+    gravity: float | None = None
+    damping: float | None = None
     fixed: Fixed | None = None
     far_field: FarField | None = None
     contact: SurfaceContact | None = None

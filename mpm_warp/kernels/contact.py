@@ -52,7 +52,7 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
     Adds up the impulses on the rigid body, normal and tangential, since they were last cleared.
 
     Args:
-        moving: whether the grid, and with it the body, travels through the soil.
+        moving: whether the grid travels with the body; otherwise the body has a speed of its own.
         precision: floating point types.
     """
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
@@ -69,6 +69,7 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
         pressure: wp.array(dtype=real),
         mass: wp.array(dtype=real),
         time_step: real,
+        speed: real,
         window_motion: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
         impulse: wp.array(dtype=vec2),
@@ -84,6 +85,8 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
         if wp.static(moving):
             # The body sinks through the soil at the speed at which the soil passes the grid.
             d += vec2(real(0.0), window_motion[1])
+        else:
+            d += vec2(real(0.0), speed)
         J = contact_law(m, d, n, friction, adhesion[k] * time_step, pressure[k] * time_step)
         tangential = vec2(J[1], J[2])
         change = -(J[0] * n + tangential) / m

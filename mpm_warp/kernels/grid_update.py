@@ -107,11 +107,43 @@ def make_node_update(precision: Precision) -> Any:
 
 
 @functools.cache
+def make_stress_step(precision: Precision) -> Any:
+    """The function (L, time step, G, K) -> what a step at the velocity gradient L does to stress.
+
+    L is (rr, rz, zr, zz, tt); the result holds the elastic increment (rr, zz, rz, tt) and the
+    squares and the product of cosine and sine of the rotation, in this order.
+    """
+    real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
+    quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
+
+    @wp.func
+    def stress_step(L: vec5, time_step: real, shear_modulus: real, bulk_modulus: real) -> vec7:
+        two_shear = two * shear_modulus * time_step
+        pressure = (bulk_modulus * time_step - two_shear / three) * (L[0] + L[3] + L[4])
+        # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
+        t = quarter * time_step * (L[1] - L[2])
+        scale = one / (one + t * t)
+        cosine = (one - t * t) * scale
+        sine = two * t * scale
+        return vec7(
+            two_shear * L[0] + pressure,
+            two_shear * L[3] + pressure,
+            shear_modulus * time_step * (L[1] + L[2]),
+            two_shear * L[4] + pressure,
+            cosine * cosine,
+            sine * sine,
+            cosine * sine,
+        )
+
+    return stress_step
+
+
+@functools.cache
 def make_cell_rates(viscous: bool, precision: Precision) -> Any:
     """Velocity gradient of each cell and what a step of it does to stress; launched over cells."""
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
-    quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
+    step_of = make_stress_step(precision)
 
     @wp.func
     def rates(v: vec4, G: vec3) -> vec5:
@@ -142,25 +174,8 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
             + rates(motion[upper + 1], integrals[c, 3])
         ) / volume[c]
         gradient[c] = mat22(L[0], L[1], L[2], L[3])
-        dilation = L[0] + L[3] + L[4]
         if wp.static(viscous):
-            dilation_rate[c] = dilation
-
-        two_shear = two * shear_modulus * time_step
-        pressure = (bulk_modulus * time_step - two_shear / three) * dilation
-        # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
-        t = quarter * time_step * (L[1] - L[2])
-        scale = one / (one + t * t)
-        cosine = (one - t * t) * scale
-        sine = two * t * scale
-        stress_step[c] = vec7(
-            two_shear * L[0] + pressure,
-            two_shear * L[3] + pressure,
-            shear_modulus * time_step * (L[1] + L[2]),
-            two_shear * L[4] + pressure,
-            cosine * cosine,
-            sine * sine,
-            cosine * sine,
-        )
+            dilation_rate[c] = L[0] + L[3] + L[4]
+        stress_step[c] = step_of(L, time_step, shear_modulus, bulk_modulus)
 
     return cell_rates
