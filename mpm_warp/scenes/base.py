@@ -3,17 +3,38 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.parameters import check_parameters
+from mpm_warp.parameters import Value, check_parameters
 
 if TYPE_CHECKING:
     import xarray
 
+    from mpm_warp.scene import Scene
+
 Progress = Callable[[float], None]
 """Called now and then during a run with the fraction done, 0 to 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verification:
+    """How a scene is held against its exact solution.
+
+    Attributes:
+        resolution: name of the parameter that refines the solution.
+        resolutions: its values, rising; the bounds hold for the last.
+        bounds: scalars of the result and what they may reach at most.
+        least_order: least observed order of the variable `error` in the resolution, or none.
+        settings: parameters that differ from their defaults.
+    """
+
+    resolution: str
+    resolutions: tuple[int, ...]
+    bounds: Mapping[str, float]
+    least_order: float | None = None
+    settings: Mapping[str, Value] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,9 +49,15 @@ class ReadyScene(ABC):
     """One line on what the scene simulates."""
     version: ClassVar[int]
     """Raised whenever the same parameters no longer give the same numbers."""
+    verifications: ClassVar[tuple[Verification, ...]] = ()
+    """Comparisons with the exact solution, where there is one: its results hold `error`."""
 
     def __post_init__(self) -> None:
         check_parameters(self)
+
+    def simulated_scene(self) -> Scene | None:
+        """What the simulator runs; None where it runs no grid."""
+        return None
 
     @abstractmethod
     def run(self, progress: Progress | None = None) -> xarray.Dataset:

@@ -163,6 +163,10 @@ class ConePenetration(ReadyScene):
         )
         return scene, surface
 
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        return self.build()[0]
+
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.history import cost

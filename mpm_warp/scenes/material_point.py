@@ -1,0 +1,194 @@
+"""One material point on strain paths whose stress has a closed form."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+
+if TYPE_CHECKING:
+    import xarray
+
+RANDOM_PATHS = 200
+"""Paths in random directions, on which the stress must stay within the yield surface."""
+SHEAR_STRAIN = 10.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StrainPath:
+    """A constant velocity gradient over a unit of time, and what the stress is at its end.
+
+    Attributes:
+        name: what the point goes through.
+        gradient: velocity gradient (rr, rz, zr, zz, tt) [1/s].
+        start: stress (rr, zz, rz, tt) at the start, over the strength.
+        exact: stress at the end, over the strength.
+    """
+
+    name: str
+    gradient: tuple[float, ...]
+    start: tuple[float, ...]
+    exact: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MaterialPoint(ReadyScene):
+    """Tresca soil strained and turned through the stress update of the simulator, without a grid.
+
+    Simple shear far beyond yield has the steady state of the Jaumann rate with perfect plasticity:
+    the direction of yielding stands at the angle asin(su / G) to that of shearing, at which the
+    spin turns it as fast as the strain turns it back.
+    """
+
+    summary: ClassVar[str] = "one material point on strain paths, against closed forms"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="step_count",
+            resolutions=(1000, 10_000),
+            bounds={"error": 1e-6, "yield_excess": 1e-9},
+            least_order=1.9,
+        ),
+    )
+
+    rigidity_index: float = parameter(
+        100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
+    )
+    poissons_ratio: float = parameter(
+        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
+    )
+    undrained_shear_strength: float = parameter(
+        20e3, unit="Pa", meaning="undrained shear strength su", minimum=1e-3, maximum=1e9
+    )
+    step_count: int = parameter(
+        10_000, unit="1", meaning="strain steps of each path", minimum=1, maximum=1_000_000
+    )
+
+    def paths(self) -> tuple[StrainPath, ...]:
+        """The paths that have a closed form."""
+        bulk = 2 * (1 + self.poissons_ratio) / (3 * (1 - 2 * self.poissons_ratio))
+        rest = (0.0, 0.0, 0.0, 0.0)
+        # Elastic paths end at half the strain of yielding; G times strain is in units of su here.
+        small, large = 0.5 / self.rigidity_index, 5.0 / self.rigidity_index
+        pressure = bulk * self.rigidity_index * large
+        lateral = bulk - 2 / 3
+        turned = math.asin(1 / self.rigidity_index)
+        shear = (math.sin(turned), -math.sin(turned), math.cos(turned), 0.0)
+        half, full = 0.25 * math.pi, 2 * math.pi
+        stress = (0.9, 0.1, 0.3, 0.4)
+        # After a turn by 45 degrees from r towards z, rr' = mean - rz, zz' = mean + rz.
+        at_half = (0.5 - 0.3, 0.5 + 0.3, 0.5 * (0.9 - 0.1), 0.4)
+        compression, edge = 4 / 3, 1.0
+        return tuple(
+            StrainPath(name=name, gradient=gradient, start=start, exact=exact)
+            for name, gradient, start, exact in (
+                (
+                    "uniaxial strain, elastic",
+                    (0, 0, 0, small, 0),
+                    rest,
+                    (lateral / 2, (lateral + 2) / 2, 0, lateral / 2),
+                ),
+                (
+                    "uniaxial strain, yielding at a corner",
+                    (0, 0, 0, -large, 0),
+                    rest,
+                    (-pressure + 2 / 3, -pressure - compression, 0, -pressure + 2 / 3),
+                ),
+                ("shear, elastic", (0, small, small, 0, 0), rest, (0, 0, 2 * 0.5, 0)),
+                ("pure shear, on an edge", (large, 0, 0, -large, 0), rest, (edge, -edge, 0, 0)),
+                ("hoop stress greatest", (-large, 0, 0, 0, large), rest, (-edge, 0, 0, edge)),
+                ("hoop stress least", (0, 0, 0, large, -large), rest, (0, edge, 0, -edge)),
+                (
+                    "axial extension, at a corner",
+                    (-large, 0, 0, 2 * large, -large),
+                    rest,
+                    (-2 / 3, compression, 0, -2 / 3),
+                ),
+                (
+                    "hoop compression, at a corner",
+                    (large, 0, 0, large, -2 * large),
+                    rest,
+                    (2 / 3, 2 / 3, 0, -compression),
+                ),
+                ("turn by 45 degrees", (0, -half, half, 0, 0), stress, at_half),
+                ("turn by 360 degrees", (0, -full, full, 0, 0), stress, stress),
+                ("simple shear to strain 10", (0, SHEAR_STRAIN, 0, 0, 0), rest, shear),
+            )
+        )
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import xarray as xr
+
+        from mpm_warp.history import variable
+
+        paths = self.paths()
+        start = time.perf_counter()
+        stress, excess = self._follow(paths)
+        run_time = time.perf_counter() - start
+        exact = np.array([path.exact for path in paths])
+        dims = ("path", "component")
+        variables = {
+            "stress": variable(stress, unit="1", meaning="stress over strength", dims=dims),
+            "stress_exact": variable(
+                exact, unit="1", meaning="stress over strength, closed form", dims=dims
+            ),
+            "error": variable(
+                np.abs(stress - exact).max(),
+                unit="1",
+                meaning="error of stress",
+                description="greatest difference of a component from the closed form, over su",
+            ),
+            "yield_excess": variable(
+                excess.max(),
+                unit="1",
+                meaning="stress beyond the yield surface",
+                description="greatest (sigma_1 - sigma_3) / (2 su) - 1 on any path at any step",
+            ),
+            "run_time": variable(run_time, unit="s", meaning="wall-clock time of all paths"),
+        }
+        names = [path.name for path in paths]
+        return xr.Dataset(variables, coords={"path": names, "component": ["rr", "zz", "rz", "tt"]})
+
+    def _follow(self, paths: tuple[StrainPath, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Stress over strength at the ends of `paths`, and excess of these and of random ones."""
+        import warp as wp
+
+        from mpm_warp.kernels.precision import FLOAT64
+        from mpm_warp.kernels.strain_path import make_strain_path
+        from mpm_warp.kernels.yielding import make_yielding
+        from mpm_warp.materials import Tresca
+
+        material = Tresca(
+            shear_modulus=self.rigidity_index * self.undrained_shear_strength,
+            poissons_ratio=self.poissons_ratio,
+            density=1.0,
+            strength=self.undrained_shear_strength,
+        )
+        random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
+        gradient = np.concatenate([[path.gradient for path in paths], random])
+        start = np.zeros((len(gradient), 4))
+        start[: len(paths)] = [path.start for path in paths]
+        stress = wp.array(start * material.strength, dtype=FLOAT64.vec4, device="cpu")
+        excess = wp.zeros(len(gradient), dtype=FLOAT64.real, device="cpu")
+        wp.launch(
+            make_strain_path(make_yielding(material, FLOAT64), FLOAT64),
+            len(gradient),
+            [
+                wp.array(gradient, dtype=FLOAT64.vec5, device="cpu"),
+                self.step_count,
+                material.shear_modulus,
+                material.bulk_modulus,
+                material.strength,
+                stress,
+                excess,
+            ],
+            device="cpu",
+        )
+        return stress.numpy()[: len(paths)] / material.strength, excess.numpy()
