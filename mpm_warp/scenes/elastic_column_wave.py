@@ -1,0 +1,232 @@
+"""Pressure waves along a confined elastic column."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+
+if TYPE_CHECKING:
+    import xarray
+
+    from mpm_warp.column import Column
+    from mpm_warp.scene import Scene
+    from mpm_warp.simulation import Simulation
+
+HEIGHT = 1.0
+CONSTRAINED_MODULUS = 1e7
+POISSONS_RATIO = 0.3
+DENSITY = 1700.0
+STRAIN = 1e-5
+"""Greatest strain: small, since the exact solutions are those of small strain."""
+PERIODS = {"sudden_load": 1, "standing_wave": 10}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticColumnWave(ReadyScene):
+    """A column on a fixed base, its top free or under a pressure that is there at once.
+
+    With c the wave speed, H the height, M the constrained modulus, s the pressure: behind the
+    front the velocity is s/(rho c); the stress at the base is 2 s from H/c to 3 H/c, else none.
+    The standing wave is u = U sin(k z) sin(c k t), k = pi/(2 H); its energy does not change.
+    """
+
+    summary: ClassVar[str] = "pressure waves along a column: sudden load, standing wave"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cell_count",
+            resolutions=(50, 100, 200),
+            bounds={"error": 0.02},
+            settings={"excitation": "sudden_load"},
+        ),
+        Verification(
+            resolution="cell_count",
+            resolutions=(10, 20, 40),
+            bounds={"error": 0.02, "energy_drift": 0.01},
+            least_order=1.0,
+            settings={"excitation": "standing_wave"},
+        ),
+    )
+
+    excitation: str = parameter(
+        "standing_wave",
+        unit="1",
+        meaning="what moves the column",
+        choices=("sudden_load", "standing_wave"),
+    )
+    cell_count: int = parameter(
+        40, unit="1", meaning="cells along the height", minimum=4, maximum=1000
+    )
+
+    def build(self) -> tuple[Scene, Column]:
+        """The scene and its column."""
+        from mpm_warp.column import Column
+        from mpm_warp.materials import LinearElastic
+        from mpm_warp.scene import Scene
+
+        nu = POISSONS_RATIO
+        column = Column(height=HEIGHT, cell_count=self.cell_count)
+        sudden = self.excitation == "sudden_load"
+        scene = Scene(
+            grid=column.grid,
+            material=LinearElastic(
+                shear_modulus=CONSTRAINED_MODULUS * (1 - 2 * nu) / (2 * (1 - nu)),
+                poissons_ratio=nu,
+                density=DENSITY,
+            ),
+            particles_per_side=2,
+            time_step_fraction=0.85,
+            velocity_memory=math.inf,
+            load=column.pressure_on_top(CONSTRAINED_MODULUS * STRAIN) if sudden else None,
+            fixed=column.fixed,
+        )
+        return scene, column
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        return self.build()[0]
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import xarray as xr
+
+        from mpm_warp.history import cost, variable
+        from mpm_warp.simulation import Simulation
+
+        scene, column = self.build()
+        simulation = Simulation(scene)
+        start = time.perf_counter()
+        if self.excitation == "standing_wave":
+            self._set_off(simulation)
+        period = 4 * HEIGHT / scene.material.pressure_wave_speed
+        step_count = round(PERIODS[self.excitation] * period / simulation.plan.time_step)
+        samples = [self._sample(simulation, column)]
+        for step in range(step_count):
+            simulation.advance(1)
+            samples.append(self._sample(simulation, column))
+            if progress is not None:
+                progress((step + 1) / step_count)
+        simulation.check()
+        run_time = time.perf_counter() - start
+
+        phase = np.arange(step_count + 1) * simulation.plan.time_step / period
+        values = np.array(samples)
+        computed = dict(zip(("displacement", "velocity", "stress", "energy"), values.T, strict=True))
+        compare = {"sudden_load": _sudden_load, "standing_wave": _standing_wave}
+        variables = {
+            name: variable(
+                value,
+                unit=unit,
+                meaning=meaning,
+                description=description,
+                dims=("phase",) if np.ndim(value) else (),
+            )
+            for name, (value, unit, meaning, description) in compare[self.excitation](
+                phase, computed
+            ).items()
+        }
+        axis = variable(phase, unit="1", meaning="time over period", dims=("phase",))
+        return xr.Dataset(variables, coords={"phase": axis}).assign(
+            cost(simulation, run_time=run_time)
+        )
+
+    def _set_off(self, simulation: Simulation) -> None:
+        """Give the particles the velocity of the standing wave; there is no stress as yet."""
+        wave_number = math.pi / (2 * HEIGHT)
+        position = simulation.array("particle.position")
+        velocity = np.zeros_like(position)
+        greatest = STRAIN * simulation.scene.material.pressure_wave_speed
+        velocity[:, 1] = greatest * np.sin(wave_number * position[:, 1])
+        simulation.arrays["particle.velocity"].assign(velocity)
+
+    def _sample(self, simulation: Simulation, column: Column) -> tuple[float, ...]:
+        """Displacement of the top, velocity at half height, stress at the base, energy."""
+        mass = simulation.array("particle.mass")
+        stress = simulation.array("particle.stress")
+        velocity = simulation.array("particle.velocity")[:, 1]
+        height = column.mean_over_sections(simulation.array("particle.position")[:, 1], mass)
+        # Particles stand at a quarter of a cell below the top; strain vanishes there.
+        top = height[-1] - HEIGHT * (1 - 0.25 / self.cell_count)
+        middle = column.mean_over_sections(velocity, mass)[self.cell_count]
+        strain_energy = np.sum(mass * stress[:, 1] ** 2) / (2 * CONSTRAINED_MODULUS * DENSITY)
+        energy = 0.5 * np.sum(mass * velocity**2) + strain_energy
+        return float(top), float(middle), float(stress[0, 1]), float(energy)
+
+
+Results = dict[str, tuple[np.ndarray | float, str, str, str | None]]
+
+
+def _sudden_load(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
+    """Plateaus, arrival and reflection beside the exact ones; the period is 4 H/c."""
+    pressure = CONSTRAINED_MODULUS * STRAIN
+    speed = STRAIN * math.sqrt(CONSTRAINED_MODULUS / DENSITY)
+    stress, velocity = computed["stress"], computed["velocity"]
+    exact_stress = np.where((phase > 0.25) & (phase < 0.75), -2 * pressure, 0.0)
+    # Down, back from the base with the soil behind it at rest, back from the top rising.
+    edges = np.array([0.125, 0.375, 0.625, 0.875])
+    exact_velocity = np.array([0.0, -speed, 0.0, speed, 0.0])[np.searchsorted(edges, phase)]
+    plateaus = (
+        (stress, 0.25, 0.75, -2 * pressure),
+        (velocity, 0.125, 0.375, -speed),
+        (velocity, 0.625, 0.875, speed),
+    )
+    plateau_error = max(
+        abs(_plateau(phase, values, start, end) / exact - 1)
+        for values, start, end, exact in plateaus
+    )
+    crossings = phase[np.flatnonzero(np.diff(stress < -pressure))]
+    arrival_error = float(np.abs(crossings[[0, -1]] / [0.25, 0.75] - 1).max())
+    return {
+        "error": (
+            max(plateau_error, arrival_error),
+            "1",
+            "error of plateaus and arrivals",
+            "greatest relative error of the plateaus of stress at the base and of velocity at "
+            "half height, each a mean over its middle half, and of the times at which the stress "
+            "at the base passes half its plateau",
+        ),
+        "base_stress": (stress, "Pa", "stress at the base", None),
+        "base_stress_exact": (exact_stress, "Pa", "stress at the base, exact", None),
+        "velocity": (velocity, "m s-1", "velocity at half height", None),
+        "velocity_exact": (exact_velocity, "m s-1", "velocity at half height, exact", None),
+    }
+
+
+def _plateau(phase: np.ndarray, values: np.ndarray, start: float, end: float) -> float:
+    quarter = 0.25 * (end - start)
+    return float(values[(phase > start + quarter) & (phase < end - quarter)].mean())
+
+
+def _standing_wave(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
+    """Displacement of the top over the first period, and energy over all."""
+    displacement, energy = computed["displacement"], computed["energy"]
+    amplitude = STRAIN * 2 * HEIGHT / math.pi
+    exact = amplitude * np.sin(2 * math.pi * phase)
+    first = phase <= 1.0
+    difference = np.linalg.norm((displacement - exact)[first])
+    # Over whole periods: kinetic and strain energy are those of times half a step apart.
+    last_energy, first_energy = energy[phase > phase[-1] - 1.0].mean(), energy[phase < 1.0].mean()
+    return {
+        "error": (
+            float(difference / np.linalg.norm(exact[first])),
+            "1",
+            "error of displacement",
+            "L2 norm over a period of the error of the top's displacement, over that of the exact",
+        ),
+        "energy_drift": (
+            float(abs(last_energy / first_energy - 1)),
+            "1",
+            "change of energy",
+            "mean over the tenth period, over that of the first, less 1",
+        ),
+        "displacement": (displacement, "m", "displacement of the top", None),
+        "displacement_exact": (exact, "m", "displacement of the top, exact", None),
+        "energy": (energy, "J", "kinetic and strain energy per radian", None),
+    }

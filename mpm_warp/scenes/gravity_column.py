@@ -1,0 +1,135 @@
+"""A confined column that settles under its own weight."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+
+if TYPE_CHECKING:
+    import xarray
+
+    from mpm_warp.column import Column
+    from mpm_warp.scene import Scene
+
+HEIGHT = 1.0
+GRAVITY = 9.81
+DENSITY = 1700.0
+PERIODS = 8.0
+"""Time to come to rest, in periods of the column: critically damped, e^-50 of the motion is left."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GravityColumn(ReadyScene):
+    """Elastic soil, at first without weight and stress, critically damped until it is at rest.
+
+    From the base up, with M the constrained modulus: sigma = -rho g (H - z), and the displacement
+    u = -rho g (H z - z^2/2) / M.
+    """
+
+    summary: ClassVar[str] = "column under its own weight, stress and settlement"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
+    )
+
+    cell_count: int = parameter(
+        40, unit="1", meaning="cells along the height", minimum=2, maximum=1000
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
+    )
+    settlement_ratio: float = parameter(
+        1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
+    )
+
+    def build(self) -> tuple[Scene, Column]:
+        """The scene and its column."""
+        from mpm_warp.column import Column
+        from mpm_warp.materials import LinearElastic
+        from mpm_warp.scene import Scene
+
+        constrained_modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
+        nu = self.poissons_ratio
+        material = LinearElastic(
+            shear_modulus=constrained_modulus * (1 - 2 * nu) / (2 * (1 - nu)),
+            poissons_ratio=nu,
+            density=DENSITY,
+        )
+        column = Column(height=HEIGHT, cell_count=self.cell_count)
+        scene = Scene(
+            grid=column.grid,
+            material=material,
+            particles_per_side=2,
+            time_step_fraction=0.85,
+            velocity_memory=math.inf,
+            gravity=GRAVITY,
+            # Twice the angular frequency of the first mode, pi c / 2 H.
+            damping=math.pi * material.pressure_wave_speed / HEIGHT,
+            fixed=column.fixed,
+        )
+        return scene, column
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        return self.build()[0]
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import xarray as xr
+
+        from mpm_warp.history import cost, variable
+        from mpm_warp.simulation import Simulation
+
+        scene, column = self.build()
+        simulation = Simulation(scene)
+        start = time.perf_counter()
+        position = simulation.array("particle.position").copy()
+        period = 4 * HEIGHT / scene.material.pressure_wave_speed
+        simulation.advance(round(PERIODS * period / simulation.plan.time_step))
+        simulation.check()
+        run_time = time.perf_counter() - start
+
+        mass = simulation.array("particle.mass")
+        change = simulation.array("particle.position")[:, 1] - position[:, 1]
+        displacement = column.mean_over_sections(change, mass)
+        height = column.mean_over_sections(position[:, 1], mass)
+        # The settlement of the top lies on the line through the two sections of the last cell.
+        slope = (displacement[-1] - displacement[-2]) / (height[-1] - height[-2])
+        settlement = -(displacement[-1] + slope * (HEIGHT - height[-1]))
+        exact_settlement = self.settlement_ratio * HEIGHT
+        stress = simulation.array("cell.stress")[:, 1]
+        middles = 0.5 * (column.grid.rows[1:] + column.grid.rows[:-1])
+        weight = DENSITY * GRAVITY * HEIGHT
+        exact_stress = -DENSITY * GRAVITY * (HEIGHT - middles)
+        error = max(
+            np.abs(stress - exact_stress).max() / weight,
+            abs(settlement / exact_settlement - 1),
+        )
+        variables = {
+            "error": variable(
+                error,
+                unit="1",
+                meaning="error of stress and settlement",
+                description="the greater of the greatest error of the vertical stress, over that "
+                "at the base, and the relative error of the settlement",
+            ),
+            "stress": variable(stress, unit="Pa", meaning="vertical stress", dims=("height",)),
+            "stress_exact": variable(
+                exact_stress, unit="Pa", meaning="vertical stress, exact", dims=("height",)
+            ),
+            "settlement": variable(settlement, unit="m", meaning="settlement of the top"),
+            "settlement_exact": variable(
+                exact_settlement, unit="m", meaning="settlement of the top, exact"
+            ),
+        }
+        axis = variable(middles, unit="m", meaning="height of the cell's middle", dims=("height",))
+        return xr.Dataset(variables, coords={"height": axis}).assign(
+            cost(simulation, run_time=run_time)
+        )

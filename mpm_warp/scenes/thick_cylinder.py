@@ -1,0 +1,157 @@
+"""An elastic thick-walled cylinder under internal pressure."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+
+if TYPE_CHECKING:
+    import xarray
+
+    from mpm_warp.scene import Scene
+
+INNER_RADIUS = 1.0
+SHEAR_MODULUS = 1e6
+DENSITY = 1700.0
+STRAIN = 1e-5
+"""Displacement of the wall over its radius, of an infinite body."""
+REST_TIME = 60.0
+"""Time to come to rest, in inner radii over the shear wave speed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThickCylinder(ReadyScene):
+    """A ring of one row of cells between smooth ends, the pressure there from the first step on.
+
+    With p the pressure on the inner radius a, b the outer radius and q = p a^2 / (b^2 - a^2)
+    (Lame): sigma_r = q (1 - b^2/r^2), sigma_t = q (1 + b^2/r^2), sigma_z = 2 nu q, and
+    u(a) = p a / (2 G) ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2).
+    """
+
+    summary: ClassVar[str] = "elastic thick-walled cylinder, stresses and wall displacement"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cell_count",
+            resolutions=(10, 20, 40),
+            bounds={"error": 0.01},
+            least_order=1.0,
+        ),
+    )
+
+    cell_count: int = parameter(
+        40, unit="1", meaning="cells across the wall", minimum=2, maximum=1000
+    )
+    radius_ratio: float = parameter(
+        3.0, unit="1", meaning="outer over inner radius", minimum=1.1, maximum=100
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
+    )
+
+    @property
+    def pressure(self) -> float:
+        """Pressure on the inner wall [Pa]."""
+        return 2 * SHEAR_MODULUS * STRAIN
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.boundaries import Fixed
+        from mpm_warp.grids import Grid
+        from mpm_warp.loads import NodalLoad
+        from mpm_warp.materials import LinearElastic
+        from mpm_warp.scene import Scene
+
+        outer = self.radius_ratio * INNER_RADIUS
+        size = (outer - INNER_RADIUS) / self.cell_count
+        grid = Grid(
+            columns=np.linspace(0.0, 1.0, self.cell_count + 1),
+            rows=np.array([0.0, size]),
+            surface_radius=np.full(2, INNER_RADIUS),
+            outer_radius=outer,
+        )
+        material = LinearElastic(
+            shear_modulus=SHEAR_MODULUS, poissons_ratio=self.poissons_ratio, density=DENSITY
+        )
+        vertical = np.ones((2, self.cell_count + 1), dtype=bool)
+        force = self.pressure * INNER_RADIUS * size / 2
+        return Scene(
+            grid=grid,
+            material=material,
+            particles_per_side=2,
+            time_step_fraction=0.85,
+            velocity_memory=math.inf,
+            load=NodalLoad(
+                nodes=grid.node(np.zeros(2, dtype=int), np.arange(2)),
+                forces=np.full((2, 2), [force, 0.0]),
+            ),
+            # Of the order of the lowest frequency, shear wave speed over mean radius.
+            damping=2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + outer)),
+            fixed=Fixed.where(radial=np.zeros_like(vertical), vertical=vertical),
+        )
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import xarray as xr
+
+        from mpm_warp.history import cost, variable
+        from mpm_warp.simulation import Simulation
+
+        scene = self.simulated_scene()
+        simulation = Simulation(scene)
+        start = time.perf_counter()
+        position = simulation.array("particle.position").copy()
+        rest_time = REST_TIME * self.radius_ratio / scene.material.shear_wave_speed
+        simulation.advance(round(rest_time / simulation.plan.time_step))
+        simulation.check()
+        run_time = time.perf_counter() - start
+
+        change = simulation.array("particle.position")[:, 0] - position[:, 0]
+        # The wall's displacement lies on the line through the particles of the first cell.
+        slope = (change[1] - change[0]) / (position[1, 0] - position[0, 0])
+        displacement = change[0] + slope * (INNER_RADIUS - position[0, 0])
+        radius = np.linspace(INNER_RADIUS, scene.grid.outer_radius, self.cell_count + 1)
+        middles = 0.5 * (radius[1:] + radius[:-1])
+        stress = simulation.array("cell.stress")[:, [0, 3, 1]]
+        exact_stress, exact_displacement = self.exact(middles)
+        weights = middles[:, None]
+        difference = np.sum(weights * (stress - exact_stress) ** 2)
+        stress_error = math.sqrt(difference / np.sum(weights * exact_stress**2))
+        dims = ("radius", "component")
+        variables = {
+            "error": variable(
+                max(stress_error, abs(displacement / exact_displacement - 1)),
+                unit="1",
+                meaning="error of stresses and wall displacement",
+                description="the greater of the L2 norm of the error of radial, hoop and axial "
+                "stress, over that of the exact ones, and the relative error of the displacement",
+            ),
+            "stress": variable(stress, unit="Pa", meaning="stress", dims=dims),
+            "stress_exact": variable(exact_stress, unit="Pa", meaning="stress, exact", dims=dims),
+            "wall_displacement": variable(
+                displacement, unit="m", meaning="displacement of the inner wall"
+            ),
+            "wall_displacement_exact": variable(
+                exact_displacement, unit="m", meaning="displacement of the inner wall, exact"
+            ),
+        }
+        axis = variable(middles, unit="m", meaning="radius of the cell's middle", dims=("radius",))
+        return xr.Dataset(
+            variables, coords={"radius": axis, "component": ["r", "t", "z"]}
+        ).assign(cost(simulation, run_time=run_time))
+
+    def exact(self, radius: np.ndarray) -> tuple[np.ndarray, float]:
+        """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""
+        a, b, nu = INNER_RADIUS, self.radius_ratio * INNER_RADIUS, self.poissons_ratio
+        q = self.pressure * a**2 / (b**2 - a**2)
+        ratio = (b / radius) ** 2
+        stress = q * np.stack([1 - ratio, 1 + ratio, np.full_like(ratio, 2 * nu)], axis=-1)
+        wall = self.pressure * a / (2 * SHEAR_MODULUS) * ((1 - 2 * nu) * a**2 + b**2)
+        return stress, wall / (b**2 - a**2)
