@@ -41,8 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: the command line without the program's name; default: that of the process.
 
     Returns:
-        Exit code: 0 done, 1 a case did not complete, 2 bad input or unusable files,
-        130 Ctrl-C, 143 SIGTERM.
+        Exit code: 0 done, 1 a case did not complete or a bound is not reached,
+        2 bad input or unusable files, 130 Ctrl-C, 143 SIGTERM.
     """
     options = _parser().parse_args(arguments)
     try:
@@ -88,6 +88,17 @@ def _parser() -> argparse.ArgumentParser:
     describe = commands.add_parser("describe", help="list the parameters of a scene")
     describe.set_defaults(command=_describe)
     describe.add_argument("scene", metavar="SCENE")
+
+    plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")
+    plan.set_defaults(command=_plan)
+    plan.add_argument("scene", metavar="SCENE")
+
+    verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
+    verify.set_defaults(command=_verify)
+    verify.add_argument("--scene", nargs="+", default=[], metavar="NAME", help="default: all")
+    verify.add_argument(
+        "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
+    )
 
     compare = commands.add_parser("compare", help="compare a result with the references")
     compare.set_defaults(command=_compare)
@@ -193,6 +204,40 @@ def _describe(options: argparse.Namespace) -> int:
         default = "derived" if parameter.default is None else f"{parameter.default}{unit}"
         print(f"{name:26} {default:16} {parameter.meaning}; {parameter.allowed}")
     return DONE
+
+
+def _plan(options: argparse.Namespace) -> int:
+    scene = scene_class(options.scene)().simulated_scene()
+    if scene is None:
+        raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
+    from harness.plan_text import plan_text
+    from mpm_warp.planning import make_plan
+
+    print(plan_text(make_plan(scene)))
+    return DONE
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from harness import archive
+    from harness.verify import as_dataset, checks_of, heading, table_rows, verify
+
+    checks = checks_of(options.scene)
+    if options.out is not None:
+        archive.prepare(options.out)
+    lines, results = [heading()], []
+    print(lines[0])
+    for check in checks:
+        results.append(verify(check))
+        lines.append(table_rows(results[-1]))
+        print(lines[-1], flush=True)
+    if options.out is not None:
+        from harness.work_precision import draw_work_precision
+
+        dataset = as_dataset(results)
+        archive.write_whole(dataset, options.out / "verify.nc")
+        (options.out / "verify.txt").write_text("\n".join([*lines, ""]))
+        draw_work_precision(dataset, options.out / "verify.png")
+    return INCOMPLETE if any(result.shortfalls for result in results) else DONE
 
 
 def _compare(options: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""A column of soil that can move along its height alone: one dimension, on the axisymmetric grid."""
+"""A column of soil that can move along its height alone, on the axisymmetric grid."""
 
 from __future__ import annotations
 

@@ -118,7 +118,9 @@ class ElasticColumnWave(ReadyScene):
 
         phase = np.arange(step_count + 1) * simulation.plan.time_step / period
         values = np.array(samples)
-        computed = dict(zip(("displacement", "velocity", "stress", "energy"), values.T, strict=True))
+        computed = dict(
+            zip(("displacement", "velocity", "stress", "energy"), values.T, strict=True)
+        )
         compare = {"sudden_load": _sudden_load, "standing_wave": _standing_wave}
         variables = {
             name: variable(
@@ -188,9 +190,11 @@ def _sudden_load(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
             max(plateau_error, arrival_error),
             "1",
             "error of plateaus and arrivals",
-            "greatest relative error of the plateaus of stress at the base and of velocity at "
-            "half height, each a mean over its middle half, and of the times at which the stress "
-            "at the base passes half its plateau",
+            (
+                "greatest relative error of the plateaus of stress at the base and of velocity at "
+                "half height, each a mean over its middle half, and of the times at which the stress "
+                "at the base passes half its plateau"
+            ),
         ),
         "base_stress": (stress, "Pa", "stress at the base", None),
         "base_stress_exact": (exact_stress, "Pa", "stress at the base, exact", None),

@@ -22,7 +22,7 @@ HEIGHT = 1.0
 GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS = 8.0
-"""Time to come to rest, in periods of the column: critically damped, e^-50 of the motion is left."""
+"""Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -175,8 +175,10 @@ class MaterialPoint(ReadyScene):
         gradient = np.concatenate([[path.gradient for path in paths], random])
         start = np.zeros((len(gradient), 4))
         start[: len(paths)] = [path.start for path in paths]
-        stress = wp.array(start * material.strength, dtype=FLOAT64.vec4, device="cpu")
-        excess = wp.zeros(len(gradient), dtype=FLOAT64.real, device="cpu")
+        stress: wp.array[Any] = wp.array(
+            start * material.strength, dtype=FLOAT64.vec4, device="cpu"
+        )
+        excess: wp.array[Any] = wp.zeros(len(gradient), dtype=FLOAT64.real, device="cpu")
         wp.launch(
             make_strain_path(make_yielding(material, FLOAT64), FLOAT64),
             len(gradient),

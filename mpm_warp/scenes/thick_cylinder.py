@@ -143,9 +143,9 @@ class ThickCylinder(ReadyScene):
             ),
         }
         axis = variable(middles, unit="m", meaning="radius of the cell's middle", dims=("radius",))
-        return xr.Dataset(
-            variables, coords={"radius": axis, "component": ["r", "t", "z"]}
-        ).assign(cost(simulation, run_time=run_time))
+        return xr.Dataset(variables, coords={"radius": axis, "component": ["r", "t", "z"]}).assign(
+            cost(simulation, run_time=run_time)
+        )
 
     def exact(self, radius: np.ndarray) -> tuple[np.ndarray, float]:
         """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""

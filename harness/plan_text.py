@@ -1,0 +1,27 @@
+"""A plan as text: kernels in their order, arrays with what they take."""
+
+from __future__ import annotations
+
+from mpm_warp.plan import Launch, Plan
+
+
+def plan_text(plan: Plan) -> str:
+    """Launches of a step, arrays and their bytes, particle count and time step."""
+    lines = [f"kernels of a step: {len(plan.step)}"]
+    lines += [_launch_line(launch) for launch in plan.step]
+    if plan.admission is not None:
+        lines += ["kernels now and then:", _launch_line(plan.admission)]
+    byte_count = sum(array.byte_count for array in plan.arrays.values())
+    lines += [f"arrays: {len(plan.arrays)}, {byte_count:,} bytes"]
+    lines += [
+        f"  {name:24} {array.dtype.__name__:12} {array.shape!s:14} {array.byte_count:>12,} bytes"
+        for name, array in plan.arrays.items()
+    ]
+    return "\n".join(
+        [*lines, f"particles: {plan.particle_count:,}", f"time step: {plan.time_step:.4g} s"]
+    )
+
+
+def _launch_line(launch: Launch) -> str:
+    # Warp names a kernel by the functions that it was defined in, too.
+    return f"  {launch.kernel.key.split('__')[-1]:24} {launch.dim}"
