@@ -192,8 +192,8 @@ def _sudden_load(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
             "error of plateaus and arrivals",
             (
                 "greatest relative error of the plateaus of stress at the base and of velocity at "
-                "half height, each a mean over its middle half, and of the times at which the stress "
-                "at the base passes half its plateau"
+                "half height, each a mean over its middle half, and of the times at which the "
+                "stress at the base passes half its plateau"
             ),
         ),
         "base_stress": (stress, "Pa", "stress at the base", None),
