@@ -66,12 +66,13 @@ class FarField:
 
     @classmethod
     def around(cls, grid: Grid, material: LinearElastic) -> FarField:
-        """The medium around all of the grid's outer side but its two ends."""
-        rows = np.arange(1, grid.row_count)
-        area = grid.outer_radius * 0.5 * (grid.rows[2:] - grid.rows[:-2])
+        """The medium around all of the grid's outer side."""
+        half_heights = 0.5 * np.diff(grid.rows)
+        heights = np.append(half_heights, 0.0) + np.insert(half_heights, 0, 0.0)
+        area = grid.outer_radius * heights
         speeds = np.array([material.pressure_wave_speed, material.shear_wave_speed])
         return cls(
-            nodes=grid.node(grid.column_count, rows),
+            nodes=grid.node(grid.column_count, np.arange(grid.row_count + 1)),
             spring=2.0 * material.shear_modulus / grid.outer_radius * area,
             dashpot=material.density * area[:, None] * speeds,
         )

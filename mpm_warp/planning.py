@@ -15,12 +15,14 @@ from mpm_warp.kernels.contact import make_surface_contact
 from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
 from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
 from mpm_warp.kernels.loads import make_damping, make_gravity, make_nodal_load
+from mpm_warp.kernels.moving_wall import make_move_wall, make_push, make_refit_cells
 from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
 from mpm_warp.kernels.precision import FLOAT64, Precision
 from mpm_warp.kernels.window import make_admit, make_advance_window
 from mpm_warp.kernels.yielding import make_yielding
 from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import PerfectlyPlastic
+from mpm_warp.moving_wall import MovingWall
 from mpm_warp.particles import seed_rows
 from mpm_warp.plan import Launch, Plan
 from mpm_warp.scene import Scene
@@ -62,8 +64,12 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
         _add_far_field(plan, scene.far_field)
     if scene.contact is not None:
         _add_contact(plan, scene.contact)
+    if scene.moving_wall is not None:
+        _add_push(plan)
     _add_cell_rates(plan)
     _add_grid_to_particles(plan)
+    if scene.moving_wall is not None:
+        _move_wall(plan, scene.moving_wall)
     if scene.window is not None:
         _advance_window(plan, scene.window)
     return plan
@@ -229,6 +235,19 @@ def _add_contact(plan: Plan, contact: SurfaceContact) -> None:
     )
 
 
+def _add_push(plan: Plan) -> None:
+    grid = plan.scene.grid
+    motion = np.zeros((grid.row_count + 1, 3))
+    motion[:, 2] = grid.surface_radius
+    plan.add_array("wall.motion", "vec3", motion)
+    plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
+    plan.add_launch(
+        make_push(plan.precision),
+        grid.row_count + 1,
+        *(grid.column_count, "wall.motion", "node.mass", "node.motion", "wall.impulse"),
+    )
+
+
 def _add_cell_rates(plan: Plan) -> None:
     grid, material = plan.scene.grid, plan.scene.material
     viscous = plan.scene.bulk_viscosity is not None
@@ -268,3 +287,18 @@ def _add_grid_to_particles(plan: Plan) -> None:
 def _advance_window(plan: Plan, window: Window) -> None:
     kernel = make_advance_window(plan.precision)
     plan.add_launch(kernel, 1, plan.time_step, window.speed, window.ramp_time, "window.motion")
+
+
+def _move_wall(plan: Plan, wall: MovingWall) -> None:
+    grid = plan.scene.grid
+    plan.add_launch(
+        make_move_wall(plan.precision),
+        grid.row_count + 1,
+        *(plan.time_step, wall.speed, wall.ramp_time, "wall.motion", "grid.rows"),
+    )
+    plan.add_launch(
+        make_refit_cells(plan.precision),
+        grid.cell_count,
+        *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
+        *("cell.integrals", "cell.volume"),
+    )

@@ -9,6 +9,7 @@ from mpm_warp.contact import SurfaceContact
 from mpm_warp.grids import Grid
 from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import LinearElastic
+from mpm_warp.moving_wall import MovingWall
 from mpm_warp.window import Window
 
 
@@ -32,6 +33,7 @@ class Scene:
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
         contact: contact with a rigid body, or none.
+        moving_wall: inner wall that moves and takes the grid along, or none.
         window: travel of the grid through the soil, or none.
     """
 
@@ -47,4 +49,5 @@ class Scene:
     fixed: Fixed | None = None
     far_field: FarField | None = None
     contact: SurfaceContact | None = None
+    moving_wall: MovingWall | None = None
     window: Window | None = None
