@@ -37,7 +37,7 @@ class CircularFooting(ReadyScene):
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",
-            resolutions=(4, 8, 16),
+            resolutions=(8, 16, 32),
             bounds={"error": 0.02},
             settings={"adhesion_factor": adhesion_factor},
         )
@@ -51,13 +51,13 @@ class CircularFooting(ReadyScene):
         8, unit="1", meaning="cells per radius below the footing", minimum=1, maximum=40
     )
     rigidity_index: float = parameter(
-        1000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=5000
+        10_000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=1e6
     )
     displacement: float = parameter(
-        0.03, unit="1", meaning="displacement over radius", above=0, maximum=0.2
+        30.0, unit="1", meaning="displacement over radius times G/su", above=0, maximum=300
     )
     speed_ratio: float = parameter(
-        2e-4, unit="1", meaning="speed over shear wave speed", minimum=1e-6, maximum=1e-2
+        0.2, unit="1", meaning="speed over shear wave speed times G/su", above=0, maximum=10
     )
 
     def simulated_scene(self) -> Scene:
@@ -99,12 +99,13 @@ class CircularFooting(ReadyScene):
         size = RADIUS / self.cells_per_radius
         outer_radius, depth = 5.0 * RADIUS, 3.0 * RADIUS
         below = np.linspace(0.0, RADIUS, self.cells_per_radius + 1)
-        beside = RADIUS + graded(size, outer_radius - RADIUS, 1.0 + 0.3 * size / RADIUS)
-        row_count = round(depth / size)
+        growth = 1.0 + 0.6 * size / RADIUS
+        beside = RADIUS + graded(size, outer_radius - RADIUS, growth)
+        rows = -graded(size, depth, growth)[::-1]
         return Grid(
             columns=np.append(below, beside[1:]) / outer_radius,
-            rows=np.linspace(-depth, 0.0, row_count + 1),
-            surface_radius=np.zeros(row_count + 1),
+            rows=rows,
+            surface_radius=np.zeros_like(rows),
             outer_radius=outer_radius,
         )
 
@@ -128,7 +129,7 @@ class CircularFooting(ReadyScene):
             friction=0.0,
             # More than the soil can pull: footing and soil do not part.
             in_situ_stress=100.0 * STRENGTH,
-            speed=self.speed_ratio * material.shear_wave_speed,
+            speed=self.speed_ratio / self.rigidity_index * material.shear_wave_speed,
         )
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
@@ -145,7 +146,7 @@ class CircularFooting(ReadyScene):
         start = time.perf_counter()
         curve = press(
             simulation,
-            displacement=self.displacement * RADIUS,
+            displacement=self.displacement / self.rigidity_index * RADIUS,
             sample_count=SAMPLE_COUNT,
             load=load,
             progress=progress,
