@@ -146,7 +146,6 @@ class Footing(ReadyScene):
         from mpm_warp.simulation import Simulation
 
         simulation = Simulation(self.simulated_scene())
-
         area = RADIUS if self.planar else 0.5 * RADIUS**2
 
         def load(nodal: Floats) -> float:
