@@ -42,6 +42,7 @@ class Footing(ReadyScene):
             resolution="cells_per_radius",
             resolutions=(8, 16, 32),
             bounds={"error": 0.02},
+            least_order=0.9,
             settings={"adhesion_factor": adhesion_factor},
         )
         for adhesion_factor in (0.0, 1.0)

@@ -44,6 +44,7 @@ class ConeBearing(ReadyScene):
             resolution="cells_per_radius",
             resolutions=(4, 8, 16),
             bounds={"error": 0.02},
+            least_order=1.0,
             settings={"adhesion_factor": adhesion_factor},
         )
         for adhesion_factor in EXACT
