@@ -211,8 +211,10 @@ def _plan(options: argparse.Namespace) -> int:
     if scene is None:
         raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
     from harness.plan_text import plan_text
+    from harness.worker import start_warp_in_silence
     from mpm_warp.planning import make_plan
 
+    start_warp_in_silence()
     print(plan_text(make_plan(scene)))
     return DONE
 
@@ -220,8 +222,10 @@ def _plan(options: argparse.Namespace) -> int:
 def _verify(options: argparse.Namespace) -> int:
     from harness import archive
     from harness.verify import as_dataset, checks_of, heading, table_rows, verify
+    from harness.worker import start_warp_in_silence
 
     checks = checks_of(options.scene)
+    start_warp_in_silence()
     if options.out is not None:
         archive.prepare(options.out)
     lines, results = [heading()], []

@@ -59,7 +59,7 @@ def serve(connection: Connection, folder: Path) -> None:
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
-    _start_warp_in_silence()
+    start_warp_in_silence()
     from harness.archive import ArchiveError
 
     with contextlib.suppress(EOFError, ConnectionError):
@@ -72,7 +72,7 @@ def serve(connection: Connection, folder: Path) -> None:
             connection.send(outcome)
 
 
-def _start_warp_in_silence() -> None:
+def start_warp_in_silence() -> None:
     """Keep Warp's greeting, and its remark where there is no GPU, out of the progress display."""
     import warp
 

@@ -70,7 +70,7 @@ class LoadCurve:
             "bearing_capacity_exact": variable(
                 exact, unit="1", meaning="limit load over area and su, exact"
             ),
-            "load": variable(
+            "resistance": variable(
                 self.load, unit="1", meaning="load over area and su", dims=("displacement",)
             ),
         }

@@ -2,154 +2,22 @@
 
 from __future__ import annotations
 
-import time
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene, Verification
-
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.contact import SurfaceContact
-    from mpm_warp.grids import Floats, Grid
-    from mpm_warp.materials import Tresca
-    from mpm_warp.scene import Scene
-
-EXACT = {0.0: 5.69, 1.0: 6.05}
-"""Load over (area times su) by adhesion factor, smooth and rough (Shield 1955, J. Appl. Mech.
-22:389-390; Eason & Shield 1960, Z. angew. Math. Phys. 11:33-43)."""
-RADIUS = 1.0
-STRENGTH = 1e3
-DENSITY = 1700.0
-POISSONS_RATIO = 0.45
-"""The limit load does not depend on it."""
-SAMPLE_COUNT = 60
+from mpm_warp.footing import Footing
 
 
 @dataclass(frozen=True, kw_only=True)
-class CircularFooting(ReadyScene):
-    """A rigid disc on weightless Tresca soil, pressed by a small part of its radius."""
+class CircularFooting(Footing):
+    """A rigid disc on weightless Tresca soil.
+
+    Exact: Shield (1955, J. Appl. Mech. 22:389-390) for the smooth one, Eason & Shield (1960,
+    Z. angew. Math. Phys. 11:33-43) for the rough one.
+    """
 
     summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
     version: ClassVar[int] = 1
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(4, 8, 16),
-            bounds={"error": 0.02},
-            settings={"adhesion_factor": adhesion_factor},
-        )
-        for adhesion_factor in EXACT
-    )
-
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the footing", choices=tuple(EXACT)
-    )
-    cells_per_radius: int = parameter(
-        8, unit="1", meaning="cells per radius below the footing", minimum=1, maximum=40
-    )
-    rigidity_index: float = parameter(
-        1000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=5000
-    )
-    displacement: float = parameter(
-        0.03, unit="1", meaning="displacement over radius", above=0, maximum=0.2
-    )
-    speed_ratio: float = parameter(
-        2e-4, unit="1", meaning="speed over shear wave speed", minimum=1e-6, maximum=1e-2
-    )
-
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-
-        from mpm_warp.boundaries import Fixed
-        from mpm_warp.materials import Tresca
-        from mpm_warp.scene import Scene
-
-        material = Tresca(
-            shear_modulus=self.rigidity_index * STRENGTH,
-            poissons_ratio=POISSONS_RATIO,
-            density=DENSITY,
-            strength=STRENGTH,
-        )
-        grid = self._grid()
-        vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        vertical[0] = True
-        radial = vertical.copy()
-        radial[:, [0, -1]] = True
-        return Scene(
-            grid=grid,
-            material=material,
-            particles_per_side=2,
-            time_step_fraction=0.85,
-            # A few passages of a shear wave through a cell.
-            velocity_memory=20 * RADIUS / self.cells_per_radius / material.shear_wave_speed,
-            bulk_viscosity=0.2,
-            fixed=Fixed.where(radial=radial, vertical=vertical),
-            contact=self._contact(grid, material),
-        )
-
-    def _grid(self) -> Grid:
-        import numpy as np
-
-        from mpm_warp.grids import Grid, graded
-
-        size = RADIUS / self.cells_per_radius
-        outer_radius, depth = 5.0 * RADIUS, 3.0 * RADIUS
-        below = np.linspace(0.0, RADIUS, self.cells_per_radius + 1)
-        beside = RADIUS + graded(size, outer_radius - RADIUS, 1.0 + 0.3 * size / RADIUS)
-        row_count = round(depth / size)
-        return Grid(
-            columns=np.append(below, beside[1:]) / outer_radius,
-            rows=np.linspace(-depth, 0.0, row_count + 1),
-            surface_radius=np.zeros(row_count + 1),
-            outer_radius=outer_radius,
-        )
-
-    def _contact(self, grid: Grid, material: Tresca) -> SurfaceContact:
-        """Contact of the nodes on the surface from the axis to the rim, both included."""
-        import numpy as np
-
-        from mpm_warp.contact import SurfaceContact
-
-        column = np.arange(self.cells_per_radius + 1)
-        radius = RADIUS * column / self.cells_per_radius
-        width = np.diff(radius)
-        # Integrals of N r over the footing.
-        areas = np.append(width * (radius[:-1] / 3 + radius[1:] / 6), 0.0)
-        areas[1:] += width * (radius[:-1] / 6 + radius[1:] / 3)
-        return SurfaceContact(
-            nodes=grid.node(column, np.full_like(column, grid.row_count)),
-            normals=np.tile([0.0, 1.0], (len(column), 1)),
-            normal_areas=areas,
-            adhesion_forces=self.adhesion_factor * STRENGTH * areas,
-            friction=0.0,
-            # More than the soil can pull: footing and soil do not part.
-            in_situ_stress=100.0 * STRENGTH,
-            speed=self.speed_ratio * material.shear_wave_speed,
-        )
-
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost
-        from mpm_warp.limit_load import press
-        from mpm_warp.simulation import Simulation
-
-        simulation = Simulation(self.simulated_scene())
-
-        def load(nodal: Floats) -> float:
-            return float(nodal[:, 0].sum()) / (0.5 * RADIUS**2 * STRENGTH)
-
-        start = time.perf_counter()
-        curve = press(
-            simulation,
-            displacement=self.displacement * RADIUS,
-            sample_count=SAMPLE_COUNT,
-            load=load,
-            progress=progress,
-        )
-        run_time = time.perf_counter() - start
-        result = curve.beside(EXACT[self.adhesion_factor], length=RADIUS)
-        return result.assign(cost(simulation, run_time=run_time))
+    planar: ClassVar[bool] = False
+    exact: ClassVar[Mapping[float, float]] = {0.0: 5.69, 1.0: 6.05}

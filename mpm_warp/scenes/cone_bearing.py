@@ -31,7 +31,11 @@ SAMPLE_COUNT = 60
 
 @dataclass(frozen=True, kw_only=True)
 class ConeBearing(ReadyScene):
-    """A 60 degree cone in weightless Tresca soil, pressed by a small part of its radius."""
+    """A 60 degree cone in weightless Tresca soil, pressed by a small part of its radius.
+
+    What a limit load does not depend on is chosen such that it comes soon: displacements stay far
+    below a cell, where the free surface is as sharp as the grid.
+    """
 
     summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"
     version: ClassVar[int] = 1
@@ -40,6 +44,7 @@ class ConeBearing(ReadyScene):
             resolution="cells_per_radius",
             resolutions=(4, 8, 16),
             bounds={"error": 0.02},
+            least_order=1.0,
             settings={"adhesion_factor": adhesion_factor},
         )
         for adhesion_factor in EXACT
@@ -52,13 +57,13 @@ class ConeBearing(ReadyScene):
         8, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=40
     )
     rigidity_index: float = parameter(
-        1000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=5000
+        10_000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=1e6
     )
     displacement: float = parameter(
-        0.03, unit="1", meaning="displacement over cone radius", above=0, maximum=0.2
+        30.0, unit="1", meaning="displacement over radius times G/su", above=0, maximum=300
     )
     speed_ratio: float = parameter(
-        2e-4, unit="1", meaning="speed over shear wave speed", minimum=1e-6, maximum=1e-2
+        0.2, unit="1", meaning="speed over shear wave speed times G/su", above=0, maximum=10
     )
 
     def build(self) -> tuple[Scene, PenetrometerSurface]:
@@ -98,7 +103,7 @@ class ConeBearing(ReadyScene):
         radial = vertical.copy()
         radial[grid.surface_radius == 0.0, 0] = True
         radial[:, -1] = True
-        speed = self.speed_ratio * material.shear_wave_speed
+        speed = self.speed_ratio / self.rigidity_index * material.shear_wave_speed
         scene = Scene(
             grid=grid,
             material=material,
@@ -132,7 +137,7 @@ class ConeBearing(ReadyScene):
         start = time.perf_counter()
         curve = press(
             simulation,
-            displacement=self.displacement * RADIUS,
+            displacement=self.displacement / self.rigidity_index * RADIUS,
             sample_count=SAMPLE_COUNT,
             load=load,
             progress=progress,

@@ -7,17 +7,19 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
 
     from mpm_warp.column import Column
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
+
+    Results = dict[str, tuple[np.ndarray | float, str, str, str | None]]
+    """By name: value, unit, meaning, description."""
 
 HEIGHT = 1.0
 CONSTRAINED_MODULUS = 1e7
@@ -95,6 +97,7 @@ class ElasticColumnWave(ReadyScene):
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
         import xarray as xr
 
         from mpm_warp.history import cost, variable
@@ -141,6 +144,8 @@ class ElasticColumnWave(ReadyScene):
 
     def _set_off(self, simulation: Simulation) -> None:
         """Give the particles the velocity of the standing wave; there is no stress as yet."""
+        import numpy as np
+
         wave_number = math.pi / (2 * HEIGHT)
         position = simulation.array("particle.position")
         velocity = np.zeros_like(position)
@@ -150,6 +155,8 @@ class ElasticColumnWave(ReadyScene):
 
     def _sample(self, simulation: Simulation, column: Column) -> tuple[float, ...]:
         """Displacement of the top, velocity at half height, stress at the base, energy."""
+        import numpy as np
+
         mass = simulation.array("particle.mass")
         stress = simulation.array("particle.stress")
         velocity = simulation.array("particle.velocity")[:, 1]
@@ -162,11 +169,10 @@ class ElasticColumnWave(ReadyScene):
         return float(top), float(middle), float(stress[0, 1]), float(energy)
 
 
-Results = dict[str, tuple[np.ndarray | float, str, str, str | None]]
-
-
 def _sudden_load(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
     """Plateaus, arrival and reflection beside the exact ones; the period is 4 H/c."""
+    import numpy as np
+
     pressure = CONSTRAINED_MODULUS * STRAIN
     speed = STRAIN * math.sqrt(CONSTRAINED_MODULUS / DENSITY)
     stress, velocity = computed["stress"], computed["velocity"]
@@ -210,6 +216,8 @@ def _plateau(phase: np.ndarray, values: np.ndarray, start: float, end: float) ->
 
 def _standing_wave(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
     """Displacement of the top over the first period, and energy over all."""
+    import numpy as np
+
     displacement, energy = computed["displacement"], computed["energy"]
     amplitude = STRAIN * 2 * HEIGHT / math.pi
     exact = amplitude * np.sin(2 * math.pi * phase)

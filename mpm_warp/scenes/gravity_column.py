@@ -7,8 +7,6 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
@@ -82,6 +80,7 @@ class GravityColumn(ReadyScene):
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
         import xarray as xr
 
         from mpm_warp.history import cost, variable

@@ -7,12 +7,11 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
 
 RANDOM_PATHS = 200
@@ -124,6 +123,7 @@ class MaterialPoint(ReadyScene):
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
         import xarray as xr
 
         from mpm_warp.history import variable
@@ -158,6 +158,7 @@ class MaterialPoint(ReadyScene):
 
     def _follow(self, paths: tuple[StrainPath, ...]) -> tuple[np.ndarray, np.ndarray]:
         """Stress over strength at the ends of `paths`, and excess of these and of random ones."""
+        import numpy as np
         import warp as wp
 
         from mpm_warp.kernels.precision import FLOAT64

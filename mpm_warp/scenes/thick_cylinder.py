@@ -7,12 +7,11 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
 
     from mpm_warp.scene import Scene
@@ -63,6 +62,8 @@ class ThickCylinder(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
+
         from mpm_warp.boundaries import Fixed
         from mpm_warp.grids import Grid
         from mpm_warp.loads import NodalLoad
@@ -99,6 +100,7 @@ class ThickCylinder(ReadyScene):
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
         import xarray as xr
 
         from mpm_warp.history import cost, variable
@@ -149,6 +151,8 @@ class ThickCylinder(ReadyScene):
 
     def exact(self, radius: np.ndarray) -> tuple[np.ndarray, float]:
         """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""
+        import numpy as np
+
         a, b, nu = INNER_RADIUS, self.radius_ratio * INNER_RADIUS, self.poissons_ratio
         q = self.pressure * a**2 / (b**2 - a**2)
         ratio = (b / radius) ** 2

@@ -1,0 +1,110 @@
+"""Ready scenes at small size against their exact solutions, tolerances from the methods' orders."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.footing import Footing
+from mpm_warp.scenes.circular_footing import CircularFooting
+from mpm_warp.scenes.cone_bearing import ConeBearing
+from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.scenes.material_point import MaterialPoint
+from mpm_warp.scenes.strip_footing import StripFooting
+from mpm_warp.scenes.thick_cylinder import ThickCylinder
+
+
+def error(dataset: xr.Dataset) -> float:
+    return float(dataset["error"])
+
+
+def order(run: Callable[[int], xr.Dataset], resolution: int) -> float:
+    return math.log2(error(run(resolution)) / error(run(2 * resolution)))
+
+
+def test_stress_on_strain_paths() -> None:
+    steps = 1000
+    result = MaterialPoint(step_count=steps).run()
+    # Cayley's angle of a step t is 2 atan(t/2), short by t^3/12; the circle of the stress that is
+    # turned has the radius su/2 and is passed at twice the angle.
+    assert error(result) <= (2 * math.pi) ** 3 / (12 * steps**2)
+    assert float(result["yield_excess"]) <= 1e-9
+
+
+def test_rotation_is_of_second_order() -> None:
+    assert order(lambda n: MaterialPoint(step_count=n).run(), 500) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("rigidity_index", [2, 50, 500])
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.499])
+def test_stress_whatever_the_stiffness(rigidity_index: float, poissons_ratio: float) -> None:
+    scene = MaterialPoint(rigidity_index=rigidity_index, poissons_ratio=poissons_ratio)
+    result = scene.run()
+    assert error(result) <= 1e-6
+    assert float(result["yield_excess"]) <= 1e-9
+
+
+def test_sudden_load_arrives_with_the_wave() -> None:
+    cells = 50
+    # A front is as sharp as a cell, which it passes twice on its way up and down.
+    result = ElasticColumnWave(excitation="sudden_load", cell_count=cells).run()
+    assert error(result) <= 1 / cells
+
+
+def test_standing_wave() -> None:
+    cells = 10
+    result = ElasticColumnWave(cell_count=cells).run()
+    # Lumped masses on linear cells lower the frequency by (kh)^2/24.
+    assert error(result) <= 2 * math.pi * (math.pi / (2 * cells)) ** 2 / 24
+    assert float(result["energy_drift"]) <= 1e-3
+
+
+def test_standing_wave_is_of_second_order() -> None:
+    assert order(lambda n: ElasticColumnWave(cell_count=n).run(), 20) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("settlement_ratio", [1e-4, 1e-5])
+def test_gravity_column_is_exact_for_small_strain(settlement_ratio: float) -> None:
+    # Linear cells give the stress of their middle exactly; what is left is the strain at the base.
+    result = GravityColumn(cell_count=8, settlement_ratio=settlement_ratio).run()
+    assert error(result) <= 2 * settlement_ratio
+
+
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.49])
+def test_thick_cylinder_is_of_second_order(poissons_ratio: float) -> None:
+    def run(cells: int) -> xr.Dataset:
+        return ThickCylinder(cell_count=cells, poissons_ratio=poissons_ratio).run()
+
+    assert order(run, 10) == pytest.approx(2, abs=0.1)
+    assert error(run(10)) <= (2 / 10) ** 2  # (h/a)^2
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 0.5, 1.0])
+def test_cone_at_the_surface(adhesion_factor: float) -> None:
+    def run(cells: int) -> xr.Dataset:
+        return ConeBearing(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()
+
+    assert order(run, 4) >= 1
+    # Where the rim is, is known to half a cell.
+    assert error(run(8)) <= (1 + 1 / 16) ** 2 - 1
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
+@pytest.mark.parametrize("footing", [CircularFooting, StripFooting])
+def test_footing(footing: type[Footing], adhesion_factor: float) -> None:
+    def run(cells: int) -> xr.Dataset:
+        return footing(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()
+
+    assert order(run, 4) == pytest.approx(1, abs=0.25)
+    assert error(run(8)) <= (1 + 1 / 16) ** 2 - 1
+
+
+def test_a_load_that_still_rises_has_no_limit() -> None:
+    result = ConeBearing(cells_per_radius=4, displacement=3).run()
+    assert np.isnan(result["bearing_capacity"])
+    assert np.isnan(result["error"])
