@@ -152,7 +152,7 @@ def graded(first: float, length: float, growth: float) -> Floats:
         reached = first * (middle**count - 1.0) / (middle - 1.0)
         low, high = (middle, high) if reached < length else (low, middle)
     edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
-    edges *= length / edges[-1]
+    edges[-1] = length
     return edges
 
 
