@@ -124,6 +124,13 @@ class Grid:
         return volumes
 
     @cached_property
+    def node_volumes(self) -> Floats:
+        """Volume of each node per radian [m3], a quarter of each cell around, [node_count]."""
+        volumes = np.zeros(self.node_count)
+        np.add.at(volumes, self.cell_nodes, 0.25 * self.cell_volumes[:, None])
+        return volumes
+
+    @cached_property
     def cell_lengths(self) -> Floats:
         """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
 

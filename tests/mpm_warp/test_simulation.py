@@ -98,6 +98,22 @@ def test_a_rigid_motion_along_the_axis_leaves_no_stress_and_keeps_momentum(scene
     np.testing.assert_allclose(simulation.array("particle.stress"), 0.0, atol=1e-7)
 
 
+def test_a_node_with_hardly_any_mass_is_accelerated_as_if_half_full(scene: Scene) -> None:
+    """All particles but a speck of mass are gone from one cell; its stress still pulls."""
+    simulation = Simulation(scene)
+    stress = simulation.array("particle.stress").copy()
+    stress[:, :2] = 1e3
+    mass = simulation.array("particle.mass").copy()
+    mass[(simulation.array("particle.cell") == [0, 0]).all(axis=1)] *= 1e-9
+    simulation.arrays["particle.stress"].assign(stress)
+    simulation.arrays["particle.mass"].assign(mass)
+    simulation.advance(1)
+    grid, step = scene.grid, simulation.plan.time_step
+    pull = 1e3 * np.abs(grid.gradient_integrals[0, 0, :2]).sum()
+    bound = step * pull / (0.5 * ELASTIC.density * grid.node_volumes[0])
+    assert 0.0 < np.abs(simulation.array("node.motion")[0, :2]).max() <= bound
+
+
 def test_momentum_along_the_axis_is_kept_while_waves_run(scene: Scene) -> None:
     simulation = Simulation(scene)
     random = np.random.default_rng(2)
