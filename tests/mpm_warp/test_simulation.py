@@ -93,8 +93,12 @@ def test_a_rigid_motion_along_the_axis_leaves_no_stress_and_keeps_momentum(scene
     velocity = simulation.array("particle.velocity").copy()
     velocity[:, 1] = 0.7
     simulation.arrays["particle.velocity"].assign(velocity)
+    start = simulation.array("particle.position").copy()
     simulation.advance(20)
     np.testing.assert_allclose(simulation.array("particle.velocity")[:, 1], 0.7, rtol=1e-12)
+    risen = simulation.array("particle.position") - start
+    np.testing.assert_allclose(risen[:, 0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(risen[:, 1], 0.7 * simulation.time, rtol=1e-9)
     np.testing.assert_allclose(simulation.array("particle.stress"), 0.0, atol=1e-7)
 
 
@@ -166,6 +170,45 @@ def test_undisturbed_soil_in_the_window_stays_exactly_at_rest() -> None:
     assert np.abs(simulation.array("particle.stress")).max() == 0.0
     layer = simulation.plan.arrays["layer.mass"].shape[0]
     assert abs(simulation.particle_count - count) <= layer
+    # What entered carries on the lattice of what was there: layers at equal distances.
+    inside = simulation.array("particle.cell")[:, 0] >= 0
+    heights = np.sort(simulation.array("particle.position")[inside, 1]).reshape(-1, layer)
+    spacing = (grid.rows[1] - grid.rows[0]) / scene.particles_per_side
+    np.testing.assert_allclose(np.diff(heights.mean(axis=1)), spacing, rtol=1e-9)
+
+
+def test_the_far_field_pushes_back_like_an_elastic_cavity() -> None:
+    """From rest: m dv / dt = - k u - c v with the dashpot implicit, to rounding."""
+    scene, _ = CONE.build()
+    far = scene.far_field
+    assert far is not None
+    simulation = Simulation(scene)
+    pushed = 1e-3 * np.linspace(1.0, 2.0, len(far.nodes))
+    simulation.arrays["far_field.displacement"].assign(pushed)
+    simulation.advance(1)
+    mass, step = simulation.array("node.mass")[far.nodes], simulation.plan.time_step
+    expected = -step * far.spring * pushed / (mass + step * far.dashpot[:, 0])
+    np.testing.assert_allclose(simulation.array("node.motion")[far.nodes, 0], expected, rtol=1e-12)
+    moved = simulation.array("far_field.displacement") - pushed
+    np.testing.assert_allclose(moved, step * expected, rtol=1e-9)
+
+
+def test_the_springs_of_the_far_field_rise_with_the_soil() -> None:
+    """After a row of travel each spring is one row higher, and the lowest is undisturbed."""
+    scene, _ = CONE.build()
+    # Springs without stiffness, in soil at rest: nothing else changes their displacement.
+    grid = dataclasses.replace(scene.grid, surface_radius=np.zeros_like(scene.grid.surface_radius))
+    assert scene.far_field is not None
+    limp = dataclasses.replace(scene.far_field, spring=0.0 * scene.far_field.spring)
+    fixed = Fixed.axis_and_ends(grid)
+    still = dataclasses.replace(scene, grid=grid, contact=None, fixed=fixed, far_field=limp)
+    simulation = Simulation(still)
+    count = simulation.array("far_field.displacement").shape[0]
+    simulation.arrays["far_field.displacement"].assign(np.arange(1.0, count + 1.0))
+    Travel(simulation).advance_to(float(grid.rows[1] - grid.rows[0]))
+    np.testing.assert_array_equal(
+        simulation.array("far_field.displacement"), np.arange(float(count))
+    )
 
 
 def test_the_same_scene_gives_the_same_bits() -> None:
