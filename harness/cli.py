@@ -42,11 +42,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         Exit code: 0 done, 1 a case did not complete or a bound is not reached,
-        2 bad input or unusable files, 130 Ctrl-C, 143 SIGTERM.
+        2 bad input or unusable files, 130 Ctrl-C, 141 the reader of its output has gone,
+        143 SIGTERM.
     """
     options = _parser().parse_args(arguments)
     try:
         code: int = options.command(options)
+    except BrokenPipeError:
+        # Whoever read the output has gone, as in `harness run ... | head`: nobody is to be told.
+        null = os.open(os.devnull, os.O_WRONLY)
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(null, stream.fileno())
+        return 128 + signal.SIGPIPE
     except (HarnessError, UnknownSceneError, OSError) as error:
         _tell(str(error))
         return BAD_INPUT

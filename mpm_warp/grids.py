@@ -138,6 +138,13 @@ class Grid:
         return volumes
 
     @cached_property
+    def node_volumes(self) -> Floats:
+        """Volume of each node per radian [m3], a quarter of each cell around, [node_count]."""
+        volumes = np.zeros(self.node_count)
+        np.add.at(volumes, self.cell_nodes, 0.25 * self.cell_volumes[:, None])
+        return volumes
+
+    @cached_property
     def cell_lengths(self) -> Floats:
         """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
 
@@ -166,7 +173,7 @@ def graded(first: float, length: float, growth: float) -> Floats:
         reached = first * (middle**count - 1.0) / (middle - 1.0)
         low, high = (middle, high) if reached < length else (low, middle)
     edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
-    edges *= length / edges[-1]
+    edges[-1] = length
     return edges
 
 

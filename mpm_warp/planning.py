@@ -164,13 +164,15 @@ def _add_cell_stress(plan: Plan) -> None:
 def _add_node_update(plan: Plan) -> None:
     grid = plan.scene.grid
     plan.add_array("cell.integrals", "vec3", grid.gradient_integrals)
+    half_full = 0.5 * plan.scene.material.density * grid.node_volumes
+    plan.add_array("node.least_mass", "real", half_full)
     plan.add_zeros("node.mass", "real", grid.node_count)
     plan.add_zeros("node.motion", "vec4", grid.node_count)
     plan.add_launch(
         make_node_update(plan.precision),
         (grid.row_count + 1, grid.column_count + 1),
         *("node.momentum", "cell.stress", "cell.integrals"),
-        *(grid.column_count, grid.row_count, plan.time_step),
+        *(grid.column_count, grid.row_count, plan.time_step, "node.least_mass"),
         *("node.mass", "node.motion"),
     )
 

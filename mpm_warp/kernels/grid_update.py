@@ -1,13 +1,14 @@
 """Stage 2: the momentum equation on cells and nodes.
 
-Symbols: sigma stress (rr, zz, rz, tt), V volume of a cell, m mass, v velocity, h length of a cell,
+Symbols: sigma stress (rr, zz, rz, tt), V volume of a cell, m mass, M half the mass of a node whose
+cells are full, v velocity, h length of a cell,
 c pressure wave speed, b coefficient of the bulk viscosity, G_i the integrals over a cell of
 (dN_i/dr r, dN_i/dz r, N_i).
 
     sigma_c = sum m sigma / sum m + b rho c h div v          mean stress and bulk viscosity
     f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
                                 sigma_rz G_r + sigma_zz G_z)
-    v_i     = (m v)_i / m_i + dt f_i / m_i
+    v_i     = (m v)_i / m_i + dt f_i / max(m_i, M_i)
     div v_c = sum over nodes (v_r (G_r + G_t) + v_z G_z) / V
 """
 
@@ -54,7 +55,8 @@ def make_node_update(precision: Precision) -> Any:
     """Velocity of each node before and after the step; launched over (rows, columns) of nodes.
 
     The sums of mass and momentum are cleared; `motion` is (v_r, v_z, u_r, u_z), velocity after the
-    step and before it.
+    step and before it. The force is that of full cells, whatever particles are near the node at the
+    moment; so `least_mass` bounds what it can do to a node that has few.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     zero = wp.constant(real(0.0))
@@ -74,6 +76,7 @@ def make_node_update(precision: Precision) -> Any:
         column_count: int,
         row_count: int,
         time_step: real,
+        least_mass: wp.array(dtype=real),
         mass: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
     ):
@@ -100,7 +103,7 @@ def make_node_update(precision: Precision) -> Any:
             if i > 0:
                 force -= pull(stress[cell - 1], integrals[cell - 1, 3])
         before = vec2(sums[1], sums[2]) / m
-        after = before + (time_step / m) * force
+        after = before + (time_step / wp.max(m, least_mass[node])) * force
         motion[node] = vec4(after[0], after[1], before[0], before[1])
 
     return node_update

@@ -356,6 +356,15 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     assert statuses_left(process.pid, out) == []
 
 
+def test_a_run_whose_reader_has_gone_ends_quietly(small_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with running(small_file, out, until="harness: small: ") as process:
+        assert process.stderr is not None
+        process.stderr.close()
+    assert process.returncode == 141
+    assert statuses_left(process.pid, out) == [COMPLETED]
+
+
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="reads Linux's /proc")
 def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> None:
     """Held signals are inherited: at no instant of its start would a worker be interrupted."""

@@ -1,0 +1,109 @@
+"""The cone penetration test: what must hold whatever the cone factor turns out to be."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.scenes.cone_penetration import ConePenetration
+
+SHORT = ConePenetration(
+    cells_per_radius=2, penetration=3, domain_radius=20, domain_above=6, domain_below=6
+)
+
+
+def run(**changes: float | str) -> xr.Dataset:
+    return dataclasses.replace(SHORT, **changes).run()
+
+
+@pytest.fixture(scope="module")
+def rough() -> xr.Dataset:
+    """A cone with some adhesion, slipping everywhere."""
+    return run(adhesion_factor=0.5)
+
+
+def test_shear_part_obeys_statics(rough: xr.Dataset) -> None:
+    """alpha / tan(half angle), less the share of the tip, 1 / (3 n^2) with n rows on the face."""
+    rows_on_face = round(2.0 / math.tan(math.radians(30.0)))
+    exact = 0.5 / math.tan(math.radians(30.0)) * (1.0 - 1.0 / (3.0 * rows_on_face**2))
+    assert float(rough.cone_factor_shear) == pytest.approx(exact, rel=1e-6)
+
+
+def test_parts_add_up(rough: xr.Dataset) -> None:
+    parts = float(rough.cone_factor_normal) + float(rough.cone_factor_shear)
+    assert float(rough.cone_factor) == pytest.approx(parts, rel=1e-12)
+
+
+def test_shaft_friction_is_the_adhesion_once_the_shaft_slips(rough: xr.Dataset) -> None:
+    adhesion = 0.5 * SHORT.undrained_shear_strength
+    assert float(rough.shaft_friction[-1]) == pytest.approx(adhesion, rel=0.01)
+
+
+def test_the_face_feels_its_own_adhesion_and_not_the_shafts() -> None:
+    smooth_face = run(adhesion_factor=0.0, shaft_adhesion_factor=0.5)
+    assert float(smooth_face.cone_factor_shear) == pytest.approx(0.0, abs=1e-9)
+    assert float(smooth_face.shaft_friction[-1]) > 0.0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"undrained_shear_strength": 1.0, "in_situ_stress": 20.0},
+        {"cone_radius": 10.0},
+        {"density": 1e6},
+        {"in_situ_stress": 20e6},
+    ],
+)
+def test_the_cone_factor_has_no_units(rough: xr.Dataset, changes: dict[str, float]) -> None:
+    """Strength, size, density and in-situ stress only scale the problem: equal but for rounding."""
+    scaled = run(adhesion_factor=0.5, **changes)
+    # Rounding grows where particles cross cells a step earlier or later; 1e-3 is asked for.
+    assert float(scaled.cone_factor) == pytest.approx(float(rough.cone_factor), rel=1e-3)
+
+
+def test_von_mises_resists_less_than_tresca_of_the_same_shear_strength(rough: xr.Dataset) -> None:
+    von_mises = run(adhesion_factor=0.5, material="von_mises")
+    assert float(von_mises.cone_factor) < float(rough.cone_factor)
+
+
+def test_soil_parts_from_the_penetrometer_where_nothing_presses_it() -> None:
+    """Without in-situ stress no excess tension is carried anywhere on face and shaft."""
+    scene = dataclasses.replace(SHORT, in_situ_stress=0.0)
+    dataset = scene.run()
+    assert np.isfinite(dataset.penetration_resistance).all()
+    assert float(dataset.cone_factor) > 0.0
+
+
+@pytest.mark.parametrize("apex_angle", [30.0, 60.0, 90.0, 150.0])
+def test_every_apex_angle_runs(apex_angle: float) -> None:
+    assert math.isfinite(float(run(apex_angle=apex_angle, penetration=1.0).cone_factor))
+
+
+def test_every_variable_has_a_unit_and_a_name(rough: xr.Dataset) -> None:
+    for variable in rough.variables.values():
+        assert variable.attrs["units"]
+        assert variable.attrs["long_name"]
+
+
+def test_progress_rises_to_one() -> None:
+    told: list[float] = []
+    dataclasses.replace(SHORT, penetration=1.0).run(told.append)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+@pytest.mark.slow
+def test_steady_cone_factor_of_smooth_and_rough_cones() -> None:
+    """The ranges asked for at rigidity index 100; the mesh is coarser than the default."""
+    factors = [
+        ConePenetration(cells_per_radius=3, adhesion_factor=adhesion_factor).run()
+        for adhesion_factor in (0.0, 1.0)
+    ]
+    smooth, rough = (float(dataset.cone_factor) for dataset in factors)
+    assert 10.0 < smooth < 11.1
+    assert 11.8 < rough < 13.0
+    assert all(float(dataset.cone_factor_variation) < 0.01 for dataset in factors)
