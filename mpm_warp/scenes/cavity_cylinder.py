@@ -8,12 +8,11 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
 
     from mpm_warp.scene import Scene
@@ -72,6 +71,8 @@ class CavityCylinder(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
+
         from mpm_warp.boundaries import FarField, Fixed
         from mpm_warp.grids import Grid, graded
         from mpm_warp.materials import Tresca
@@ -113,15 +114,19 @@ class CavityCylinder(ReadyScene):
         )
 
     def exact(self, expansion: np.ndarray) -> np.ndarray:
-        """Excess cavity pressure over strength at radii over the initial one."""
+        """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
+        import numpy as np
+
         index = self.rigidity_index
         strain = 1.0 - expansion**-2.0
         yielding = -math.expm1(-1.0 / index)
         elastic = index * _dilogarithm(np.minimum(strain, yielding))
-        return elastic + np.log(np.maximum(strain / yielding, 1.0))
+        pressure: np.ndarray = elastic + np.log(np.maximum(strain / yielding, 1.0))
+        return pressure
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
         import xarray as xr
 
         from mpm_warp.history import cost, variable
@@ -177,5 +182,8 @@ class CavityCylinder(ReadyScene):
 
 def _dilogarithm(x: np.ndarray) -> np.ndarray:
     """Li2(x) by its series, for 0 <= x <= 0.1: twelve terms are exact to rounding."""
+    import numpy as np
+
     powers = np.arange(1, 13)
-    return np.sum(np.asarray(x)[..., None] ** powers / powers**2, axis=-1)
+    series: np.ndarray = np.sum(np.asarray(x)[..., None] ** powers / powers**2, axis=-1)
+    return series
