@@ -1,0 +1,129 @@
+"""What the scenes of bearing capacity have in common: a rigid body pressed into the ground."""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene
+
+if TYPE_CHECKING:
+    import xarray
+
+    from mpm_warp.contact import SurfaceContact
+    from mpm_warp.grids import Floats, Grid
+    from mpm_warp.materials import Tresca
+    from mpm_warp.scene import Scene
+
+RADIUS = 1.0
+STRENGTH = 1e3
+DENSITY = 1700.0
+POISSONS_RATIO = 0.45
+"""The limit load does not depend on it."""
+NO_PARTING = 100.0 * STRENGTH
+"""In-situ stress above any that the soil can pull with: the body and the soil do not part."""
+SAMPLE_COUNT = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing(ReadyScene):
+    """A rigid body in weightless Tresca soil, pressed by a small part of its radius.
+
+    What a limit load does not depend on is chosen such that it comes soon: displacements stay far
+    below a cell, where the free surface is as sharp as the grid.
+    """
+
+    cells_per_radius: int = parameter(
+        8, unit="1", meaning="cells per radius of the body", minimum=1, maximum=40
+    )
+    rigidity_index: float = parameter(
+        10_000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=1e6
+    )
+    displacement: float = parameter(
+        30.0, unit="1", meaning="displacement over radius times G/su", above=0, maximum=300
+    )
+    speed_ratio: float = parameter(
+        0.2, unit="1", meaning="speed over shear wave speed times G/su", above=0, maximum=10
+    )
+
+    @property
+    @abstractmethod
+    def exact_load(self) -> float:
+        """Exact limit load over area and su."""
+
+    @abstractmethod
+    def grid(self) -> Grid:
+        """The grid of the soil, its top the surface of the ground."""
+
+    @abstractmethod
+    def contact(self, grid: Grid) -> SurfaceContact:
+        """Contact of the soil with the body, which sinks at `speed`."""
+
+    @abstractmethod
+    def load(self, grid: Grid, nodal: Floats) -> float:
+        """Load over area and su, from the nodal forces of the soil [N], shape [node_count, 2]."""
+
+    @property
+    def material(self) -> Tresca:
+        """The soil."""
+        from mpm_warp.materials import Tresca
+
+        return Tresca(
+            shear_modulus=self.rigidity_index * STRENGTH,
+            poissons_ratio=POISSONS_RATIO,
+            density=DENSITY,
+            strength=STRENGTH,
+        )
+
+    @property
+    def speed(self) -> float:
+        """Speed of the body [m/s]."""
+        return self.speed_ratio / self.rigidity_index * self.material.shear_wave_speed
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
+
+        from mpm_warp.boundaries import Fixed
+        from mpm_warp.scene import Scene
+
+        grid = self.grid()
+        vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        vertical[0] = True
+        radial = vertical.copy()
+        radial[grid.surface_radius == 0.0, 0] = True
+        radial[:, -1] = True
+        return Scene(
+            grid=grid,
+            material=self.material,
+            particles_per_side=2,
+            time_step_fraction=0.85,
+            # A few passages of a shear wave through a cell.
+            velocity_memory=20 * RADIUS / self.cells_per_radius / self.material.shear_wave_speed,
+            bulk_viscosity=0.2,
+            fixed=Fixed.where(radial=radial, vertical=vertical),
+            contact=self.contact(grid),
+        )
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.history import cost
+        from mpm_warp.limit_load import press
+        from mpm_warp.simulation import Simulation
+
+        scene = self.simulated_scene()
+        simulation = Simulation(scene)
+        start = time.perf_counter()
+        curve = press(
+            simulation,
+            displacement=self.displacement / self.rigidity_index * RADIUS,
+            sample_count=SAMPLE_COUNT,
+            load=lambda nodal: self.load(scene.grid, nodal),
+            progress=progress,
+        )
+        run_time = time.perf_counter() - start
+        result = curve.beside(self.exact_load, length=RADIUS)
+        return result.assign(cost(simulation, run_time=run_time))
