@@ -89,8 +89,9 @@ class ConePenetration(ReadyScene):
         minimum=0.1,
         maximum=2,
     )
+    # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
-        4, unit="1", meaning="material points per cell", choices=(1, 4, 9, 16, 25)
+        4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
     )
     time_step_fraction: float = parameter(
         0.85, unit="1", meaning="time step over the critical one", minimum=0.01, maximum=1.2
