@@ -1,0 +1,428 @@
+"""An elastic block on a base: sticking, or sliding under friction and adhesion, and exact."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from mpm_warp.parameters import ParameterError, parameter
+from mpm_warp.scenes.base import Progress, ReadyScene
+
+# The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
+if TYPE_CHECKING:
+    import xarray
+
+    from mpm_warp.bodies import BodyScene
+    from mpm_warp.body_history import BodyHistory
+    from mpm_warp.grids import Floats
+    from mpm_warp.interface import InterfaceFrame
+
+SAMPLE_COUNT = 100
+"""Samples of the curves, from the moment when the driving force begins."""
+SETTLING = 40.0
+"""Duration of the start, in which the normal load rises and comes to rest, over the time in which
+a shear wave crosses the height of the block."""
+DRIVE_RISE = 10.0
+"""Time in which a constant driving force rises, in the same unit."""
+BASE_CELLS = 3
+"""Thickness of the base in cells."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidingBlock(ReadyScene):
+    """A block is pressed on a base, and driven along it when it has come to rest.
+
+    The interface is described as horizontal: gravity leans by the slope instead, and the grid lies
+    under the whole at any angle and offset. With M the mass of the block, A its base, N the normal
+    force, F the driving force at time t, a the adhesion, mu the friction coefficient: the block
+    sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
+    """
+
+    summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
+    version: ClassVar[int] = 1
+
+    friction: float = parameter(
+        0.3, unit="1", meaning="friction coefficient of the interface", minimum=0, maximum=10
+    )
+    adhesion: float = parameter(500.0, unit="Pa", meaning="adhesion of the interface", minimum=0)
+    slope: float = parameter(
+        30.0, unit="degree", meaning="slope of the interface", minimum=0, below=90
+    )
+    gravity: float = parameter(9.81, unit="m s-2", meaning="gravity", minimum=0)
+    normal_pressure: float = parameter(
+        0.0, unit="Pa", meaning="normal pressure on the block beside gravity", minimum=0
+    )
+    drive: float = parameter(
+        0.0, unit="Pa", meaning="driving force beside gravity per area of the interface", minimum=0
+    )
+    driving: str = parameter(
+        "constant",
+        unit="1",
+        meaning="how the driving forces, gravity's included, begin: at once, or rising steadily",
+        choices=("constant", "ramped"),
+    )
+    grid_angle: float = parameter(
+        0.0, unit="degree", meaning="angle between interface and grid", minimum=-180, maximum=180
+    )
+    grid_offset: float = parameter(
+        0.0,
+        unit="1",
+        meaning="offset to the grid along both axes over cell size",
+        minimum=0,
+        below=1,
+    )
+    interface_radius: float | None = parameter(
+        None,
+        unit="m",
+        meaning="radius of the interface of a ring in a sleeve (default: plane strain)",
+        above=0,
+    )
+    length: float = parameter(1.0, unit="m", meaning="length of the block", above=0, maximum=1e6)
+    height_ratio: float = parameter(
+        0.3, unit="1", meaning="height of the block over its length", minimum=0.1, maximum=2
+    )
+    shear_modulus: float = parameter(
+        4e6, unit="Pa", meaning="shear modulus of the softer of block and base", above=0
+    )
+    stiffness_ratio: float | None = parameter(
+        None,
+        unit="1",
+        meaning="stiffness of the base over that of the block (default: rigid base)",
+        minimum=1e-4,
+        maximum=1e4,
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.45
+    )
+    density: float = parameter(2000.0, unit="kg m-3", meaning="density of the block", above=0)
+    mass_scale: float = parameter(
+        1.0, unit="1", meaning="factor on all masses but not on gravity's force", above=0
+    )
+    travel: float = parameter(
+        0.4, unit="1", meaning="distance to slide over length", above=0, maximum=5
+    )
+    damping_ratio: float = parameter(
+        0.1,
+        unit="1",
+        meaning="share of critical damping of the block's slowest shear wave; 0 for none",
+        minimum=0,
+        maximum=2,
+    )
+    cells_per_length: int = parameter(
+        10, unit="1", meaning="cells along the block", minimum=4, maximum=400
+    )
+    particles_per_cell: int = parameter(
+        4, unit="1", meaning="material points per cell", choices=(4, 9, 16)
+    )
+    time_step_fraction: float = parameter(
+        0.4,
+        unit="1",
+        meaning="time step over that in which a wave crosses a cell",
+        above=0,
+        maximum=1,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.driving_force <= 0.0:
+            raise ParameterError("drive", "drive = 0 with slope = 0 or gravity = 0: nothing drives")
+        if self.normal_force <= 0.0:
+            raise ParameterError(
+                "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
+            )
+        if self.interface_radius is None:
+            return
+        if self.friction > 0.0:
+            raise ParameterError(
+                "friction",
+                f"friction = {self.friction:g} with an interface_radius is not allowed: the hoop "
+                "stress of the ring bears part of the normal force; set friction = 0",
+            )
+        if self.grid_angle != 0.0:
+            raise ParameterError("grid_angle", "grid_angle must be 0 with an interface_radius")
+        least = self.height + 4.0 * self.cell_size
+        if self.interface_radius < least:
+            raise ParameterError(
+                "interface_radius",
+                f"interface_radius = {self.interface_radius:g} must be at least {least:g} m: the "
+                "height of the block and four cells",
+            )
+
+    @property
+    def cell_size(self) -> float:
+        """Side of a cell [m]."""
+        return self.length / self.cells_per_length
+
+    @property
+    def spacing(self) -> float:
+        """Side of the square that a particle stands for [m]."""
+        return self.cell_size / math.isqrt(self.particles_per_cell)
+
+    @property
+    def height(self) -> float:
+        """Height of the block, in whole particles [m]."""
+        return self.spacing * max(1, round(self.height_ratio * self.length / self.spacing))
+
+    @property
+    def area(self) -> float:
+        """Area of the block's base per thickness, or per radian [m2]."""
+        return self.length * (self.interface_radius or 1.0)
+
+    @property
+    def volume(self) -> float:
+        """Volume of the block per thickness, or per radian [m3]."""
+        mean = 1.0 if self.interface_radius is None else self.interface_radius - 0.5 * self.height
+        return self.length * self.height * mean
+
+    @property
+    def mass(self) -> float:
+        """Mass of the block, scaled [kg]."""
+        return self.mass_scale * self.density * self.volume
+
+    @property
+    def weight(self) -> float:
+        """Weight of the block, which no mass scale changes [N]."""
+        return self.density * self.volume * self.gravity
+
+    @property
+    def normal_force(self) -> float:
+        """Force that presses the block on its base [N]."""
+        weight = self.weight * math.cos(math.radians(self.slope))
+        return weight + self.normal_pressure * self.area
+
+    @property
+    def driving_force(self) -> float:
+        """Final force along the interface [N]."""
+        return self.weight * math.sin(math.radians(self.slope)) + self.drive * self.area
+
+    @property
+    def resistance(self) -> float:
+        """Greatest force that the interface transmits, a A + mu N [N]."""
+        return self.adhesion * self.area + self.friction * self.normal_force
+
+    @property
+    def slides(self) -> bool:
+        """Whether the driving force exceeds the resistance."""
+        return self.driving_force > self.resistance
+
+    @property
+    def start(self) -> float:
+        """Time at which the driving force begins [s]."""
+        return SETTLING * self._crossing
+
+    @property
+    def rise_time(self) -> float:
+        """Time in which the driving force rises [s]."""
+        if self.driving == "ramped" and self.slides:
+            return self.duration
+        return DRIVE_RISE * self._crossing
+
+    @property
+    def settled_time(self) -> float:
+        """Time from the begin of the drive until a block that sticks is at rest again [s]."""
+        return (DRIVE_RISE + SETTLING) * self._crossing
+
+    @property
+    def duration(self) -> float:
+        """Time from the begin of the drive to the end of the run [s].
+
+        A block that slides covers its `travel`; one that sticks gets, once at rest, the time in
+        which it would have slid its whole length without friction and adhesion.
+        """
+        if not self.slides:
+            return self.settled_time + math.sqrt(2.0 * self.length * self.mass / self.driving_force)
+        excess = 1.0 - self.resistance / self.driving_force
+        unit = self.travel * self.length * self.mass / self.driving_force
+        if self.driving == "ramped":
+            return math.sqrt(6.0 * unit / excess**3)
+        return self.rise_time + math.sqrt(2.0 * unit / excess)
+
+    def exact_motion(self, since: Floats) -> tuple[Floats, Floats, Floats]:
+        """Velocity [m/s], displacement [m] and base shear [N] of a rigid block.
+
+        Args:
+            since: times since the driving force began [s], 0 to `duration`.
+        """
+        import numpy as np
+
+        rise = self.rise_time
+        onset = min(self.resistance / self.driving_force, 1.0) * rise
+        # While the force rises v is quadratic in time, afterwards linear.
+        rising = np.clip(since, onset, rise) - onset
+        steady = np.maximum(since - rise, 0.0) if self.slides else np.zeros_like(since)
+        growth = self.driving_force / rise / self.mass
+        final = growth * (rise - onset)
+        velocity = 0.5 * growth * rising**2 + final * steady
+        at_rise = 0.5 * growth * (rise - onset) ** 2
+        displacement = growth * rising**3 / 6.0 + at_rise * steady + 0.5 * final * steady**2
+        drive = self.driving_force * np.minimum(since / rise, 1.0)
+        return velocity, displacement, np.minimum(drive, self.resistance)
+
+    def build(self) -> BodyScene:
+        """The scene: the block is body 0, the base body 1."""
+        import numpy as np
+
+        from mpm_warp.bodies import BodyContact, BodyScene, Load
+        from mpm_warp.materials import LinearElastic
+
+        ratio = self.stiffness_ratio or 1.0
+        block_material, base_material = (
+            LinearElastic(
+                shear_modulus=self.shear_modulus * factor,
+                poissons_ratio=self.poissons_ratio,
+                density=self.mass_scale * self.density,
+            )
+            for factor in (max(1.0, 1.0 / ratio), max(1.0, ratio))
+        )
+        frame, cell, spacing = self._frame, self.cell_size, self.spacing
+        block = frame.body((0.0, self.length), (0.0, self.height), spacing, block_material)
+        margin, thickness = 3.0 * cell, BASE_CELLS * cell
+        travel = self.travel * self.length if self.slides else 0.0
+        end = self.length + travel + margin
+        base = frame.body((-margin, end), (-thickness, 0.0), spacing, base_material)
+        is_rigid = self.stiffness_ratio is None
+        held = (frame.height(base.position) < cell - thickness) | is_rigid
+        share = block.volume / block.volume.sum()
+        on_top = share * (frame.height(block.position) > self.height - spacing)
+        pressure_force = self.normal_pressure * self.area
+        pressed = (self.normal_force - pressure_force) * share
+        pressed += pressure_force * on_top / on_top.sum()
+        loads = (
+            Load(forces=np.outer(-pressed, frame.outward), start=0.0, rise_time=0.5 * self.start),
+            Load(
+                forces=np.outer(self.driving_force * share, frame.along),
+                start=self.start,
+                rise_time=self.rise_time,
+            ),
+        )
+        bodies = (
+            replace(block, loads=loads, retardation_time=self.retardation_time),
+            replace(base, held=held),
+        )
+        contact = BodyContact(body=0, base=1, friction=self.friction, adhesion=self.adhesion)
+        return BodyScene(
+            grid=frame.grid_around(bodies, travel=travel, cell_size=cell, offset=self.grid_offset),
+            bodies=bodies,
+            contacts=(contact,),
+            time_step_fraction=self.time_step_fraction,
+        )
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.body_history import BodyHistory
+        from mpm_warp.history import cost
+        from mpm_warp.planning_bodies import make_body_plan
+        from mpm_warp.simulation import TimeLoop
+
+        loop = TimeLoop(make_body_plan(self.build()))
+        begin = time.perf_counter()
+        loop.advance(round(self.start / loop.plan.time_step))
+        history = BodyHistory(loop)
+        for sample in range(1, SAMPLE_COUNT + 1):
+            until = self.start + self.duration * sample / SAMPLE_COUNT
+            loop.advance(round(until / loop.plan.time_step) - loop.step_count)
+            history.sample()
+            if progress is not None:
+                progress(sample / SAMPLE_COUNT)
+        loop.check()
+        run_time = time.perf_counter() - begin
+        return self._dataset(history).assign(cost(loop, run_time=run_time))
+
+    @property
+    def retardation_time(self) -> float | None:
+        """Retardation time of the block [s]."""
+        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
+        return 4.0 / math.pi * self.damping_ratio * self._crossing if self.damping_ratio else None
+
+    @property
+    def _crossing(self) -> float:
+        return self.height / math.sqrt(self.shear_modulus / (self.mass_scale * self.density))
+
+    @property
+    def _frame(self) -> InterfaceFrame:
+        from mpm_warp.interface import InterfaceFrame
+
+        return InterfaceFrame(
+            angle=math.radians(self.grid_angle), interface_radius=self.interface_radius
+        )
+
+    def _dataset(self, history: BodyHistory) -> xarray.Dataset:
+        """Computed and exact curves, and what they come to."""
+        import numpy as np
+        import xarray as xr
+
+        from mpm_warp.history import variable
+
+        since = history.time - self.start
+        middle = 0.5 * (since[1:] + since[:-1])
+        velocity = history.velocity @ self._frame.along
+        displacement = history.displacement @ self._frame.along
+        shear = history.contact_force @ self._frame.along
+        exact_velocity, exact_displacement, _ = self.exact_motion(since)
+        exact_shear = self.exact_motion(middle)[2]
+        late = len(middle) // 2
+        acceleration, exact_acceleration = (
+            float(v[-1] - v[late]) / float(since[-1] - since[late])
+            for v in (velocity, exact_velocity)
+        )
+        settled = np.flatnonzero(since <= self.settled_time)[-1]
+        creep, acceleration_error = math.nan, math.nan
+        if self.slides:
+            acceleration_error = abs(acceleration / exact_acceleration - 1.0)
+        else:
+            creep = float(abs(displacement[-1] - displacement[settled])) / self.length
+        mean_shear, exact_mean_shear = float(shear[late:].mean()), float(exact_shear[late:].mean())
+        shear_error = math.nan
+        if exact_mean_shear > 0.0:
+            shear_error = abs(mean_shear / exact_mean_shear - 1.0)
+        scalars = {
+            "error": (
+                acceleration_error if self.slides else creep,
+                "1",
+                "relative error of the acceleration, or the creep of a block that sticks",
+            ),
+            "acceleration": (acceleration, "m s-2", "mean acceleration over the second half"),
+            "acceleration_exact": (exact_acceleration, "m s-2", "exact mean acceleration"),
+            "acceleration_error": (acceleration_error, "1", "relative error of the acceleration"),
+            "creep": (creep, "1", "displacement over length of a block that sticks, once at rest"),
+            "base_shear": (mean_shear, "N", "mean base shear over the second half"),
+            "base_shear_exact": (exact_mean_shear, "N", "exact mean base shear"),
+            "base_shear_error": (shear_error, "1", "relative error of the base shear"),
+            "momentum_error": (
+                float(np.abs(history.momentum_error).max()),
+                "1",
+                "greatest error of the momentum balance",
+            ),
+            "energy_error": (
+                float(np.abs(history.energy_error).max()),
+                "1",
+                "greatest error of the energy balance",
+            ),
+        }
+        curves = {
+            "time": (since[1:], "s", "time since the driving force began"),
+            "velocity": (velocity[1:], "m s-1", "velocity of the block"),
+            "velocity_exact": (exact_velocity[1:], "m s-1", "exact velocity"),
+            "displacement": (displacement[1:], "m", "displacement of the block"),
+            "displacement_exact": (exact_displacement[1:], "m", "exact displacement"),
+            "shear_force": (shear, "N", "base shear, mean since the sample before"),
+            "shear_force_exact": (exact_shear, "N", "exact base shear"),
+            "kinetic_energy": (history.kinetic_energy[1:], "J", "kinetic energy"),
+            "elastic_energy": (history.elastic_energy[1:], "J", "change of the elastic energy"),
+            "load_work": (history.load_work[1:], "J", "work of the loads"),
+            "slip_work": (history.slip_work[1:], "J", "work taken by slip"),
+            "momentum_balance": (history.momentum_error[1:], "1", "error of the momentum balance"),
+            "energy_balance": (history.energy_error[1:], "1", "error of the energy balance"),
+        }
+        variables = {
+            name: variable(value, unit=unit, meaning=meaning)
+            for name, (value, unit, meaning) in scalars.items()
+        } | {
+            name: variable(values, unit=unit, meaning=meaning, dims=("progress",))
+            for name, (values, unit, meaning) in curves.items()
+        }
+        fraction = np.arange(1, SAMPLE_COUNT + 1) / SAMPLE_COUNT
+        axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
+        return xr.Dataset(variables, coords={"progress": axis})
