@@ -19,6 +19,7 @@ from mpm_warp.kernels.body_contact import (
     make_extents,
     make_interface,
     make_pressing,
+    make_shared_pressure,
 )
 from mpm_warp.kernels.body_loads import make_body_loads, make_clock
 from mpm_warp.kernels.body_to_grid import make_body_prediction, make_body_to_grid
@@ -170,7 +171,10 @@ def _add_contact(plan: BodyPlan, index: int, contact: BodyContact) -> None:
         plan.add_zeros(f"contact{index}.{name}", "vec2", grid.node_count)
         for name in ("normal", "extent", "pressing")
     )
-    area = plan.add_zeros(f"contact{index}.area", "real", grid.node_count)
+    area, pressure = (
+        plan.add_zeros(f"contact{index}.{name}", "real", grid.node_count)
+        for name in ("area", "pressure")
+    )
     plan.add_launch(
         make_interface(plan.precision),
         over_nodes,
@@ -189,10 +193,13 @@ def _add_contact(plan: BodyPlan, index: int, contact: BodyContact) -> None:
         *("field.inverse_mass", "field.velocity", pressing),
     )
     plan.add_launch(
+        make_shared_pressure(plan.precision), over_nodes, node_counts, pressing, pressure
+    )
+    plan.add_launch(
         make_body_contact(plan.precision),
         over_nodes,
         *(*pair, contact.friction, contact.adhesion, plan.time_step, node_counts),
-        *(normal, pressing, "field.inverse_mass", "field.velocity"),
+        *(normal, pressing, pressure, "field.inverse_mass", "field.velocity"),
         plan.add_zeros(f"contact{index}.total", "vec3", 1),
     )
 

@@ -6,14 +6,14 @@ A, A_k contact area of node k; w weights (1 2 1) x (1 2 1) of a node and its nei
 
     n = -b / |b|, b = sum w a_B;    A_k = a_A . n
     s_A = max over A's particles near the node of x . n + l/2,    gap = -(s_A + s_B)
-    P = A_k (sum m_A d . n) / (sum A_k)     over the nodes within two cells whose gap is closed
+    P = A_k sum_j (max(m_A d . n, 0)_j / sum_i A_i)    j near k, i near j: within two cells
     J = law(m_A, d, n, P, mu, a A_k dt)     while the gap is closed
     v_A <- v_A - J / m_A,    v_B <- v_B + J / m_B
 
 A node that few particles reach knows neither its normal nor its pressure: a normal that is off by
 degrees acts as friction of that many per cent, and the nodes on either side of an interface share
-its normal force in a way that stresses leave open. So normals are those of a neighbourhood, and a
-node's share of the pressure is that of its area.
+its normal force in a way that stresses leave open. So normals are those of a neighbourhood, and
+what presses a node is its share, by area, of the normal impulses around it; their sum stays.
 
 With v_S = (m_A v_A + m_B v_B) / (m_A + m_B) the law's m_A (v_A - v_S) is the reduced mass
 m_A m_B / (m_A + m_B) times v_A - v_B, the same for either body but for its sign. So one impulse
@@ -116,12 +116,12 @@ def make_extents(precision: Precision) -> Any:
 
 @functools.cache
 def make_pressing(precision: Precision) -> Any:
-    """Normal impulse of each node whose gap is closed; launched over nodes. Others lose their area.
+    """Normal impulse and area of the nodes whose gap is closed; launched over nodes.
 
-    `extent` is where the two bodies reach to; `pressing` holds (m_A d . n, A_k).
+    `extent` is where the two bodies reach to; `pressing` holds (max(m_A d . n, 0), A_k).
     """
     real, vec2 = precision.real, precision.vec2
-    zero, one = (wp.constant(real(x)) for x in (0.0, 1.0))
+    zero = wp.constant(real(0.0))
 
     @wp.kernel(module=f"mpm_warp.pressing.{precision.numpy_name}", enable_backward=False)
     def pressing_of_nodes(
@@ -144,9 +144,34 @@ def make_pressing(precision: Precision) -> Any:
         if gap > closed or mobility <= zero:
             return
         jump = velocity[body, k] - velocity[base, k]
-        pressing[k] = vec2(wp.dot(jump, normal[k]) / mobility, area[k])
+        pressing[k] = vec2(wp.max(wp.dot(jump, normal[k]) / mobility, zero), area[k])
 
     return pressing_of_nodes
+
+
+@functools.cache
+def make_shared_pressure(precision: Precision) -> Any:
+    """Normal impulse of a node per area of its neighbourhood; launched over nodes."""
+    real, vec2 = precision.real, precision.vec2
+    zero = wp.constant(real(0.0))
+    reach = wp.constant(NEIGHBOURHOOD)
+
+    @wp.kernel(module=f"mpm_warp.shared_pressure.{precision.numpy_name}", enable_backward=False)
+    def shared_pressure(
+        node_counts: wp.vec2i, pressing: wp.array(dtype=vec2), pressure: wp.array(dtype=real)
+    ):
+        j, i = wp.tid()
+        k = j * node_counts[0] + i
+        pressure[k] = zero
+        if pressing[k][0] <= zero:
+            return
+        area = zero
+        for row in range(wp.max(j - reach, 0), wp.min(j + reach + 1, node_counts[1])):
+            for column in range(wp.max(i - reach, 0), wp.min(i + reach + 1, node_counts[0])):
+                area += pressing[row * node_counts[0] + column][1]
+        pressure[k] = pressing[k][0] / area
+
+    return shared_pressure
 
 
 @functools.cache
@@ -171,6 +196,7 @@ def make_body_contact(precision: Precision) -> Any:
         node_counts: wp.vec2i,
         normal: wp.array(dtype=vec2),
         pressing: wp.array(dtype=vec2),
+        pressure: wp.array(dtype=real),
         inverse_mass: wp.array2d(dtype=real),
         velocity: wp.array2d(dtype=vec2),
         total: wp.array(dtype=vec3),
@@ -180,11 +206,11 @@ def make_body_contact(precision: Precision) -> Any:
         area = pressing[k][1]
         if area <= zero:
             return
-        around = vec2()
+        around = zero
         for row in range(wp.max(j - reach, 0), wp.min(j + reach + 1, node_counts[1])):
             for column in range(wp.max(i - reach, 0), wp.min(i + reach + 1, node_counts[0])):
-                around += pressing[row * node_counts[0] + column]
-        P = area * around[0] / around[1]
+                around += pressure[row * node_counts[0] + column]
+        P = area * around
         n = normal[k]
         jump = velocity[body, k] - velocity[base, k]
         mobility = inverse_mass[body, k] + inverse_mass[base, k]

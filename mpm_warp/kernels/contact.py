@@ -32,16 +32,17 @@ def make_contact_law(precision: Precision) -> Any:
     def contact_law(
         m: real, d: vec2, n: vec2, pressing: real, friction: real, adhesion: real, pressure: real
     ) -> vec3:
-        if pressing <= zero:
-            return vec3(-pressure, zero, zero)
         normal_speed = wp.dot(d, n)
+        J_n = wp.max(m * normal_speed, -pressure)
+        if pressing <= zero:
+            return vec3(J_n, zero, zero)
         w = d - normal_speed * n
         slip = m * wp.length(w)
         limit = friction * pressing + adhesion
         transmitted = m * w
         if slip > limit:
             transmitted = (limit / slip) * transmitted
-        return vec3(m * normal_speed, transmitted[0], transmitted[1])
+        return vec3(J_n, transmitted[0], transmitted[1])
 
     return contact_law
 
