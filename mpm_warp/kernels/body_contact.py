@@ -42,7 +42,7 @@ def make_interface(precision: Precision) -> Any:
     zero, two = (wp.constant(real(x)) for x in (0.0, 2.0))
     far = wp.constant(real(FAR))
 
-    @wp.kernel(module=f"mpm_warp.interface.{precision.numpy_name}", enable_backward=False)
+    @wp.kernel(module=f"mpm_warp.bodies.interface.{precision.numpy_name}", enable_backward=False)
     def interface(
         body: int,
         base: int,

@@ -14,10 +14,11 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.bodies import BodyScene
-    from mpm_warp.body_history import BodyHistory
-    from mpm_warp.grids import Floats
-    from mpm_warp.interface import InterfaceFrame
+    from mpm_warp.bodies.history import BodyHistory
+    from mpm_warp.bodies.interface import InterfaceFrame
+    from mpm_warp.bodies.planning import BodyPlan
+    from mpm_warp.bodies.scene import BodyScene
+    from mpm_warp.bodies.sliding import SlidingMotion
 
 SAMPLE_COUNT = 100
 """Samples of the curves, from the moment when the driving force begins."""
@@ -104,7 +105,7 @@ class SlidingBlock(ReadyScene):
         0.4, unit="1", meaning="distance to slide over length", above=0, maximum=5
     )
     damping_ratio: float = parameter(
-        0.1,
+        0.05,
         unit="1",
         meaning="share of critical damping of the block's slowest shear wave; 0 for none",
         minimum=0,
@@ -132,8 +133,29 @@ class SlidingBlock(ReadyScene):
             raise ParameterError(
                 "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
             )
+        if self.height < 3.0 * self.cell_size:
+            raise ParameterError(
+                "height_ratio",
+                f"height_ratio = {self.height_ratio:g} with cells_per_length = "
+                f"{self.cells_per_length} is not allowed: the block must be 3 cells high or more",
+            )
         if self.interface_radius is None:
-            return
+            self._check_pressed()
+        else:
+            self._check_ring()
+
+    def _check_pressed(self) -> None:
+        # The base shear acts below the middle; its moment is borne while N is in the middle third.
+        shear = min(self.motion.resistance, self.driving_force)
+        highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
+        if self.height > highest:
+            raise ParameterError(
+                "height_ratio",
+                f"height_ratio = {self.height_ratio:g} is not allowed: the block would lift off at "
+                f"its rear; at most {highest / self.length:.3g} with these forces",
+            )
+
+    def _check_ring(self) -> None:
         if self.friction > 0.0:
             raise ParameterError(
                 "friction",
@@ -143,7 +165,7 @@ class SlidingBlock(ReadyScene):
         if self.grid_angle != 0.0:
             raise ParameterError("grid_angle", "grid_angle must be 0 with an interface_radius")
         least = self.height + 4.0 * self.cell_size
-        if self.interface_radius < least:
+        if self.interface_radius is not None and self.interface_radius < least:
             raise ParameterError(
                 "interface_radius",
                 f"interface_radius = {self.interface_radius:g} must be at least {least:g} m: the "
@@ -198,26 +220,24 @@ class SlidingBlock(ReadyScene):
         return self.weight * math.sin(math.radians(self.slope)) + self.drive * self.area
 
     @property
-    def resistance(self) -> float:
-        """Greatest force that the interface transmits, a A + mu N [N]."""
-        return self.adhesion * self.area + self.friction * self.normal_force
+    def motion(self) -> SlidingMotion:
+        """The exact solution."""
+        from mpm_warp.bodies.sliding import SlidingMotion
 
-    @property
-    def slides(self) -> bool:
-        """Whether the driving force exceeds the resistance."""
-        return self.driving_force > self.resistance
+        motion = SlidingMotion(
+            mass=self.mass,
+            driving_force=self.driving_force,
+            resistance=self.adhesion * self.area + self.friction * self.normal_force,
+            rise_time=DRIVE_RISE * self._crossing,
+        )
+        if self.driving == "ramped" and motion.slides:
+            return replace(motion, rise_time=None)
+        return motion
 
     @property
     def start(self) -> float:
         """Time at which the driving force begins [s]."""
         return SETTLING * self._crossing
-
-    @property
-    def rise_time(self) -> float:
-        """Time in which the driving force rises [s]."""
-        if self.driving == "ramped" and self.slides:
-            return self.duration
-        return DRIVE_RISE * self._crossing
 
     @property
     def settled_time(self) -> float:
@@ -231,40 +251,15 @@ class SlidingBlock(ReadyScene):
         A block that slides covers its `travel`; one that sticks gets, once at rest, the time in
         which it would have slid its whole length without friction and adhesion.
         """
-        if not self.slides:
-            return self.settled_time + math.sqrt(2.0 * self.length * self.mass / self.driving_force)
-        excess = 1.0 - self.resistance / self.driving_force
-        unit = self.travel * self.length * self.mass / self.driving_force
-        if self.driving == "ramped":
-            return math.sqrt(6.0 * unit / excess**3)
-        return self.rise_time + math.sqrt(2.0 * unit / excess)
-
-    def exact_motion(self, since: Floats) -> tuple[Floats, Floats, Floats]:
-        """Velocity [m/s], displacement [m] and base shear [N] of a rigid block.
-
-        Args:
-            since: times since the driving force began [s], 0 to `duration`.
-        """
-        import numpy as np
-
-        rise = self.rise_time
-        onset = min(self.resistance / self.driving_force, 1.0) * rise
-        # While the force rises v is quadratic in time, afterwards linear.
-        rising = np.clip(since, onset, rise) - onset
-        steady = np.maximum(since - rise, 0.0) if self.slides else np.zeros_like(since)
-        growth = self.driving_force / rise / self.mass
-        final = growth * (rise - onset)
-        velocity = 0.5 * growth * rising**2 + final * steady
-        at_rise = 0.5 * growth * (rise - onset) ** 2
-        displacement = growth * rising**3 / 6.0 + at_rise * steady + 0.5 * final * steady**2
-        drive = self.driving_force * np.minimum(since / rise, 1.0)
-        return velocity, displacement, np.minimum(drive, self.resistance)
+        if self.motion.slides:
+            return self.motion.duration(self.travel * self.length)
+        return self.settled_time + math.sqrt(2.0 * self.length * self.mass / self.driving_force)
 
     def build(self) -> BodyScene:
         """The scene: the block is body 0, the base body 1."""
         import numpy as np
 
-        from mpm_warp.bodies import BodyContact, BodyScene, Load
+        from mpm_warp.bodies.scene import BodyContact, BodyScene, Load
         from mpm_warp.materials import LinearElastic
 
         ratio = self.stiffness_ratio or 1.0
@@ -279,7 +274,7 @@ class SlidingBlock(ReadyScene):
         frame, cell, spacing = self._frame, self.cell_size, self.spacing
         block = frame.body((0.0, self.length), (0.0, self.height), spacing, block_material)
         margin, thickness = 3.0 * cell, BASE_CELLS * cell
-        travel = self.travel * self.length if self.slides else 0.0
+        travel = self.travel * self.length if self.motion.slides else 0.0
         end = self.length + travel + margin
         base = frame.body((-margin, end), (-thickness, 0.0), spacing, base_material)
         is_rigid = self.stiffness_ratio is None
@@ -294,7 +289,7 @@ class SlidingBlock(ReadyScene):
             Load(
                 forces=np.outer(self.driving_force * share, frame.along),
                 start=self.start,
-                rise_time=self.rise_time,
+                rise_time=self.motion.rise_time or self.duration,
             ),
         )
         bodies = (
@@ -309,14 +304,19 @@ class SlidingBlock(ReadyScene):
             time_step_fraction=self.time_step_fraction,
         )
 
+    def plan(self) -> BodyPlan:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.bodies.planning import make_body_plan
+
+        return make_body_plan(self.build())
+
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.body_history import BodyHistory
+        from mpm_warp.bodies.history import BodyHistory
         from mpm_warp.history import cost
-        from mpm_warp.planning_bodies import make_body_plan
         from mpm_warp.simulation import TimeLoop
 
-        loop = TimeLoop(make_body_plan(self.build()))
+        loop = TimeLoop(self.plan())
         begin = time.perf_counter()
         loop.advance(round(self.start / loop.plan.time_step))
         history = BodyHistory(loop)
@@ -342,7 +342,7 @@ class SlidingBlock(ReadyScene):
 
     @property
     def _frame(self) -> InterfaceFrame:
-        from mpm_warp.interface import InterfaceFrame
+        from mpm_warp.bodies.interface import InterfaceFrame
 
         return InterfaceFrame(
             angle=math.radians(self.grid_angle), interface_radius=self.interface_radius
@@ -360,8 +360,8 @@ class SlidingBlock(ReadyScene):
         velocity = history.velocity @ self._frame.along
         displacement = history.displacement @ self._frame.along
         shear = history.contact_force @ self._frame.along
-        exact_velocity, exact_displacement, _ = self.exact_motion(since)
-        exact_shear = self.exact_motion(middle)[2]
+        exact_velocity, exact_displacement, exact_shear = self.motion.at(since)
+        exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
         late = len(middle) // 2
         acceleration, exact_acceleration = (
             float(v[-1] - v[late]) / float(since[-1] - since[late])
@@ -369,7 +369,7 @@ class SlidingBlock(ReadyScene):
         )
         settled = np.flatnonzero(since <= self.settled_time)[-1]
         creep, acceleration_error = math.nan, math.nan
-        if self.slides:
+        if self.motion.slides:
             acceleration_error = abs(acceleration / exact_acceleration - 1.0)
         else:
             creep = float(abs(displacement[-1] - displacement[settled])) / self.length
@@ -379,7 +379,7 @@ class SlidingBlock(ReadyScene):
             shear_error = abs(mean_shear / exact_mean_shear - 1.0)
         scalars = {
             "error": (
-                acceleration_error if self.slides else creep,
+                acceleration_error if self.motion.slides else creep,
                 "1",
                 "relative error of the acceleration, or the creep of a block that sticks",
             ),
@@ -413,6 +413,7 @@ class SlidingBlock(ReadyScene):
             "elastic_energy": (history.elastic_energy[1:], "J", "change of the elastic energy"),
             "load_work": (history.load_work[1:], "J", "work of the loads"),
             "slip_work": (history.slip_work[1:], "J", "work taken by slip"),
+            "viscous_work": (history.viscous_work[1:], "J", "work taken by damping"),
             "momentum_balance": (history.momentum_error[1:], "1", "error of the momentum balance"),
             "energy_balance": (history.energy_error[1:], "1", "error of the energy balance"),
         }

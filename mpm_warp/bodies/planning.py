@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.bodies import Body, BodyContact, BodyScene, UniformGrid
+from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, UniformGrid
 from mpm_warp.grids import Integers
 from mpm_warp.kernels.body_contact import (
     make_body_contact,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpm_warp.bodies import Load
+from mpm_warp.bodies.planning import BodyPlan
+from mpm_warp.bodies.scene import Load
 from mpm_warp.grids import Floats
-from mpm_warp.planning_bodies import BodyPlan
 from mpm_warp.simulation import TimeLoop
 
 
@@ -43,6 +43,7 @@ class BodyHistory:
             "elastic_energy": self._elastic_energy(),
             "contact_impulse": total[:2].copy(),
             "slip_work": float(total[2]),
+            "viscous_work": self._viscous_work(),
         }
         for name, value in values.items():
             self._samples.setdefault(name, []).append(value)
@@ -86,6 +87,11 @@ class BodyHistory:
         return self._change("slip_work")
 
     @property
+    def viscous_work(self) -> Floats:
+        """Work that damping took in all bodies [J], shape [sample_count]."""
+        return self._change("viscous_work")
+
+    @property
     def load_work(self) -> Floats:
         """Work of the loads [J], shape [sample_count]."""
         moved = np.diff(self._all("position"), axis=0)
@@ -114,7 +120,13 @@ class BodyHistory:
         """
         work = self.load_work
         stored = self._change("kinetic_energy") + self.elastic_energy
-        return (work - stored - self.slip_work) / float(np.abs(work).max())
+        taken = self.slip_work + self.viscous_work
+        return (work - stored - taken) / float(np.abs(work).max())
+
+    def _viscous_work(self) -> float:
+        if "particle.dissipated" not in self._loop.plan.arrays:
+            return 0.0
+        return float(self._loop.array("particle.dissipated").sum())
 
     def _elastic_energy(self) -> float:
         """s:s / 4 G + p^2 / 2 K over all bodies, s the deviator and p the mean stress [J]."""

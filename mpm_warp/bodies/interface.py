@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.bodies import Body, UniformGrid
+from mpm_warp.bodies.scene import Body, UniformGrid
 from mpm_warp.grids import Floats
 from mpm_warp.materials import LinearElastic
 
