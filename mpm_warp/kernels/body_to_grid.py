@@ -36,7 +36,7 @@ def make_body_to_grid(
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     mat22 = precision.mat22
     splines = make_splines(precision)
-    first_node, offsets = splines.first_node, splines.offsets
+    first_node, place, offsets = splines.first_node, splines.place, splines.offsets
     weights, slopes = splines.weights, splines.slopes
 
     shape = "axisymmetric" if axisymmetric else "plane"
@@ -67,7 +67,7 @@ def make_body_to_grid(
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
-        fx, fy = where[0] - real(i), where[1] - real(j)
+        fx, fy = place(where[0], i), place(where[1], j)
         Nx, Ny = weights(fx), weights(fy)
         dNx, dNy = slopes(fx) / h, slopes(fy) / h
         dx, dy = offsets(fx), offsets(fy)

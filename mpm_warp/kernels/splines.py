@@ -21,12 +21,15 @@ class Splines:
     Attributes:
         first_node: (x / h from the lowest node of the grid, nodes) -> lowest of the three nodes;
             three nodes exist from there on, whatever x is.
+        place: (x / h from the lowest node of the grid, first node) -> f; of a particle that has
+            left the grid that at its edge, so that it stays finite until the watch finds it.
         weights: f -> N of the three nodes.
         slopes: f -> h dN/dx of the three nodes.
         offsets: f -> (X - x) / h of the three nodes.
     """
 
     first_node: Any
+    place: Any
     weights: Any
     slopes: Any
     offsets: Any
@@ -44,6 +47,10 @@ def make_splines(precision: Precision) -> Splines:
         return wp.clamp(int(wp.floor(x - half)), 0, node_count - 3)
 
     @wp.func
+    def place(x: real, first: int) -> real:
+        return wp.clamp(x - real(first), half, high)
+
+    @wp.func
     def weights(f: real) -> vec3:
         return vec3(
             half * (high - f) * (high - f),
@@ -59,4 +66,4 @@ def make_splines(precision: Precision) -> Splines:
     def offsets(f: real) -> vec3:
         return vec3(-f, one - f, two - f)
 
-    return Splines(first_node, weights, slopes, offsets)
+    return Splines(first_node, place, weights, slopes, offsets)

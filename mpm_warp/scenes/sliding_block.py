@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from mpm_warp.parameters import ParameterError, parameter
-from mpm_warp.scenes.base import Progress, ReadyScene
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
 # The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mpm_warp.bodies.planning import BodyPlan
     from mpm_warp.bodies.scene import BodyScene
     from mpm_warp.bodies.sliding import SlidingMotion
+    from mpm_warp.materials import LinearElastic
 
 SAMPLE_COUNT = 100
 """Samples of the curves, from the moment when the driving force begins."""
@@ -43,6 +44,21 @@ class SlidingBlock(ReadyScene):
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
     version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(resolution="cells_per_length", resolutions=(10, 20), bounds={"error": 0.01}),
+        Verification(
+            resolution="cells_per_length",
+            resolutions=(10, 20),
+            bounds={"error": 0.03},
+            settings={"grid_angle": 20.0, "grid_offset": 0.3, "stiffness_ratio": 1.0},
+        ),
+        Verification(
+            resolution="cells_per_length",
+            resolutions=(10, 20),
+            bounds={"error": 1e-4},
+            settings={"friction": 0.8},
+        ),
+    )
 
     friction: float = parameter(
         0.3, unit="1", meaning="friction coefficient of the interface", minimum=0, maximum=10
@@ -133,7 +149,7 @@ class SlidingBlock(ReadyScene):
             raise ParameterError(
                 "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
             )
-        if self.height < 3.0 * self.cell_size:
+        if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
             raise ParameterError(
                 "height_ratio",
                 f"height_ratio = {self.height_ratio:g} with cells_per_length = "
@@ -292,9 +308,9 @@ class SlidingBlock(ReadyScene):
                 rise_time=self.motion.rise_time or self.duration,
             ),
         )
-        bodies = (
-            replace(block, loads=loads, retardation_time=self.retardation_time),
-            replace(base, held=held),
+        bodies = tuple(
+            replace(body, retardation_time=self._retardation_time(body.material))
+            for body in (replace(block, loads=loads), replace(base, held=held))
         )
         contact = BodyContact(body=0, base=1, friction=self.friction, adhesion=self.adhesion)
         return BodyScene(
@@ -331,14 +347,14 @@ class SlidingBlock(ReadyScene):
         return self._dataset(history).assign(cost(loop, run_time=run_time))
 
     @property
-    def retardation_time(self) -> float | None:
-        """Retardation time of the block [s]."""
-        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
-        return 4.0 / math.pi * self.damping_ratio * self._crossing if self.damping_ratio else None
-
-    @property
     def _crossing(self) -> float:
+        """Time in which a shear wave crosses the height in the softer body [s]."""
         return self.height / math.sqrt(self.shear_modulus / (self.mass_scale * self.density))
+
+    def _retardation_time(self, material: LinearElastic) -> float | None:
+        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
+        crossing = self.height / material.shear_wave_speed
+        return 4.0 / math.pi * self.damping_ratio * crossing if self.damping_ratio else None
 
     @property
     def _frame(self) -> InterfaceFrame:
