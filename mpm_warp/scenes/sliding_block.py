@@ -14,7 +14,6 @@ from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.bodies.history import BodyHistory
     from mpm_warp.bodies.interface import InterfaceFrame
     from mpm_warp.bodies.planning import BodyPlan
     from mpm_warp.bodies.scene import BodyScene
@@ -329,6 +328,7 @@ class SlidingBlock(ReadyScene):
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.bodies.history import BodyHistory
+        from mpm_warp.bodies.sliding_dataset import sliding_dataset
         from mpm_warp.history import cost
         from mpm_warp.simulation import TimeLoop
 
@@ -344,7 +344,15 @@ class SlidingBlock(ReadyScene):
                 progress(sample / SAMPLE_COUNT)
         loop.check()
         run_time = time.perf_counter() - begin
-        return self._dataset(history).assign(cost(loop, run_time=run_time))
+        result = sliding_dataset(
+            history,
+            self.motion,
+            along=self._frame.along,
+            length=self.length,
+            start=self.start,
+            settled_time=self.settled_time,
+        )
+        return result.assign(cost(loop, run_time=run_time))
 
     @property
     def _crossing(self) -> float:
@@ -363,83 +371,3 @@ class SlidingBlock(ReadyScene):
         return InterfaceFrame(
             angle=math.radians(self.grid_angle), interface_radius=self.interface_radius
         )
-
-    def _dataset(self, history: BodyHistory) -> xarray.Dataset:
-        """Computed and exact curves, and what they come to."""
-        import numpy as np
-        import xarray as xr
-
-        from mpm_warp.history import variable
-
-        since = history.time - self.start
-        middle = 0.5 * (since[1:] + since[:-1])
-        velocity = history.velocity @ self._frame.along
-        displacement = history.displacement @ self._frame.along
-        shear = history.contact_force @ self._frame.along
-        exact_velocity, exact_displacement, exact_shear = self.motion.at(since)
-        exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
-        late = len(middle) // 2
-        acceleration, exact_acceleration = (
-            float(v[-1] - v[late]) / float(since[-1] - since[late])
-            for v in (velocity, exact_velocity)
-        )
-        settled = np.flatnonzero(since <= self.settled_time)[-1]
-        creep, acceleration_error = math.nan, math.nan
-        if self.motion.slides:
-            acceleration_error = abs(acceleration / exact_acceleration - 1.0)
-        else:
-            creep = float(abs(displacement[-1] - displacement[settled])) / self.length
-        mean_shear, exact_mean_shear = float(shear[late:].mean()), float(exact_shear[late:].mean())
-        shear_error = math.nan
-        if exact_mean_shear > 0.0:
-            shear_error = abs(mean_shear / exact_mean_shear - 1.0)
-        scalars = {
-            "error": (
-                acceleration_error if self.motion.slides else creep,
-                "1",
-                "relative error of the acceleration, or the creep of a block that sticks",
-            ),
-            "acceleration": (acceleration, "m s-2", "mean acceleration over the second half"),
-            "acceleration_exact": (exact_acceleration, "m s-2", "exact mean acceleration"),
-            "acceleration_error": (acceleration_error, "1", "relative error of the acceleration"),
-            "creep": (creep, "1", "displacement over length of a block that sticks, once at rest"),
-            "base_shear": (mean_shear, "N", "mean base shear over the second half"),
-            "base_shear_exact": (exact_mean_shear, "N", "exact mean base shear"),
-            "base_shear_error": (shear_error, "1", "relative error of the base shear"),
-            "momentum_error": (
-                float(np.abs(history.momentum_error).max()),
-                "1",
-                "greatest error of the momentum balance",
-            ),
-            "energy_error": (
-                float(np.abs(history.energy_error).max()),
-                "1",
-                "greatest error of the energy balance",
-            ),
-        }
-        curves = {
-            "time": (since[1:], "s", "time since the driving force began"),
-            "velocity": (velocity[1:], "m s-1", "velocity of the block"),
-            "velocity_exact": (exact_velocity[1:], "m s-1", "exact velocity"),
-            "displacement": (displacement[1:], "m", "displacement of the block"),
-            "displacement_exact": (exact_displacement[1:], "m", "exact displacement"),
-            "shear_force": (shear, "N", "base shear, mean since the sample before"),
-            "shear_force_exact": (exact_shear, "N", "exact base shear"),
-            "kinetic_energy": (history.kinetic_energy[1:], "J", "kinetic energy"),
-            "elastic_energy": (history.elastic_energy[1:], "J", "change of the elastic energy"),
-            "load_work": (history.load_work[1:], "J", "work of the loads"),
-            "slip_work": (history.slip_work[1:], "J", "work taken by slip"),
-            "viscous_work": (history.viscous_work[1:], "J", "work taken by damping"),
-            "momentum_balance": (history.momentum_error[1:], "1", "error of the momentum balance"),
-            "energy_balance": (history.energy_error[1:], "1", "error of the energy balance"),
-        }
-        variables = {
-            name: variable(value, unit=unit, meaning=meaning)
-            for name, (value, unit, meaning) in scalars.items()
-        } | {
-            name: variable(values, unit=unit, meaning=meaning, dims=("progress",))
-            for name, (values, unit, meaning) in curves.items()
-        }
-        fraction = np.arange(1, SAMPLE_COUNT + 1) / SAMPLE_COUNT
-        axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
-        return xr.Dataset(variables, coords={"progress": axis})
