@@ -112,16 +112,16 @@ class ImmersedGrid(Grid):
         shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, points]
         row, column = np.divmod(self._cut, self.column_count)
         place = self.place(column[:, None], row[:, None], xi, eta)
-        is_open = self.holds_soil(place.reshape(-1, 2)).reshape(place.shape[:2])
+        is_open = self.holds_soil(place.reshape(-1, 2)).reshape(place.shape[:2])[:, None, :]
         width = self.outer_radius * np.diff(self.columns)[column][:, None, None]
         height = np.diff(self.rows)[row][:, None, None]
         r = place[:, None, :, 0]
         whole = np.broadcast_to(width * height / len(xi), r.shape)
-        weight = is_open[:, None, :] * whole
+        weight = is_open * whole
         parts = (d_xi / width * r, d_eta / height * r, shape)
         integrals = np.stack([np.sum(part * weight, axis=-1) for part in parts], axis=-1)
-        volumes = np.sum(r * np.where(is_open.any(axis=1)[:, None, None], weight, whole), axis=-1)
-        return integrals, volumes[:, 0]
+        counted = np.where(is_open.any(axis=-1, keepdims=True), weight, whole)
+        return integrals, np.sum(r * counted, axis=(1, 2))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,8 +165,7 @@ class SampledSurface(PenetrometerSurface):
         eta = (height - grid.rows[row]) / np.diff(grid.rows)[row]
         shape, _, _ = bilinear(xi, eta)
         nodes = grid.cell_nodes[row * grid.column_count + column]
-        within = np.logical_not(grid.holds_soil(grid.node_positions))
-        inside = shape.T * within[nodes]
+        inside = shape.T * (1.0 - grid.holds_soil(grid.node_positions)[nodes])
         share = inside / inside.sum(axis=1, keepdims=True)
         areas = np.zeros(grid.node_count)
         np.add.at(areas, nodes, share * (radius * length / count)[:, None])
