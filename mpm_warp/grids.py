@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,8 @@ class Grid:
     surface_radius: Floats
     outer_radius: float
     planar: bool = False
+    polar: ClassVar[bool] = False
+    """Whether positions are first turned into distance and angle, see `mpm_warp.polar`."""
 
     def weight(self, radius: Floats) -> Floats:
         """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
@@ -101,6 +103,14 @@ class Grid:
         beside = np.diff(self.columns)[-1] * self.outer_radius
         lower = np.array([0.0, self.rows[0] - below])
         return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
+
+    def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
+        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
+        width = (self.outer_radius - surface) * np.diff(self.columns)[column]
+        weight = self.weight(self.place(column, row, xi, eta)[..., 0])
+        volumes: Floats = weight * width * np.diff(self.rows)[row]
+        return volumes
 
     @cached_property
     def node_positions(self) -> Floats:

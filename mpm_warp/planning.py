@@ -146,7 +146,7 @@ def _add_particles_to_grid(plan: Plan) -> None:
     plan.add_zeros("cell.mass", "real", grid.cell_count)
     plan.add_zeros("node.momentum", "vec3", grid.node_count)
     plan.add_launch(
-        make_particles_to_grid(plan.scene.window is not None, plan.precision),
+        make_particles_to_grid(grid.polar, plan.scene.window is not None, plan.precision),
         plan.arrays["particle.mass"].shape,
         *PARTICLE_STATE,
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
@@ -285,7 +285,10 @@ def _add_grid_to_particles(plan: Plan) -> None:
         travelling = ("window.motion", float(top), "free.slots", "free.count")
     plan.add_launch(
         make_grid_to_particles(
-            make_yielding(material, plan.precision), scene.window is not None, plan.precision
+            grid.polar,
+            make_yielding(material, plan.precision),
+            scene.window is not None,
+            plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
         *("node.motion", "cell.stress_step", "grid.columns", "grid.rows", grid.outer_radius),
