@@ -104,6 +104,11 @@ class Grid:
         lower = np.array([0.0, self.rows[0] - below])
         return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
 
+    @property
+    def surface_normals(self) -> Floats:
+        """Unit normals of an inner surface that is a cylinder, into the soil, for each row."""
+        return np.tile([1.0, 0.0], (self.row_count + 1, 1))
+
     def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
         """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
         surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]

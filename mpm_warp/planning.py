@@ -16,7 +16,12 @@ from mpm_warp.kernels.energy import make_kinetic_energy
 from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
 from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
 from mpm_warp.kernels.loads import make_damping, make_gravity, make_nodal_load
-from mpm_warp.kernels.moving_wall import make_move_wall, make_push, make_refit_cells
+from mpm_warp.kernels.moving_wall import (
+    make_move_wall,
+    make_push,
+    make_refit_cells,
+    make_refit_sectors,
+)
 from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
 from mpm_warp.kernels.precision import FLOAT64, Precision
 from mpm_warp.kernels.window import make_admit, make_advance_window
@@ -26,6 +31,7 @@ from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.moving_wall import MovingWall
 from mpm_warp.particles import seed_rows
 from mpm_warp.plan import Launch, Plan
+from mpm_warp.polar import PolarGrid
 from mpm_warp.scene import Scene
 from mpm_warp.window import Window
 
@@ -252,11 +258,19 @@ def _add_push(plan: Plan) -> None:
     motion = np.zeros((grid.row_count + 1, 3))
     motion[:, 2] = grid.surface_radius
     plan.add_array("wall.motion", "vec3", motion)
+    plan.add_array("wall.outward", "vec2", grid.surface_normals)
     plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
     plan.add_launch(
         make_push(plan.precision),
         grid.row_count + 1,
-        *(grid.column_count, "wall.motion", "node.mass", "node.motion", "wall.impulse"),
+        *(
+            grid.column_count,
+            "wall.motion",
+            "wall.outward",
+            "node.mass",
+            "node.motion",
+            "wall.impulse",
+        ),
     )
 
 
@@ -311,12 +325,20 @@ def _move_wall(plan: Plan, wall: MovingWall) -> None:
         grid.row_count + 1,
         *(plan.time_step, wall.speed, wall.ramp_time, "wall.motion", "grid.rows"),
     )
-    plan.add_launch(
-        make_refit_cells(plan.precision),
-        grid.cell_count,
-        *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
-        *("cell.integrals", "cell.volume"),
-    )
+    geometry = ("grid.columns", "grid.rows", grid.outer_radius, grid.column_count)
+    if isinstance(grid, PolarGrid):
+        angular, caps = grid.angular_integrals
+        plan.add_launch(
+            make_refit_sectors(plan.precision),
+            grid.cell_count,
+            *geometry,
+            plan.add_array("wall.angular", "vec5", angular),
+            plan.add_array("wall.caps", "real", caps),
+            *("cell.integrals", "cell.volume"),
+        )
+    else:
+        kernel = make_refit_cells(plan.precision)
+        plan.add_launch(kernel, grid.cell_count, *geometry, "cell.integrals", "cell.volume")
 
 
 def _add_energy_audit(plan: Plan) -> None:

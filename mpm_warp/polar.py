@@ -47,6 +47,30 @@ class PolarGrid(Grid):
         distance, angle = super().node_positions.T
         return np.stack([distance * np.sin(angle), distance * np.cos(angle)], axis=-1)
 
+    @property
+    def surface_normals(self) -> Floats:
+        """See `Grid`: of a sphere, or of a circle in plane strain."""
+        return np.stack([np.sin(self.rows), np.cos(self.rows)], axis=-1)
+
+    @cached_property
+    def angular_integrals(self) -> tuple[Floats, Floats]:
+        """Integrals over the angle of each row, which stay what they are when the surface moves.
+
+        With g the linear function of a ray: (g sin^2, g' sin cos, g sin cos, g' sin^2, g) for the
+        row's two rays, shape [row_count, 2, 5], and sin, shape [row_count].
+        """
+        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
+        eta = 0.5 + 0.5 * points
+        turn = np.diff(self.rows)[:, None]
+        angle = self.rows[:-1, None] + eta * turn
+        sine, cosine, weight = np.sin(angle), np.cos(angle), 0.5 * weights * turn
+        rays = []
+        for g, slope in ((1.0 - eta, -1.0 / turn), (eta, 1.0 / turn)):
+            parts = (g * sine**2, slope * sine * cosine, g * sine * cosine, slope * sine**2)
+            whole = np.broadcast_to(g, sine.shape)
+            rays.append(np.stack([(p * weight).sum(axis=1) for p in (*parts, whole)], axis=-1))
+        return np.stack(rays, axis=1), np.sum(sine * weight, axis=1)
+
     @cached_property
     def wall_vectors(self) -> Floats:
         """Integrals of N n over the inner surface for its nodes, n away from the origin.
