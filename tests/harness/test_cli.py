@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness import archive
+from harness import archive, case_files
 from harness.cases import COMPLETED, cases_of
 from harness.cli import main
 from harness.study import load_study, study_names
@@ -252,11 +253,11 @@ def test_running_again_goes_on_where_it_stopped(
 ) -> None:
     out = tmp_path / "out"
     study = load_study(str(small_file))
-    folder = archive.case_folder(out, study)
+    folder = case_files.case_folder(out, study)
     command = ["run", str(small_file), "--out", str(out)]
 
     def inodes() -> list[int]:
-        return [archive.case_file(folder, case).stat().st_ino for case in cases_of(study)]
+        return [case_files.case_file(folder, case).stat().st_ino for case in cases_of(study)]
 
     assert main([*command, "--set", "adhesion_factor=[0.5]"]) == 0
     assert main(command) == 0
@@ -267,8 +268,8 @@ def test_running_again_goes_on_where_it_stopped(
     assert inodes() == first
 
     damaged, failed, kept = cases_of(study)
-    archive.case_file(folder, damaged).write_bytes(b"noise")
-    archive.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
+    case_files.case_file(folder, damaged).write_bytes(b"noise")
+    case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
     before = inodes()
     capsys.readouterr()
     assert main(command) == 0
@@ -280,12 +281,10 @@ def test_running_again_goes_on_where_it_stopped(
 
     assert main([*command, "--fresh"]) == 0
     assert "0 done already" in capsys.readouterr().err
-    assert archive.read_case(folder, kept) is not None
+    assert case_files.read_case(folder, kept) is not None
 
 
-INTERRUPTED = (
-    "harness: interrupted; finished cases are kept, the same command goes on with the rest\n"
-)
+INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
 
 @contextmanager
@@ -316,12 +315,12 @@ def is_alive(group: int) -> bool:
 
 
 def statuses_left(group: int, out: Path) -> list[str]:
-    """Wait for all processes of the group to end, then read all files that there are."""
+    """Wait for all processes of the group to end, then read the case files that there are."""
     deadline = time.monotonic() + 30
     while is_alive(group) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not is_alive(group)
-    files = [path for path in out.rglob("*") if path.is_file()]
+    files = [path for path in out.rglob("*") if path.is_file() and path != out / "small.nc"]
     return [xr.load_dataset(path).attrs["status"] for path in files]
 
 
@@ -336,9 +335,14 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
         send(process.pid, number)
         told = process.communicate()[1]
     assert process.returncode == code
-    assert told.endswith(INTERRUPTED)
+    interrupted = INTERRUPTED.search(told)
+    assert interrupted is not None
+    assert interrupted[1].startswith("2 cases: 1 completed, 1 missing; ")
     assert "Traceback" not in told
     assert statuses_left(process.pid, out) == [COMPLETED]
+    dataset = archive.read_study(out / "small.nc")
+    assert dataset.status.values.tolist() == [COMPLETED, "missing"]
+    assert dataset.cone_factor.notnull().values.tolist() == [True, False]
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.02, 0.1])
@@ -351,7 +355,7 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate()[1]
     assert process.returncode == 130
-    assert told.endswith(INTERRUPTED)
+    assert INTERRUPTED.search(told)
     assert "Traceback" not in told
     assert statuses_left(process.pid, out) == []
 
