@@ -83,7 +83,7 @@ def test_the_death_of_a_worker_takes_one_case(
 def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
     tmp_path: Path, small_file: Path
 ) -> None:
-    settings = ["adhesion_factor=0", "cells_per_radius=5", "penetration=[200, 1]"]
+    settings = ["adhesion_factor=0", "speed_ratio=0.003", "penetration=[200, 1]"]
     study = load_study(str(small_file), settings)
     folder = case_files.case_folder(tmp_path, study)
     case_files.prepare(folder)
