@@ -166,7 +166,7 @@ def _worker_count(text: str) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from harness.case_files import abandoned, case_folder, discard, prepare
+    from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare
     from harness.progress import Display
     from harness.runner import run_cases
     from harness.upkeep import collect_and_write, outcomes, result_file, summary
@@ -188,9 +188,10 @@ def _run(options: argparse.Namespace) -> int:
         _tell(f"{study.name}: {len(cases)} cases, {done} done already, {workers} workers")
         with Display(len(pending), sys.stderr) as display:
             run_cases(pending, folder, workers, display, time_limit=options.case_timeout)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, HarnessError) as error:
         stand = outcomes(study, cases, options.out)
-        if any(outcome.status == COMPLETED for outcome in stand):
+        can_write = not isinstance(error, ArchiveError)
+        if can_write and any(outcome.status == COMPLETED for outcome in stand):
             collect_and_write(study, cases, options.out)
         _tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
         raise

@@ -16,8 +16,8 @@ from typing import Protocol
 
 import xarray as xr
 
-from harness.case_files import discard_partial, is_complete, write_case
-from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome
+from harness.case_files import ArchiveError, discard_partial, is_complete, write_case
+from harness.cases import COMPLETED, CRASHED, MISSING, TIMED_OUT, Case, Outcome
 from harness.measuring import case_time
 from harness.worker import serve
 
@@ -62,7 +62,7 @@ def run_cases(
         repeats: times to run each case again to measure its run time warm.
 
     Raises:
-        harness.case_files.ArchiveError: the end of a crashed case cannot be noted.
+        harness.case_files.ArchiveError: a result cannot be written.
     """
     # Starting this helper of multiprocessing lets signals through that are held; so it comes first.
     resource_tracker.ensure_running()
@@ -86,6 +86,8 @@ def run_cases(
                 if isinstance(news, float):
                     watcher.advanced(worker.case, news)
                     continue
+                if news.status == MISSING:
+                    raise ArchiveError(news.message)  # computing what cannot be kept is of no use
                 watcher.finished(worker.case, news)
                 following = next_case() if worker.process.is_alive() else None
                 if following is not None:

@@ -185,10 +185,10 @@ def test_an_exception_may_name_the_status(
     assert run_case(cases_of(small)[0], tmp_path).status == "diverged"
 
 
-def test_a_result_that_cannot_be_written_is_missing(tmp_path: Path, small: Study) -> None:
+def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
     record = Record()
-    case = cases_of(small)[0]
-    run_cases([case], tmp_path / "not there", 1, record)
-    outcome = record.outcomes[case.key]
-    assert outcome.status == "missing"
-    assert case.key in outcome.message
+    cases = cases_of(small)
+    with pytest.raises(case_files.ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
+        run_cases(cases, tmp_path / "not there", 1, record)
+    assert record.outcomes == {}
+    assert not multiprocessing.active_children()
