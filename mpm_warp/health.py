@@ -21,6 +21,34 @@ class WindowOverfull(RuntimeError):
     """More soil stays in the travelling window than it has places for; the message is one line."""
 
 
+class ParticleOutside(RuntimeError):
+    """A particle has left the grid; the message is one line."""
+
+
+def check_inside(
+    *, position: Floats, bounds: tuple[Floats, Floats], step: int, time: float
+) -> None:
+    """Check that particles are where the grid has all the nodes that they need.
+
+    Args:
+        position: coordinates [m], shape [particle_count, 2].
+        bounds: lowest and highest coordinates allowed [m], each of shape [2].
+        step: number of steps taken.
+        time: simulated time [s].
+
+    Raises:
+        ParticleOutside: one is not.
+    """
+    outside = ~np.all((position >= bounds[0]) & (position <= bounds[1]), axis=1)
+    if outside.any():
+        particle = int(np.argmax(outside))
+        raise ParticleOutside(
+            f"particle {particle} has left the grid: {np.array2string(position[particle])} m is "
+            f"not within {bounds[0]} to {bounds[1]} m at step {step}, t = {time:.4g} s; "
+            "make the grid wider or the run shorter"
+        )
+
+
 def check_particles(
     *,
     position: Floats,

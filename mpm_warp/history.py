@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grids import Floats
-from mpm_warp.simulation import Simulation
+from mpm_warp.simulation import TimeLoop
 
 
 def variable(
@@ -34,7 +34,7 @@ def variable(
     return xr.Variable(dims, np.asarray(value), labels)
 
 
-def cost(simulation: Simulation, *, run_time: float) -> Mapping[str, xr.Variable]:
+def cost(simulation: TimeLoop, *, run_time: float) -> Mapping[str, xr.Variable]:
     """Time and work of a run, whose steps took `run_time` seconds, as variables of its dataset."""
     scalars = {
         "run_time": (run_time, "s", "wall-clock time of the time loop"),

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from mpm_warp.grids import Floats
 from mpm_warp.kernels.precision import Precision
 from mpm_warp.scene import Scene
 
@@ -51,31 +52,32 @@ class Launch:
 
 
 @dataclass(kw_only=True, eq=False)
-class Plan:
-    """All that a run of a scene consists of.
+class StepPlan:
+    """The arrays and the launches of a step, whatever scene they come from.
 
     Attributes:
-        scene: what is run.
         precision: floating point types.
         time_step: length of every step [s].
+        speed_limit: speed of the fastest wave, which no particle exceeds in a sound run [m/s].
+        particle_bounds: lowest and highest coordinates that particles may have [m]; None where
+            the step itself keeps them within the grid.
         particle_count: particles at the start.
         arrays: by name, "particle.mass" say; the first word tells over what they run.
         step: the launches of one step, in order.
-        admission: the launch by which a layer of soil enters; None where there is no window.
     """
 
-    scene: Scene
     precision: Precision
     time_step: float
+    speed_limit: float
+    particle_bounds: tuple[Floats, Floats] | None = None
     particle_count: int = 0
     arrays: dict[str, Array] = field(default_factory=dict)
     step: list[Launch] = field(default_factory=list)
-    admission: Launch | None = None
 
     @property
     def launches(self) -> list[Launch]:
         """Every launch of the run, those of a step first."""
-        return self.step if self.admission is None else [*self.step, self.admission]
+        return self.step
 
     def add_array(self, name: str, kind: str, values: np.ndarray) -> str:
         """Add an array that starts with the given values; `kind` is a type of the precision."""
@@ -86,9 +88,10 @@ class Plan:
         self.arrays[name] = Array(dtype=dtype, shape=shape, initial=initial)
         return name
 
-    def add_zeros(self, name: str, kind: str, count: int) -> str:
+    def add_zeros(self, name: str, kind: str, shape: int | tuple[int, ...]) -> str:
         """Add an array that starts with zeros."""
-        self.arrays[name] = Array(dtype=self._dtype(kind), shape=(count,), initial=None)
+        shape = shape if isinstance(shape, tuple) else (shape,)
+        self.arrays[name] = Array(dtype=self._dtype(kind), shape=shape, initial=None)
         return name
 
     def add_launch(self, kernel: Any, dim: int | tuple[int, ...], *arguments: Any) -> None:
@@ -98,3 +101,21 @@ class Plan:
     def _dtype(self, kind: str) -> Any:
         whole = {"int": wp.int32, "vec2i": wp.vec2i}
         return whole[kind] if kind in whole else getattr(self.precision, kind)
+
+
+@dataclass(kw_only=True, eq=False)
+class Plan(StepPlan):
+    """All that a run of a scene consists of.
+
+    Attributes:
+        scene: what is run.
+        admission: the launch by which a layer of soil enters; None where there is no window.
+    """
+
+    scene: Scene
+    admission: Launch | None = None
+
+    @property
+    def launches(self) -> list[Launch]:
+        """See `StepPlan`."""
+        return self.step if self.admission is None else [*self.step, self.admission]

@@ -45,6 +45,7 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
         scene=scene,
         precision=precision,
         time_step=scene.time_step_fraction * critical_time_step,
+        speed_limit=wave_speed,
     )
     _add_particles(plan)
     if scene.window is not None:

@@ -8,8 +8,8 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grids import Floats
-from mpm_warp.health import check_particles
-from mpm_warp.plan import Launch
+from mpm_warp.health import check_inside, check_particles
+from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 
@@ -17,30 +17,27 @@ CHECK_INTERVAL = 250
 """Steps between two checks of the particles."""
 
 
-class Simulation:
-    """The state of a run and the ways to advance it.
+class TimeLoop:
+    """The state of a run of a plan, and the ways to advance it.
 
     Attributes:
-        scene: what is run.
         plan: its arrays and launches.
         arrays: the arrays on the device, by the names of the plan.
         step_count: steps taken.
         particle_updates: particles times steps.
-        setup_time: wall-clock time to plan the run and to fill its arrays [s].
+        setup_time: wall-clock time to fill the arrays [s].
         compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
     """
 
-    def __init__(self, scene: Scene, *, device: str = "cpu") -> None:
-        """Plan the scene, fill its arrays on `device` and compile its kernels."""
-        self.scene = scene
+    def __init__(self, plan: StepPlan, *, device: str = "cpu") -> None:
+        """Fill the arrays of the plan on `device` and compile its kernels."""
+        self.plan = plan
         self.step_count = 0
         self.particle_updates = 0
         self._healthy_step = 0
-        self._forces_taken_at = 0.0
         self._device = wp.get_device(device)
 
         start = time.perf_counter()
-        self.plan = make_plan(scene)
         self.arrays = {name: array.allocate(device) for name, array in self.plan.arrays.items()}
         self.setup_time = time.perf_counter() - start
 
@@ -62,8 +59,7 @@ class Simulation:
     @property
     def particle_count(self) -> int:
         """Number of particles in the grid now."""
-        places = self.plan.arrays["particle.mass"].shape[0]
-        return places if self.scene.window is None else places - int(self.array("free.count")[0])
+        return self.plan.particle_count
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
@@ -99,17 +95,50 @@ class Simulation:
 
         Raises:
             SimulationDiverged: see `mpm_warp.health.check_particles`.
+            ParticleOutside: see `mpm_warp.health.check_inside`.
         """
         check_particles(
             position=self.array("particle.position"),
             velocity=self.array("particle.velocity"),
             stress=self.array("particle.stress"),
-            speed_limit=self.scene.material.pressure_wave_speed,
+            speed_limit=self.plan.speed_limit,
             step=self.step_count,
             healthy_step=self._healthy_step,
             time=self.time,
         )
+        if self.plan.particle_bounds is not None:
+            check_inside(
+                position=self.array("particle.position"),
+                bounds=self.plan.particle_bounds,
+                step=self.step_count,
+                time=self.time,
+            )
         self._healthy_step = self.step_count
+
+
+class Simulation(TimeLoop):
+    """A run of a scene of soil that fills its grid.
+
+    Attributes:
+        scene: what is run.
+    """
+
+    def __init__(self, scene: Scene, *, device: str = "cpu") -> None:
+        """Plan the scene, fill its arrays on `device` and compile its kernels."""
+        start = time.perf_counter()
+        plan = make_plan(scene)
+        planning_time = time.perf_counter() - start
+        super().__init__(plan, device=device)
+        self.plan: Plan = plan
+        self.scene = scene
+        self.setup_time += planning_time
+        self._forces_taken_at = 0.0
+
+    @property
+    def particle_count(self) -> int:
+        """Number of particles in the grid now."""
+        places = self.plan.arrays["particle.mass"].shape[0]
+        return places if self.scene.window is None else places - int(self.array("free.count")[0])
 
     def take_contact_forces(self) -> Floats:
         """Mean forces of the soil at the contact nodes since they were last taken.
