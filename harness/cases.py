@@ -19,6 +19,7 @@ MISSING = "missing"
 CRASHED = "crashed"
 TIMED_OUT = "timed_out"
 DAMAGED = "damaged"
+UNTIMED = "untimed"
 
 LARGEST_STUDY = 100_000
 """Cases that a study may have; one with more is a slip in a list, not a plan."""
@@ -56,7 +57,8 @@ class Outcome:
 
     Attributes:
         status: ``completed``, ``failed``, ``diverged``, ``crashed``, ``timed_out``; ``missing``
-            where there is no file, ``damaged`` where the file is of no use.
+            where there is no file, ``damaged`` where the file is of no use, ``untimed`` where
+            it completed without the timed runs that its study asks for.
         message: why it did not complete, one line.
         headline: name and value of the first scalar that the scene returned.
         seconds: time that the case took in all.

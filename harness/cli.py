@@ -180,14 +180,24 @@ def _run(options: argparse.Namespace) -> int:
         partial.unlink(missing_ok=True)
     if options.fresh:
         discard(folder, cases)
-    pending = [case for case in cases if not _is_done(folder, case)]
+    repeats = study.timing_repeats
+    pending = [case for case in cases if not _is_done(folder, case, repeats)]
 
-    workers = min(options.workers, len(pending))
+    workers = min(1 if repeats else options.workers, len(pending))
     done = len(cases) - len(pending)
     try:
         _tell(f"{study.name}: {len(cases)} cases, {done} done already, {workers} workers")
+        if repeats and pending:
+            _tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
         with Display(len(pending), sys.stderr) as display:
-            run_cases(pending, folder, workers, display, time_limit=options.case_timeout)
+            run_cases(
+                pending,
+                folder,
+                workers,
+                display,
+                time_limit=options.case_timeout,
+                repeats=repeats,
+            )
     except (KeyboardInterrupt, HarnessError) as error:
         stand = outcomes(study, cases, options.out)
         can_write = not isinstance(error, ArchiveError)
@@ -223,8 +233,11 @@ def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
     return INCOMPLETE if lost else DONE
 
 
-def _is_done(folder: Path, case: Case) -> bool:
-    """Whether a case has completed; all of its file is read, so that damage shows now."""
+def _is_done(folder: Path, case: Case, repeats: int) -> bool:
+    """Whether a case has completed, and been timed as often as its study asks for.
+
+    All of its file is read, so that damage shows now.
+    """
     from harness.case_files import ArchiveError, discard, read_case
 
     try:
@@ -233,7 +246,9 @@ def _is_done(folder: Path, case: Case) -> bool:
         _tell(f"{error}; the case is run again")
         discard(folder, [case])
         return False
-    return result is not None and result.attrs["status"] == COMPLETED
+    if result is None or result.attrs["status"] != COMPLETED:
+        return False
+    return result.sizes.get("repeat", 0) >= repeats
 
 
 def _status(options: argparse.Namespace) -> int:

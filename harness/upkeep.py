@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import netCDF4
@@ -12,7 +13,7 @@ import xarray as xr
 
 from harness.archive import collect, write_study
 from harness.case_files import abandoned, case_file, case_folder, read_outcome
-from harness.cases import DAMAGED, Case, Outcome
+from harness.cases import COMPLETED, DAMAGED, UNTIMED, Case, Outcome
 from harness.compare import NothingToCompareError, with_references
 from harness.progress import tell
 from harness.study import Study
@@ -41,7 +42,13 @@ def collect_and_write(study: Study, cases: Sequence[Case], out: Path) -> xr.Data
 def outcomes(study: Study, cases: Sequence[Case], out: Path) -> list[Outcome]:
     """How the cases of a study stand, in their order."""
     folder = case_folder(out, study)
-    return [read_outcome(folder, case) for case in cases]
+    read = [read_outcome(folder, case) for case in cases]
+    return [
+        replace(outcome, status=UNTIMED)
+        if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats
+        else outcome
+        for outcome in read
+    ]
 
 
 def status_rows(cases: Sequence[Case], outcomes: Sequence[Outcome]) -> list[str]:

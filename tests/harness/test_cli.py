@@ -75,6 +75,10 @@ MALFORMED: dict[str, tuple[str | bytes, str]] = {
     "no scene": ('title = "t"', "scene: is missing; known: "),
     "no title": (SCENE_ONLY, "title: is missing"),
     "title of two lines": (SCENE_ONLY + 'title = "a\\nb"', "must be a text of one line"),
+    "timing of wrong type": (GOOD + "[timing]\nrepeats = 2.0", "repeats = 2.0: must be an integer"),
+    "truth for repeats": (GOOD + "[timing]\nrepeats = true", "must be an integer, 1 to 1000"),
+    "no repeats": (GOOD + "[timing]\nrepeats = 0", "must be an integer, 1 to 1000"),
+    "unknown key to timing": (GOOD + "[timing]\nrepeat = 2", "did you mean 'repeats'?"),
     "empty": ("", "is missing"),
     "syntax error": (GOOD + "[fixed\n", "not valid TOML: Expected"),
     "key twice": (GOOD + 'title = "again"', "not valid TOML: Cannot overwrite"),
@@ -282,6 +286,42 @@ def test_running_again_goes_on_where_it_stopped(
     assert main([*command, "--fresh"]) == 0
     assert "0 done already" in capsys.readouterr().err
     assert case_files.read_case(folder, kept) is not None
+
+
+def test_a_study_may_ask_for_timed_runs(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    untimed = small_file.read_text()
+    run = ["run", str(small_file), "--out", str(out)]
+    status = ["status", *run[1:]]
+
+    def told_after(definition: str) -> str:
+        small_file.write_text(definition)
+        capsys.readouterr()
+        assert main(run) == 0
+        return capsys.readouterr().err
+
+    assert "0 done already" in told_after(untimed)
+    keys = [case.key for case in cases_of(load_study(str(small_file)))]
+    small_file.write_text(untimed + "[timing]\nrepeats = 3\n")
+    assert [case.key for case in cases_of(load_study(str(small_file)))] == keys
+    assert main(status) == 1
+    assert "3 cases: 3 untimed" in capsys.readouterr().out
+
+    told = told_after(untimed + "[timing]\nrepeats = 3\n")
+    assert "0 done already, 1 workers" in told
+    assert "timed alone, 3 warm runs a case; load now " in told
+    assert main(status) == 0
+    dataset = archive.read_study(out / "small.nc")
+    assert dataset.run_time_sample.dims == ("adhesion_factor", "repeat")
+    assert dataset.run_time_sample.notnull().all()
+    assert (dataset.run_time == dataset.run_time_sample.median("repeat")).all()
+    assert (dataset.run_time_minimum == dataset.run_time_sample.min("repeat")).all()
+
+    assert "3 done already" in told_after(untimed + "[timing]\nrepeats = 2\n")
+    assert "3 done already" in told_after(untimed)
+    assert "0 done already" in told_after(untimed + "[timing]\nrepeats = 4\n")
 
 
 INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
