@@ -7,7 +7,7 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
@@ -21,6 +21,8 @@ from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from harness.progress import Display
 
 DONE, INCOMPLETE, BAD_INPUT = 0, 1, 2
 
@@ -73,12 +75,15 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
     run.set_defaults(command=_run)
     _add_study(run)
-    run.add_argument(
+    where = run.add_mutually_exclusive_group()
+    where.add_argument(
         "--workers",
         type=_worker_count,
-        default=os.cpu_count() or 1,
         metavar="N",
         help="processes, each with a case at a time; default: one for each core",
+    )
+    where.add_argument(
+        "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
     )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
@@ -168,36 +173,26 @@ def _worker_count(text: str) -> int:
 def _run(options: argparse.Namespace) -> int:
     from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare
     from harness.progress import Display
-    from harness.runner import run_cases
     from harness.upkeep import collect_and_write, outcomes, result_file, summary
 
     signal.signal(signal.SIGTERM, _raise_terminated)
     study = load_study(options.study, options.set)
     cases = cases_of(study)
+    repeats = study.timing_repeats
+    run = _place(options, repeats)
     folder = case_folder(options.out, study)
     prepare(folder)
     for partial in abandoned(folder):
         partial.unlink(missing_ok=True)
     if options.fresh:
         discard(folder, cases)
-    repeats = study.timing_repeats
     pending = [case for case in cases if not _is_done(folder, case, repeats)]
 
-    workers = min(1 if repeats else options.workers, len(pending))
     done = len(cases) - len(pending)
     try:
-        _tell(f"{study.name}: {len(cases)} cases, {done} done already, {workers} workers")
-        if repeats and pending:
-            _tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
+        _tell(f"{study.name}: {len(cases)} cases, {done} done already")
         with Display(len(pending), sys.stderr) as display:
-            run_cases(
-                pending,
-                folder,
-                workers,
-                display,
-                time_limit=options.case_timeout,
-                repeats=repeats,
-            )
+            run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError) as error:
         stand = outcomes(study, cases, options.out)
         can_write = not isinstance(error, ArchiveError)
@@ -210,6 +205,47 @@ def _run(options: argparse.Namespace) -> int:
     _show(dataset, options.out)
     print(result_file(options.out, study))
     return _list_incomplete(cases, dataset)
+
+
+def _place(
+    options: argparse.Namespace, repeats: int
+) -> Callable[[Sequence[Case], Path, Display], None]:
+    """What runs cases, where the options say: given the cases, their folder, and the display."""
+    if options.dask is not None:
+        return _on_cluster(options, repeats)
+    from harness.runner import run_cases
+
+    workers = 1 if repeats else options.workers or os.cpu_count() or 1
+    if repeats:
+        _tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
+    limit = options.case_timeout
+    return lambda cases, folder, display: run_cases(
+        cases, folder, workers, display, time_limit=limit, repeats=repeats
+    )
+
+
+def _on_cluster(
+    options: argparse.Namespace, repeats: int
+) -> Callable[[Sequence[Case], Path, Display], None]:
+    if options.case_timeout < math.inf:
+        raise HarnessError(
+            "--case-timeout ends workers of this machine; it does not go with --dask"
+        )
+    if repeats:
+        raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
+    try:
+        from harness.cluster import connect, run_on_cluster
+    except ModuleNotFoundError:
+        raise HarnessError(
+            "--dask needs another package: pip install 'mpm-warp[cluster]'"
+        ) from None
+    client = connect(options.dask)
+
+    def run(cases: Sequence[Case], folder: Path, display: Display) -> None:
+        with client:
+            run_on_cluster(cases, folder, client, display)
+
+    return run
 
 
 def _show(dataset: xr.Dataset, folder: Path) -> None:
