@@ -7,7 +7,7 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
@@ -21,8 +21,6 @@ from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from harness.progress import Display
 
 DONE, INCOMPLETE, BAD_INPUT = 0, 1, 2
 
@@ -171,81 +169,23 @@ def _worker_count(text: str) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare
-    from harness.progress import Display
-    from harness.upkeep import collect_and_write, outcomes, result_file, summary
+    from harness.run_study import on_cluster, on_this_machine, run_study
+    from harness.upkeep import result_file
 
     signal.signal(signal.SIGTERM, _raise_terminated)
+    if options.dask is not None and options.case_timeout < math.inf:
+        raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
     study = load_study(options.study, options.set)
     cases = cases_of(study)
-    repeats = study.timing_repeats
-    run = _place(options, repeats)
-    folder = case_folder(options.out, study)
-    prepare(folder)
-    for partial in abandoned(folder):
-        partial.unlink(missing_ok=True)
-    if options.fresh:
-        discard(folder, cases)
-    pending = [case for case in cases if not _is_done(folder, case, repeats)]
-
-    done = len(cases) - len(pending)
-    try:
-        _tell(f"{study.name}: {len(cases)} cases, {done} done already")
-        with Display(len(pending), sys.stderr) as display:
-            run(pending, folder, display)
-    except (KeyboardInterrupt, HarnessError) as error:
-        stand = outcomes(study, cases, options.out)
-        can_write = not isinstance(error, ArchiveError)
-        if can_write and any(outcome.status == COMPLETED for outcome in stand):
-            collect_and_write(study, cases, options.out)
-        _tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
-        raise
-
-    dataset = collect_and_write(study, cases, options.out)
+    run = (
+        on_this_machine(study, options.workers, options.case_timeout)
+        if options.dask is None
+        else on_cluster(study, options.dask)
+    )
+    dataset = run_study(study, options.out, run, fresh=options.fresh)
     _show(dataset, options.out)
     print(result_file(options.out, study))
     return _list_incomplete(cases, dataset)
-
-
-def _place(
-    options: argparse.Namespace, repeats: int
-) -> Callable[[Sequence[Case], Path, Display], None]:
-    """What runs cases, where the options say: given the cases, their folder, and the display."""
-    if options.dask is not None:
-        return _on_cluster(options, repeats)
-    from harness.runner import run_cases
-
-    workers = 1 if repeats else options.workers or os.cpu_count() or 1
-    if repeats:
-        _tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
-    limit = options.case_timeout
-    return lambda cases, folder, display: run_cases(
-        cases, folder, workers, display, time_limit=limit, repeats=repeats
-    )
-
-
-def _on_cluster(
-    options: argparse.Namespace, repeats: int
-) -> Callable[[Sequence[Case], Path, Display], None]:
-    if options.case_timeout < math.inf:
-        raise HarnessError(
-            "--case-timeout ends workers of this machine; it does not go with --dask"
-        )
-    if repeats:
-        raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
-    try:
-        from harness.cluster import connect, run_on_cluster
-    except ModuleNotFoundError:
-        raise HarnessError(
-            "--dask needs another package: pip install 'mpm-warp[cluster]'"
-        ) from None
-    client = connect(options.dask)
-
-    def run(cases: Sequence[Case], folder: Path, display: Display) -> None:
-        with client:
-            run_on_cluster(cases, folder, client, display)
-
-    return run
 
 
 def _show(dataset: xr.Dataset, folder: Path) -> None:
@@ -267,24 +207,6 @@ def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
     for case, status, message in lost:
         _tell(f"{case.label}: {status}: {message}")
     return INCOMPLETE if lost else DONE
-
-
-def _is_done(folder: Path, case: Case, repeats: int) -> bool:
-    """Whether a case has completed, and been timed as often as its study asks for.
-
-    All of its file is read, so that damage shows now.
-    """
-    from harness.case_files import ArchiveError, discard, read_case
-
-    try:
-        result = read_case(folder, case)
-    except ArchiveError as error:
-        _tell(f"{error}; the case is run again")
-        discard(folder, [case])
-        return False
-    if result is None or result.attrs["status"] != COMPLETED:
-        return False
-    return result.sizes.get("repeat", 0) >= repeats
 
 
 def _status(options: argparse.Namespace) -> int:

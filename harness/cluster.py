@@ -45,7 +45,7 @@ def connect(address: str) -> Client:
     """
     # What they remark would run into the progress display; what matters is told by ClusterError.
     for name in logging.root.manager.loggerDict:
-        if name.startswith("distributed"):
+        if name.startswith(("asyncio", "distributed", "tornado")):
             logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         get_address_host_port(address)  # a client would take 20 s to give up a malformed one

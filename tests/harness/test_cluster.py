@@ -136,11 +136,10 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     run = start(twenty, out, cluster)
     wait_until(lambda: len(done(twenty, out)) >= 5)
     cluster.scheduler.kill()
-    told = run.communicate(timeout=60)[1]
+    told = run.communicate(timeout=60)[1].splitlines()
     assert run.returncode == 2
-    assert told.endswith("harness: the scheduler of the Dask cluster is lost\n")
-    assert "distributed" not in told
-    assert "Traceback" not in told
+    assert told[-1] == "harness: the scheduler of the Dask cluster is lost"
+    assert [line for line in told if not line.startswith(("harness: ", "["))] == []
     kept = done(twenty, out)
     assert 5 <= len(kept) < CASE_COUNT
     statuses = archive.read_study(out / "twenty.nc").status.values.tolist()
