@@ -221,13 +221,12 @@ def _status(options: argparse.Namespace) -> int:
 
 def _collect(options: argparse.Namespace) -> int:
     from harness.case_files import prepare
-    from harness.upkeep import collect_and_write, outcomes, result_file, summary
+    from harness.upkeep import collect_and_write, outcomes_of, result_file, summary
 
     study = load_study(options.study, options.set)
     cases = cases_of(study)
-    stand = outcomes(study, cases, options.out)
     prepare(options.out)
-    collect_and_write(study, cases, options.out)
+    stand = outcomes_of(collect_and_write(study, cases, options.out))
     _tell(summary(stand))
     print(result_file(options.out, study))
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE

@@ -10,8 +10,8 @@ from pathlib import Path
 import xarray as xr
 
 from harness import HarnessError
-from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare, read_case
-from harness.cases import COMPLETED, Case, cases_of
+from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare, read_outcome
+from harness.cases import COMPLETED, DAMAGED, Case, cases_of
 from harness.progress import Display, tell
 from harness.runner import Watcher, run_cases
 from harness.study import Study
@@ -92,16 +92,9 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
 
 
 def _is_done(folder: Path, case: Case, repeats: int) -> bool:
-    """Whether a case has completed, and been timed as often as its study asks for.
-
-    All of its file is read, so that damage shows now.
-    """
-    try:
-        result = read_case(folder, case)
-    except ArchiveError as error:
-        tell(f"{error}; the case is run again")
+    """Whether a case has completed, and been timed as often as its study asks for."""
+    outcome = read_outcome(folder, case)
+    if outcome.status == DAMAGED:
+        tell(f"{outcome.message}; the case is run again")
         discard(folder, [case])
-        return False
-    if result is None or result.attrs["status"] != COMPLETED:
-        return False
-    return result.sizes.get("repeat", 0) >= repeats
+    return outcome.status == COMPLETED and outcome.repeats >= repeats
