@@ -72,7 +72,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     cases = cases_of(study)
     folder = case_folder(out, study)
     prepare(folder)
-    for partial in abandoned(folder):
+    for partial in (*abandoned(out), *abandoned(folder)):
         partial.unlink(missing_ok=True)
     if fresh:
         discard(folder, cases)

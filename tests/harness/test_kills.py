@@ -93,6 +93,7 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
 
     assert seen.items() <= marks(folder, cases).items()
     assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in cases}
+    assert not list(out.rglob(".*"))
     killed = archive.read_study(out / "many.nc")
     assert set(killed.status.values.tolist()) == {"completed"}
     assert differing(killed, archive.read_study(tmp_path / "whole" / "many.nc")) == []
