@@ -290,15 +290,14 @@ def _describe(options: argparse.Namespace) -> int:
 
 
 def _plan(options: argparse.Namespace) -> int:
-    scene = scene_class(options.scene)().simulated_scene()
-    if scene is None:
-        raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
     from harness.plan_text import plan_text
     from harness.worker import start_warp_in_silence
-    from mpm_warp.planning import make_plan
 
     start_warp_in_silence()
-    print(plan_text(make_plan(scene)))
+    plan = scene_class(options.scene)().plan()
+    if plan is None:
+        raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
+    print(plan_text(plan))
     return DONE
 
 

@@ -55,6 +55,10 @@ class Grid:
         """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
         return np.ones_like(radius) if self.planar else radius
 
+    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
+        """Whether there is soil at positions [m] of shape [count, 2] before anything moves."""
+        return np.ones(len(position), dtype=np.bool_)
+
     @property
     def column_count(self) -> int:
         """Number of cells in a row."""
@@ -111,7 +115,7 @@ class Grid:
         stress, and of the mean strain rate of the cell. Exact. In m2, shape [cell_count, 4, 3].
         """
         xi, eta = (g.ravel() for g in np.meshgrid(GAUSS_POINTS, GAUSS_POINTS))
-        shape, d_xi, d_eta = _bilinear(xi, eta)  # each [4 nodes, 4 points]
+        shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, 4 points]
         radius, height = np.moveaxis(self.node_positions[self.cell_nodes], -1, 0)
         r, r_xi, r_eta = (radius @ function for function in (shape, d_xi, d_eta))
         z_eta = height @ d_eta
@@ -177,7 +181,7 @@ def graded(first: float, length: float, growth: float) -> Floats:
     return edges
 
 
-def _bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
+def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
     """Shape functions and their derivatives along xi and eta, each [4 nodes, points]."""
     shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta])
     d_xi = np.array([eta - 1, 1 - eta, -eta, eta])

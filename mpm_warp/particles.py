@@ -55,8 +55,7 @@ def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: in
     height = np.diff(grid.rows)[row, None]
     volumes = grid.weight(points[..., 0]) * width * height / (4 * n * n)
     volume = volumes.sum(axis=1)
-    return Seed(
-        position=np.sum(points * volumes[..., None], axis=1) / volume[:, None],
-        volume=volume,
-        cell=np.stack([column, row], axis=-1),
-    )
+    position = np.sum(points * volumes[..., None], axis=1) / volume[:, None]
+    soil = grid.holds_soil(position)
+    cell = np.stack([column, row], axis=-1)
+    return Seed(position=position[soil], volume=volume[soil], cell=cell[soil])

@@ -89,6 +89,12 @@ class ConePenetration(ReadyScene):
         minimum=0.1,
         maximum=2,
     )
+    contact_surface: str = parameter(
+        "fitted",
+        unit="1",
+        meaning="grid fitted to the penetrometer, or a plain grid and its surface as points",
+        choices=("fitted", "points"),
+    )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
         4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
@@ -117,6 +123,7 @@ class ConePenetration(ReadyScene):
     def build(self) -> tuple[Scene, PenetrometerSurface]:
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
         from mpm_warp.boundaries import FarField, Fixed
+        from mpm_warp.immersed import ImmersedGrid, SampledSurface
         from mpm_warp.materials import Tresca, VonMises
         from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
         from mpm_warp.scene import Scene
@@ -130,7 +137,12 @@ class ConePenetration(ReadyScene):
             strength=strength,
         )
         penetrometer = Penetrometer(radius=radius, apex_angle=math.radians(self.apex_angle))
-        grid = penetrometer.fitted_grid(
+        make_grid, surface_type = {
+            "fitted": (Penetrometer.fitted_grid, PenetrometerSurface),
+            "points": (ImmersedGrid.around, SampledSurface),
+        }[self.contact_surface]
+        grid = make_grid(
+            penetrometer,
             cell_size=radius / self.cells_per_radius,
             cell_growth=self.cell_growth,
             outer_radius=self.domain_radius * radius,
@@ -140,7 +152,7 @@ class ConePenetration(ReadyScene):
         shaft_adhesion_factor = self.shaft_adhesion_factor
         if shaft_adhesion_factor is None:
             shaft_adhesion_factor = self.adhesion_factor
-        surface = PenetrometerSurface(
+        surface = surface_type(
             penetrometer=penetrometer,
             grid=grid,
             face_adhesion=self.adhesion_factor * strength,
