@@ -175,6 +175,26 @@ def test_a_wrong_number_of_workers_is_one_line(
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("limit", ["0", "-1", "soon", "nan", "inf"])
+def test_a_wrong_time_limit_is_one_line(limit: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", "mesh_size", f"--case-timeout={limit}"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"'{limit}' is not allowed: must be a number > 0" in line
+
+
+def test_a_case_that_timed_out_is_listed_and_tried_again(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    long = ["--set", "adhesion_factor=0", "--set", "penetration=200", "--set", "speed_ratio=0.0001"]
+    run = ["run", str(small_file), "--out", str(tmp_path / "out"), *long, "--case-timeout=0.5"]
+    for _ in range(2):
+        assert main(run) == 1
+        told = capsys.readouterr().err
+        assert "1 cases, 0 done already" in told
+        assert "harness: cone_penetration: timed_out: ended after 0.5 s, at 0% of the case" in told
+
+
 def test_a_folder_that_cannot_be_made_is_one_line(
     small_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

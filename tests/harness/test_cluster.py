@@ -220,6 +220,21 @@ def test_local_workers_and_their_time_limit_do_not_go_with_a_cluster(
     assert not out.exists()
 
 
+def test_without_dask_the_missing_package_is_named(
+    twenty: Study,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delitem(sys.modules, "harness.cluster", raising=False)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    run = ["run", str(twenty.source), "--out", str(tmp_path / "out"), "--dask", "tcp://h:1"]
+    assert main(run) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith(": pip install 'mpm-warp[cluster]'")
+    assert "distributed" in line
+
+
 def test_timed_runs_do_not_go_with_a_cluster(
     twenty: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
