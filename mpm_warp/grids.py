@@ -91,6 +91,17 @@ class Grid:
         height = self.rows[row] + eta * np.diff(self.rows)[row]
         return np.stack(np.broadcast_arrays(radius, height), axis=-1)
 
+    @property
+    def particle_bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest (r, z) of soil that belongs to the grid, a cell beyond its sides [m].
+
+        Soil may stand out a little: it then has the velocity of the side.
+        """
+        below, above = np.diff(self.rows)[[0, -1]]
+        beside = np.diff(self.columns)[-1] * self.outer_radius
+        lower = np.array([0.0, self.rows[0] - below])
+        return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
+
     @cached_property
     def node_positions(self) -> Floats:
         """Positions (r, z) of the nodes [m], shape [node_count, 2]."""
@@ -150,14 +161,25 @@ class Grid:
 
     @cached_property
     def cell_lengths(self) -> Floats:
-        """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
+        """See the function of that name, shape [cell_count]."""
+        return cell_lengths(self.gradient_integrals, self.cell_volumes)
 
-        1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
-        frequency of a uniform-strain cell (Flanagan & Belytschko 1984, Eng. Comput. 1:249-253).
-        """
-        gradients = self.gradient_integrals[..., :2] / self.cell_volumes[:, None, None]
+
+def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
+    """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
+
+    1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
+    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, Eng. Comput. 1:249-253).
+    Infinite where nothing of the cell is open.
+
+    Args:
+        gradient_integrals: see `Grid`, shape [cell_count, 4, 3].
+        cell_volumes: see `Grid`, shape [cell_count].
+    """
+    gradients = gradient_integrals[..., :2] / cell_volumes[:, None, None]
+    with np.errstate(divide="ignore"):
         lengths: Floats = 1.0 / np.sqrt(np.sum(gradients**2, axis=(1, 2)))
-        return lengths
+    return lengths
 
 
 def graded(first: float, length: float, growth: float) -> Floats:

@@ -93,8 +93,7 @@ class ImmersedGrid(Grid):
     @cached_property
     def cell_lengths(self) -> Floats:
         """See `Grid`; a cell without soil carries no wave."""
-        with np.errstate(divide="ignore"):
-            lengths = super().cell_lengths
+        lengths = super().cell_lengths
         lengths[np.isinf(lengths)] = lengths[np.isfinite(lengths)].max()
         return lengths
 

@@ -12,6 +12,7 @@ from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
 from mpm_warp.kernels.boundaries import make_far_field, make_fixed
 from mpm_warp.kernels.contact import make_surface_contact
+from mpm_warp.kernels.energy import make_kinetic_energy
 from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
 from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
 from mpm_warp.kernels.loads import make_damping, make_gravity, make_nodal_load
@@ -36,6 +37,9 @@ PARTICLE_STATE = (
     "particle.cell",
 )
 
+ABSURD_SPEED = 100.0
+"""Speed over that of the pressure wave beyond which a node is left out of the step."""
+
 
 def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
     """The plan of a run of `scene`, complete."""
@@ -45,7 +49,9 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
         scene=scene,
         precision=precision,
         time_step=scene.time_step_fraction * critical_time_step,
+        longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=wave_speed,
+        particle_bounds=scene.grid.particle_bounds,
     )
     _add_particles(plan)
     if scene.window is not None:
@@ -73,6 +79,8 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
         _move_wall(plan, scene.moving_wall)
     if scene.window is not None:
         _advance_window(plan, scene.window)
+    if scene.energy_audit:
+        _add_energy_audit(plan)
     return plan
 
 
@@ -174,6 +182,7 @@ def _add_node_update(plan: Plan) -> None:
         (grid.row_count + 1, grid.column_count + 1),
         *("node.momentum", "cell.stress", "cell.integrals"),
         *(grid.column_count, grid.row_count, plan.time_step, "node.least_mass"),
+        ABSURD_SPEED * plan.speed_limit,
         *("node.mass", "node.motion"),
     )
 
@@ -305,3 +314,18 @@ def _move_wall(plan: Plan, wall: MovingWall) -> None:
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
         *("cell.integrals", "cell.volume"),
     )
+
+
+def _add_energy_audit(plan: Plan) -> None:
+    grid = plan.scene.grid
+    energy = plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
+    before, after = (
+        Launch(
+            kernel=make_kinetic_energy(when, plan.precision),
+            dim=grid.row_count + 1,
+            arguments=(grid.column_count, "node.mass", "node.motion", energy),
+        )
+        for when in ("before", "after")
+    )
+    update = next(i for i, it in enumerate(plan.step) if "node.least_mass" in it.arrays) + 1
+    plan.audited_step = [after, *plan.step[:update], before, *plan.step[update:]]

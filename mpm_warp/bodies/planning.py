@@ -49,9 +49,11 @@ def make_body_plan(scene: BodyScene, precision: Precision = FLOAT64) -> BodyPlan
         scene=scene,
         precision=precision,
         time_step=scene.time_step_fraction * critical_time_step,
+        longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),
         particle_count=sum(body.particle_count for body in scene.bodies),
         particle_bounds=scene.grid.particle_bounds,
+        remedy="try a smaller time_step_fraction, or a wider grid where a body has left it",
     )
     _add_particles(plan)
     damped = any(body.retardation_time is not None for body in scene.bodies)

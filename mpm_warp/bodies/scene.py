@@ -158,7 +158,7 @@ class BodyScene:
 
     grid: UniformGrid
     bodies: tuple[Body, ...]
-    time_step_fraction: float = 0.4
+    time_step_fraction: float = 0.6
     contacts: tuple[BodyContact, ...] = ()
 
     def __post_init__(self) -> None:

@@ -173,6 +173,7 @@ class ConePenetration(ReadyScene):
             far_field=FarField.around(grid, material),
             contact=surface.contact,
             window=Window(speed=speed, ramp_travel=radius),
+            energy_audit=True,
         )
         return scene, surface
 
@@ -182,7 +183,9 @@ class ConePenetration(ReadyScene):
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost
+        import numpy as np
+
+        from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
         from mpm_warp.travel import Travel
 
@@ -191,15 +194,28 @@ class ConePenetration(ReadyScene):
         travel = Travel(simulation)
         start = time.perf_counter()
         sample_count = round(self.penetration / SAMPLE_SPACING)
-        forces = []
+        forces, places = [], []
         for sample in range(1, sample_count + 1):
             travel.advance_to(sample * SAMPLE_SPACING * self.cone_radius)
             forces.append(surface.forces(simulation.take_contact_forces()))
+            places.append(travel.distance)
             if progress is not None:
                 progress(sample / sample_count)
         simulation.check()
         run_time = time.perf_counter() - start
-        return self._dataset(forces, surface.shaft_area).assign(cost(simulation, run_time=run_time))
+        travelled = np.diff(places, prepend=0.0)
+        upward = [force.face_normal + force.face_shear + force.shaft_shear for force in forces]
+        work = float(np.array(upward) @ travelled)
+        energy_error = variable(
+            simulation.transfer_energy / work,
+            unit="1",
+            meaning="energy error",
+            description="kinetic energy that the transfers between material points and grid "
+            "created, dissipated if < 0, over the work of the penetrometer",
+        )
+        return self._dataset(forces, surface.shaft_area).assign(
+            {"energy_error": energy_error, **cost(simulation, run_time=run_time)}
+        )
 
     def _dataset(self, forces: list[PenetrometerForces], shaft_area: float) -> xarray.Dataset:
         """Curves over penetration and their steady values, from the forces of each sample."""

@@ -133,7 +133,7 @@ class SlidingBlock(ReadyScene):
         4, unit="1", meaning="material points per cell", choices=(4, 9, 16)
     )
     time_step_fraction: float = parameter(
-        0.4,
+        0.6,
         unit="1",
         meaning="time step over that in which a wave crosses a cell",
         above=0,
