@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 SAMPLE_SPACING = 0.1
 """Penetration between two samples of the curves, in cone radii."""
+STEADY_SAMPLES = 20
+"""Samples whose mean is the steady value: two radii."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +32,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
 
     rigidity_index: float = parameter(
         100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
@@ -74,13 +76,21 @@ class ConePenetration(ReadyScene):
         60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
     )
     penetration: float = parameter(
-        15.0, unit="1", meaning="penetration over cone radius", minimum=1, maximum=200
+        30.0, unit="1", meaning="greatest penetration over cone radius", minimum=1, maximum=200
+    )
+    steady_tolerance: float = parameter(
+        0.003,
+        unit="1",
+        meaning="change of the resistance over two radii at which it counts as steady, and the run "
+        "ends; 0: never",
+        minimum=0,
+        maximum=0.1,
     )
     speed_ratio: float = parameter(
         0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.5
     )
     cells_per_radius: float = parameter(
-        4.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=40
+        3.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=40
     )
     cell_growth: float = parameter(
         0.8,
@@ -187,6 +197,7 @@ class ConePenetration(ReadyScene):
 
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
+        from mpm_warp.steady_state import is_steady
         from mpm_warp.travel import Travel
 
         scene, surface = self.build()
@@ -201,6 +212,9 @@ class ConePenetration(ReadyScene):
             places.append(travel.distance)
             if progress is not None:
                 progress(sample / sample_count)
+            resistance = [force.face_normal + force.face_shear for force in forces]
+            if is_steady(resistance, STEADY_SAMPLES, self.steady_tolerance):
+                break
         simulation.check()
         run_time = time.perf_counter() - start
         travelled = np.diff(places, prepend=0.0)
@@ -230,12 +244,12 @@ class ConePenetration(ReadyScene):
         normal = np.array([force.face_normal for force in forces]) / base_area
         shear = np.array([force.face_shear for force in forces]) / base_area
         friction = np.array([force.shaft_shear for force in forces]) / shaft_area
-        last_quarter = penetration > 0.75 * self.penetration
-        resistance = (normal + shear)[last_quarter]
+        last = slice(-min(STEADY_SAMPLES, len(forces) // 2), None)
+        resistance = (normal + shear)[last]
         steady = {
             "cone_factor": (resistance, "cone factor"),
-            "cone_factor_normal": (normal[last_quarter], "cone factor, normal part"),
-            "cone_factor_shear": (shear[last_quarter], "cone factor, shear part"),
+            "cone_factor_normal": (normal[last], "cone factor, normal part"),
+            "cone_factor_shear": (shear[last], "cone factor, shear part"),
         }
         curves = {
             "penetration_resistance": (normal + shear, "net cone resistance"),
@@ -249,7 +263,7 @@ class ConePenetration(ReadyScene):
                 values.mean() / self.undrained_shear_strength,
                 unit="1",
                 meaning=meaning,
-                description="Nc = (qc - sigma_v0) / su, mean over the last quarter",
+                description="Nc = (qc - sigma_v0) / su, mean over the last two radii",
             )
             for name, (values, meaning) in steady.items()
         }
@@ -257,7 +271,13 @@ class ConePenetration(ReadyScene):
             np.ptp(resistance) / resistance.mean(),
             unit="1",
             meaning="variation of the cone factor",
-            description="range over the last quarter of the penetration, over its mean",
+            description="range over the last two radii of penetration, over the mean",
+        )
+        variables["penetration_reached"] = variable(
+            len(forces) * SAMPLE_SPACING,
+            unit="1",
+            meaning="penetration reached over cone radius",
+            description="where the resistance was steady, or the greatest penetration",
         )
         meaning = "penetration over cone radius"
         axis = variable(penetration, unit="1", meaning=meaning, dims=("penetration",))
