@@ -17,6 +17,9 @@ from mpm_warp.scenes import scene_class
 COMPLETED = "completed"
 MISSING = "missing"
 CRASHED = "crashed"
+TIMED_OUT = "timed_out"
+DAMAGED = "damaged"
+UNTIMED = "untimed"
 
 LARGEST_STUDY = 100_000
 """Cases that a study may have; one with more is a slip in a list, not a plan."""
@@ -53,17 +56,20 @@ class Outcome:
     """How a case ended.
 
     Attributes:
-        status: ``completed``, ``failed``, ``diverged``, ``crashed``, or ``missing`` where the
-            result could not be written.
+        status: ``completed``, ``failed``, ``diverged``, ``crashed``, ``timed_out``; ``missing``
+            where there is no file, ``damaged`` where the file is of no use, ``untimed`` where
+            it completed without the timed runs that its study asks for.
         message: why it did not complete, one line.
         headline: name and value of the first scalar that the scene returned.
         seconds: time that the case took in all.
+        repeats: warm runs that its file has the times of.
     """
 
     status: str
     message: str = ""
     headline: str = ""
     seconds: float = 0.0
+    repeats: int = 0
 
 
 def cases_of(study: Study) -> list[Case]:

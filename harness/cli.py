@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import signal
 import sys
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from harness import HarnessError
 from harness.cases import COMPLETED, Case, cases_of
+from harness.progress import tell as _tell
 from harness.study import load_study, study_names
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
@@ -70,25 +72,43 @@ def _parser() -> argparse.ArgumentParser:
 
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
     run.set_defaults(command=_run)
-    run.add_argument("study", metavar="STUDY", help="name of a study, or a TOML file")
-    run.add_argument(
-        "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
-    )
-    run.add_argument(
+    _add_study(run)
+    where = run.add_mutually_exclusive_group()
+    where.add_argument(
         "--workers",
         type=_worker_count,
-        default=os.cpu_count() or 1,
         metavar="N",
         help="processes, each with a case at a time; default: one for each core",
     )
-    run.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="set a parameter; a list, as in KEY=[1,2], varies it; repeatable",
+    where.add_argument(
+        "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
     )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
+    run.add_argument(
+        "--case-timeout",
+        type=_seconds,
+        default=math.inf,
+        metavar="SECONDS",
+        help="end a case that takes longer; default: none is ended",
+    )
+
+    status = commands.add_parser("status", help="list how the cases of a study stand")
+    status.set_defaults(command=_status)
+    _add_study(status)
+
+    collect = commands.add_parser("collect", help="write the dataset of what is done of a study")
+    collect.set_defaults(command=_collect)
+    _add_study(collect)
+
+    clean = commands.add_parser("clean", help="remove files that are no results of a study")
+    clean.set_defaults(command=_clean)
+    _add_study(clean)
+    clean.add_argument("--yes", action="store_true", help="remove without asking")
+
+    rerun = commands.add_parser("rerun", help="run a case again and compare every bit")
+    rerun.set_defaults(command=_rerun)
+    rerun.add_argument("file", type=Path, metavar="FILE", help="of a case, or result of a study")
+    rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
 
     commands.add_parser("list", help="list studies and scenes").set_defaults(command=_list)
 
@@ -118,6 +138,30 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _add_study(command: argparse.ArgumentParser) -> None:
+    command.add_argument("study", metavar="STUDY", help="name of a study, or a TOML file")
+    command.add_argument(
+        "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="set a parameter; a list, as in KEY=[1,2], varies it; repeatable",
+    )
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0 < seconds < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number > 0")
+    return seconds
+
+
 def _worker_count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
@@ -125,39 +169,22 @@ def _worker_count(text: str) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from harness import archive
-    from harness.compare import NothingToCompareError, with_references
-    from harness.progress import Display
-    from harness.runner import run_cases
+    from harness.run_study import on_cluster, on_this_machine, run_study
+    from harness.upkeep import result_file
 
+    signal.signal(signal.SIGTERM, _raise_terminated)
+    if options.dask is not None and options.case_timeout < math.inf:
+        raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
     study = load_study(options.study, options.set)
     cases = cases_of(study)
-    folder = archive.case_folder(options.out, study)
-    archive.prepare(folder)
-    if options.fresh:
-        archive.discard(folder, cases)
-    pending = [case for case in cases if not _is_done(folder, case)]
-
-    workers = min(options.workers, len(pending))
-    done = len(cases) - len(pending)
-    signal.signal(signal.SIGTERM, _raise_terminated)
-    try:
-        _tell(f"{study.name}: {len(cases)} cases, {done} done already, {workers} workers")
-        with Display(len(pending), sys.stderr) as display:
-            run_cases(pending, folder, workers, display)
-    except KeyboardInterrupt:
-        _tell("interrupted; finished cases are kept, the same command goes on with the rest")
-        raise
-
-    dataset = archive.collect(study, cases, folder)
-    try:
-        dataset = with_references(dataset, study.references)
-    except NothingToCompareError as error:
-        _tell(str(error))
-    result_file = options.out / f"{study.name}.nc"
-    archive.write_study(result_file, dataset)
+    run = (
+        on_this_machine(study, options.workers, options.case_timeout)
+        if options.dask is None
+        else on_cluster(study, options.dask)
+    )
+    dataset = run_study(study, options.out, run, fresh=options.fresh)
     _show(dataset, options.out)
-    print(result_file)
+    print(result_file(options.out, study))
     return _list_incomplete(cases, dataset)
 
 
@@ -182,15 +209,64 @@ def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
     return INCOMPLETE if lost else DONE
 
 
-def _is_done(folder: Path, case: Case) -> bool:
-    from harness import archive
+def _status(options: argparse.Namespace) -> int:
+    from harness.upkeep import outcomes, status_rows
 
-    try:
-        result = archive.read_case(folder, case)
-    except archive.ArchiveError as error:
-        _tell(f"{error}; the case is run again")
-        return False
-    return result is not None and result.attrs["status"] == COMPLETED
+    study = load_study(options.study, options.set)
+    cases = cases_of(study)
+    stand = outcomes(study, cases, options.out)
+    print(*status_rows(cases, stand), sep="\n")
+    return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
+
+
+def _collect(options: argparse.Namespace) -> int:
+    from harness.case_files import prepare
+    from harness.upkeep import collect_and_write, outcomes_of, result_file, summary
+
+    study = load_study(options.study, options.set)
+    cases = cases_of(study)
+    prepare(options.out)
+    stand = outcomes_of(collect_and_write(study, cases, options.out))
+    _tell(summary(stand))
+    print(result_file(options.out, study))
+    return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
+
+
+def _clean(options: argparse.Namespace) -> int:
+    from harness.upkeep import leftovers
+
+    study = load_study(options.study, options.set)
+    found = leftovers(study, cases_of(study), options.out)
+    for path, what in found.items():
+        print(f"{path}: {what}")
+    if not found:
+        _tell("nothing to remove")
+        return DONE
+    if not options.yes and not _confirmed(f"remove {len(found)} files?"):
+        _tell("nothing removed")
+        return INCOMPLETE
+    for path in found:
+        path.unlink(missing_ok=True)
+    _tell(f"{len(found)} files removed")
+    return DONE
+
+
+def _confirmed(question: str) -> bool:
+    print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
+def _rerun(options: argparse.Namespace) -> int:
+    from harness.progress import Display
+    from harness.rerun import read_for_rerun, rerun, verdict
+
+    signal.signal(signal.SIGTERM, _raise_terminated)
+    case, before = read_for_rerun(options.file, options.case)
+    with Display(1, sys.stderr) as display:
+        again = rerun(case, display)
+    same, words = verdict(before, again)
+    print(f"{case.key}: {words}")
+    return DONE if same else INCOMPLETE
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -226,14 +302,14 @@ def _plan(options: argparse.Namespace) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    from harness import archive
+    from harness.case_files import prepare, write_whole
     from harness.verify import as_dataset, checks_of, heading, table_rows, verify
     from harness.worker import start_warp_in_silence
 
     checks = checks_of(options.scene)
     start_warp_in_silence()
     if options.out is not None:
-        archive.prepare(options.out)
+        prepare(options.out)
     lines, results = [heading()], []
     print(lines[0])
     for check in checks:
@@ -244,7 +320,7 @@ def _verify(options: argparse.Namespace) -> int:
         from harness.work_precision import draw_work_precision
 
         dataset = as_dataset(results)
-        archive.write_whole(dataset, options.out / "verify.nc")
+        write_whole(dataset, options.out / "verify.nc")
         (options.out / "verify.txt").write_text("\n".join([*lines, ""]))
         draw_work_precision(dataset, options.out / "verify.png")
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE
@@ -263,12 +339,13 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 def _plot(options: argparse.Namespace) -> int:
-    from harness import archive
+    from harness.archive import read_study
+    from harness.case_files import prepare
     from harness.plots import NothingToDrawError, draw
 
-    dataset = archive.read_study(options.file)
+    dataset = read_study(options.file)
     folder = options.out or options.file.parent
-    archive.prepare(folder)
+    prepare(folder)
     try:
         pictures = draw(dataset, folder)
     except NothingToDrawError as error:
@@ -279,8 +356,3 @@ def _plot(options: argparse.Namespace) -> int:
 
 def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
     raise Terminated
-
-
-def _tell(message: str) -> None:
-    """Say one line on standard error, where it does not mix with results."""
-    print("harness:", " ".join(message.split()), file=sys.stderr)

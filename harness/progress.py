@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from types import TracebackType
 from typing import TextIO
@@ -9,6 +10,11 @@ from typing import TextIO
 from harness.cases import Case, Outcome
 
 BAR_WIDTH = 24
+
+
+def tell(message: str) -> None:
+    """Say one line on standard error, where it does not mix with results."""
+    print("harness:", " ".join(message.split()), file=sys.stderr)
 
 
 class Display:
@@ -23,7 +29,7 @@ class Display:
         self.total = total
         self.stream = stream
         self.done = 0
-        self.running: dict[tuple[int, ...], float] = {}
+        self.running: dict[str, float] = {}
         self.started = time.monotonic()
         self.on_terminal = stream.isatty()
 
@@ -40,13 +46,13 @@ class Display:
 
     def advanced(self, case: Case, fraction: float) -> None:
         """A running case has come to `fraction`, 0 to 1."""
-        self.running[case.index] = fraction
+        self.running[case.key] = fraction
         self._write_over(self.bar())
 
     def finished(self, case: Case, outcome: Outcome) -> None:
         """A case has ended, well or not."""
         self.done += 1
-        self.running.pop(case.index, None)
+        self.running.pop(case.key, None)
         told = ", ".join(filter(None, (outcome.status, outcome.headline, outcome.message)))
         line = f"[{self.done}/{self.total}] {case.label}: {told}, {outcome.seconds:.1f} s"
         self._write_over("")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import multiprocessing
 import signal
 import time
@@ -15,8 +16,9 @@ from typing import Protocol
 
 import xarray as xr
 
-from harness.archive import discard_partial, write_case
-from harness.cases import CRASHED, Case, Outcome
+from harness.case_files import ArchiveError, discard_partial, is_complete, write_case
+from harness.cases import COMPLETED, CRASHED, MISSING, TIMED_OUT, Case, Outcome
+from harness.measuring import case_time
 from harness.worker import serve
 
 GRACE = 2.0
@@ -36,32 +38,60 @@ class Watcher(Protocol):
         """A case has ended, well or not."""
 
 
-def run_cases(cases: Sequence[Case], folder: Path, worker_count: int, watcher: Watcher) -> None:
+def run_cases(
+    cases: Sequence[Case],
+    folder: Path,
+    worker_count: int,
+    watcher: Watcher,
+    *,
+    time_limit: float = math.inf,
+    repeats: int = 0,
+) -> None:
     """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
 
     Whatever becomes of a case, the others go on. An exception, such as Ctrl-C raises, ends the
-    workers; the results so far are kept.
+    workers; the results so far are kept. A case that another run has completed meanwhile is not
+    run again.
+
+    Args:
+        cases: what to run, in this order.
+        folder: where the case files are.
+        worker_count: greatest number of processes at work.
+        watcher: is told what goes on.
+        time_limit: time that a case may take [s]; one that takes more is ended.
+        repeats: times to run each case again to measure its run time warm.
 
     Raises:
-        harness.archive.ArchiveError: the end of a crashed case cannot be noted.
+        harness.case_files.ArchiveError: a result cannot be written.
     """
     # Starting this helper of multiprocessing lets signals through that are held; so it comes first.
     resource_tracker.ensure_running()
     waiting = deque(cases)
     workers: list[_Worker] = []
+
+    def next_case() -> Case | None:
+        while waiting:
+            case = waiting.popleft()
+            if not is_complete(folder, case, repeats):
+                return case
+            watcher.finished(case, Outcome(COMPLETED, "by another run"))
+        return None
+
     try:
         while waiting or workers:
-            while waiting and len(workers) < worker_count:
-                workers.append(_Worker(folder, waiting.popleft()))
-            wait([worker.connection for worker in workers])
-            for worker in [worker for worker in workers if worker.connection.poll()]:
-                news = worker.news()
+            while len(workers) < worker_count and (case := next_case()):
+                workers.append(_Worker(folder, case, repeats))
+            for worker in _with_news(workers, time_limit):
+                news = worker.news(time_limit)
                 if isinstance(news, float):
                     watcher.advanced(worker.case, news)
                     continue
+                if news.status == MISSING:
+                    raise ArchiveError(news.message)  # computing what cannot be kept is of no use
                 watcher.finished(worker.case, news)
-                if waiting and worker.process.is_alive():
-                    worker.begin(waiting.popleft())
+                following = next_case() if worker.process.is_alive() else None
+                if following is not None:
+                    worker.begin(following)
                 else:
                     workers.remove(worker)
                     _end([worker])
@@ -72,10 +102,11 @@ def run_cases(cases: Sequence[Case], folder: Path, worker_count: int, watcher: W
 class _Worker:
     """The parent's end of a worker process, and the case that it is at."""
 
-    def __init__(self, folder: Path, case: Case) -> None:
+    def __init__(self, folder: Path, case: Case, repeats: int) -> None:
         self.folder = folder
+        self.repeats = repeats
         self.connection, theirs = _PROCESSES.Pipe()
-        self.process = _PROCESSES.Process(target=serve, args=(theirs, folder), daemon=True)
+        self.process = _PROCESSES.Process(target=serve, args=(theirs, folder, repeats), daemon=True)
         with _interrupts_held():  # the worker inherits that and never sees a SIGINT
             self.process.start()
         # With this copy closed, the death of the worker reads as an end of file.
@@ -85,26 +116,48 @@ class _Worker:
     def begin(self, case: Case) -> None:
         self.case = case
         self.fraction = 0.0
+        self.began = math.inf  # a new worker needs its time to start
         with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
             self.connection.send(case)
 
-    def news(self) -> float | Outcome:
+    def is_late(self, time_limit: float) -> bool:
+        return time.monotonic() >= self.began + time_limit
+
+    def news(self, time_limit: float) -> float | Outcome:
         """What the worker has to say, or what became of it."""
+        if not self.connection.poll():
+            assert self.is_late(time_limit)
+            _end([self])
+            return self._lost(TIMED_OUT, f"ended after {time_limit:g} s")
         try:
             news: float | Outcome = self.connection.recv()
         except (EOFError, OSError):
-            return self._crashed()
+            self.process.join()
+            code = self.process.exitcode or 0
+            end = signal.Signals(-code).name if code < 0 else f"code {code}"
+            return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
         if isinstance(news, float):
             self.fraction = news
+            self.began = min(self.began, time.monotonic())
         return news
 
-    def _crashed(self) -> Outcome:
-        self.process.join()
-        code = self.process.exitcode or 0
-        end = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
-        outcome = Outcome(CRASHED, f"worker {end} after {self.fraction:.0%} of the case")
-        write_case(self.folder, self.case, xr.Dataset(), outcome.status, outcome.message)
-        return outcome
+    def _lost(self, status: str, end: str) -> Outcome:
+        """Note the end of a case whose worker is no more."""
+        if is_complete(self.folder, self.case, self.repeats):
+            return Outcome(COMPLETED)  # it came to write the result, not to tell of it
+        seconds = max(0.0, time.monotonic() - self.began)
+        message = f"{end}, at {self.fraction:.0%} of the case"
+        dataset = xr.Dataset({"case_time": case_time(seconds)})
+        write_case(self.folder, self.case, dataset, status, message)
+        return Outcome(status, message, seconds=seconds)
+
+
+def _with_news(workers: Sequence[_Worker], time_limit: float) -> list[_Worker]:
+    """Wait for workers that have something to say or have taken too long."""
+    deadline = min((worker.began + time_limit for worker in workers), default=0.0)
+    left = None if math.isinf(deadline) else max(0.0, deadline - time.monotonic())
+    wait([worker.connection for worker in workers], left)
+    return [it for it in workers if it.connection.poll() or it.is_late(time_limit)]
 
 
 def _end(workers: Sequence[_Worker]) -> None:

@@ -13,6 +13,9 @@ A definition is data, nothing in it is executed::
 
     [compare]
     references = ["lu_2004"]
+
+    [timing]
+    repeats = 5
 """
 
 from __future__ import annotations
@@ -32,6 +35,8 @@ from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
 LONGEST_MESSAGE = 400
+MOST_REPEATS = 1000
+"""Timed runs that a study may ask for; more is a slip."""
 
 
 class StudyError(HarnessError):
@@ -55,6 +60,8 @@ class Study:
         fixed: parameters that are the same in every case.
         varied: values of the parameters that vary; all combinations are run.
         references: literature references to compare with.
+        timing_repeats: times to run each case again, alone on the machine, to measure its run
+            time; 0 where a study does not ask for it.
         source: the definition's file.
     """
 
@@ -64,6 +71,7 @@ class Study:
     fixed: Mapping[str, Value]
     varied: Mapping[str, tuple[Value, ...]]
     references: tuple[str, ...]
+    timing_repeats: int
     source: Path
 
 
@@ -90,7 +98,7 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     """
     path = _path_of(study)
     document = _Table(f"{path}:", _read(path))
-    document.allow("title", "scene", "fixed", "vary", "compare")
+    document.allow("title", "scene", "fixed", "vary", "compare", "timing")
     scene = document.text("scene", nearest_name("", scene_names()))
     try:
         known = parameters_of(scene_class(scene))
@@ -121,6 +129,7 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         fixed=fixed,
         varied=varied,
         references=_references(document),
+        timing_repeats=_timing_repeats(document),
         source=path,
     )
 
@@ -208,6 +217,19 @@ def _references(document: _Table) -> tuple[str, ...]:
     if len(set(ids)) < len(ids):
         raise StudyError(f"{where} names a reference twice")
     return tuple(ids)
+
+
+def _timing_repeats(document: _Table) -> int:
+    table = document.table("timing")
+    table.allow("repeats")
+    if "repeats" not in table.values:
+        return 0
+    repeats = table.values["repeats"]
+    if type(repeats) is not int or not 1 <= repeats <= MOST_REPEATS:
+        raise StudyError(
+            f"{table.where} repeats = {_shown(repeats)}: must be an integer, 1 to {MOST_REPEATS}"
+        )
+    return repeats
 
 
 def _parse_setting(setting: str) -> tuple[str, Any]:

@@ -7,52 +7,88 @@ import os
 import signal
 import sys
 import time
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from harness.cases import COMPLETED, MISSING, Case, Outcome
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 REPORT_INTERVAL = 0.1
 """Seconds between two reports of progress."""
 SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def run_case(case: Case, folder: Path, progress: Progress | None = None) -> Outcome:
-    """Run a case in this process and write its file, whatever becomes of it.
+@dataclass(frozen=True)
+class Result:
+    """What became of a case.
+
+    Attributes:
+        outcome: how it ended.
+        dataset: what the scene returned, if it completed; what it cost and where it was computed.
+    """
+
+    outcome: Outcome
+    dataset: xr.Dataset
+
+
+def compute(case: Case, progress: Progress | None = None, repeats: int = 0) -> Result:
+    """Run a case in this process.
 
     An exception that the scene raises is the outcome of the case, by its attribute ``status``
     where it has one; it is not raised again.
 
-    Raises:
-        harness.archive.ArchiveError: the result cannot be written.
+    Args:
+        case: the case.
+        progress: is told the fraction done now and then.
+        repeats: times to run it again to measure its run time warm.
     """
     import xarray as xr
 
-    from harness import archive
+    from harness.measuring import Measurement
+    from harness.provenance import provenance
 
-    start = time.perf_counter()
+    measurement = Measurement()
     status, message = COMPLETED, ""
     try:
-        dataset = from_mapping(scene_class(case.scene), case.parameters).run(progress)
+        dataset = _run(case, progress, repeats)
     except Exception as error:
         dataset = xr.Dataset()
         status = getattr(error, "status", "failed")
         message = " ".join(f"{type(error).__name__}: {error}".split())
-    archive.write_case(folder, case, dataset, status, message)
     scalars = ((name, array) for name, array in dataset.data_vars.items() if array.ndim == 0)
     headline = next(
         (f"{str(name).replace('_', ' ')} {array.item():.4g}" for name, array in scalars), ""
     )
-    return Outcome(status, message, headline, time.perf_counter() - start)
+    dataset = dataset.assign(measurement.variables()).assign_attrs(provenance())
+    return Result(Outcome(status, message, headline, measurement.seconds()), dataset)
 
 
-def serve(connection: Connection, folder: Path) -> None:
+def run_case(
+    case: Case, folder: Path, progress: Progress | None = None, repeats: int = 0
+) -> Outcome:
+    """Run a case in this process and write its file, whatever becomes of it; see :func:`compute`.
+
+    Raises:
+        harness.case_files.ArchiveError: the result cannot be written.
+    """
+    from harness.case_files import write_case
+
+    result = compute(case, progress, repeats)
+    write_case(folder, case, result.dataset, result.outcome.status, result.outcome.message)
+    return result.outcome
+
+
+def serve(connection: Connection, folder: Path, repeats: int) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
-    Sent back are fractions done, then an :class:`Outcome`. To be called first thing in a fresh
-    process, which it makes its own: signals, threads of numerical libraries.
+    Sent back are fractions done, 0 as a case begins, then an :class:`Outcome`. To be called first
+    thing in a fresh process, which it makes its own: signals, threads of numerical libraries.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -60,13 +96,14 @@ def serve(connection: Connection, folder: Path) -> None:
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
     start_warp_in_silence()
-    from harness.archive import ArchiveError
+    from harness.case_files import ArchiveError
 
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
             case = connection.recv()
+            connection.send(0.0)
             try:
-                outcome = run_case(case, folder, _Reporter(connection))
+                outcome = run_case(case, folder, _Reporter(connection), repeats)
             except ArchiveError as error:
                 outcome = Outcome(MISSING, str(error))
             connection.send(outcome)
@@ -83,6 +120,34 @@ def start_warp_in_silence() -> None:
         warp.init()
         os.dup2(kept, 2)
     os.close(kept)
+
+
+def _run(case: Case, progress: Progress | None, repeats: int) -> xr.Dataset:
+    """The dataset of the scene, with the run times of `repeats` more runs."""
+    from harness.measuring import differing, with_samples
+
+    scene = scene_class(case.scene)
+    if scene.version != case.scene_version:  # as on a cluster with another installation
+        raise RuntimeError(
+            f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
+        )
+    run_count = repeats + 1
+
+    def run(number: int) -> xr.Dataset:
+        def report(fraction: float) -> None:
+            if progress is not None:
+                progress((number + fraction) / run_count)
+
+        return from_mapping(scene, case.parameters).run(report)
+
+    dataset = run(0)
+    samples = []
+    for number in range(1, run_count):
+        again = run(number)
+        if names := differing(dataset, again):
+            raise ArithmeticError(f"run {number + 1} gave another {', '.join(names)}")
+        samples.append(float(again.run_time))
+    return with_samples(dataset, samples) if samples else dataset
 
 
 class _Reporter:

@@ -34,22 +34,34 @@ def variable(
     return xr.Variable(dims, np.asarray(value), labels)
 
 
-def cost(simulation: TimeLoop, *, run_time: float) -> Mapping[str, xr.Variable]:
-    """Time and work of a run, whose steps took `run_time` seconds, as variables of its dataset."""
-    scalars = {
-        "run_time": (run_time, "s", "wall-clock time of the time loop"),
-        "setup_time": (simulation.setup_time, "s", "wall-clock time to set up"),
-        "compile_time": (
-            simulation.compile_time,
-            "s",
-            "wall-clock time to compile or load kernels",
-        ),
-        "time_step": (simulation.plan.time_step, "s", "time step"),
-        "step_count": (simulation.step_count, "1", "time steps"),
-        "particle_count": (simulation.plan.particle_count, "1", "material points at the start"),
-        "particle_updates": (simulation.particle_updates, "1", "material points times steps"),
-    }
+COSTS = {
+    "run_time": ("s", "wall-clock time of the time loop"),
+    "setup_time": ("s", "wall-clock time to set up"),
+    "compile_time": ("s", "wall-clock time to compile or load kernels"),
+    "time_step": ("s", "time step"),
+    "step_count": ("1", "time steps"),
+    "particle_count": ("1", "material points at the start"),
+    "particle_updates": ("1", "material points times steps"),
+}
+"""Unit and meaning of what tells the time and work of a run."""
+
+
+def costs(**values: float) -> Mapping[str, xr.Variable]:
+    """Time and work of a run, by the names of `COSTS`, as variables of its dataset."""
     return {
-        name: variable(value, unit=unit, meaning=meaning)
-        for name, (value, unit, meaning) in scalars.items()
+        name: variable(value, unit=COSTS[name][0], meaning=COSTS[name][1])
+        for name, value in values.items()
     }
+
+
+def cost(simulation: TimeLoop, *, run_time: float) -> Mapping[str, xr.Variable]:
+    """Time and work of a simulation, whose steps took `run_time` seconds."""
+    return costs(
+        run_time=run_time,
+        setup_time=simulation.setup_time,
+        compile_time=simulation.compile_time,
+        time_step=simulation.plan.time_step,
+        step_count=simulation.step_count,
+        particle_count=simulation.plan.particle_count,
+        particle_updates=simulation.particle_updates,
+    )

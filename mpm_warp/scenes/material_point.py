@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -129,9 +130,7 @@ class MaterialPoint(ReadyScene):
         from mpm_warp.history import variable
 
         paths = self.paths()
-        start = time.perf_counter()
-        stress, excess = self._follow(paths)
-        run_time = time.perf_counter() - start
+        stress, excess, cost = self._follow(paths)
         exact = np.array([path.exact for path in paths])
         dims = ("path", "component")
         variables = {
@@ -151,21 +150,24 @@ class MaterialPoint(ReadyScene):
                 meaning="stress beyond the yield surface",
                 description="greatest (sigma_1 - sigma_3) / (2 su) - 1 on any path at any step",
             ),
-            "run_time": variable(run_time, unit="s", meaning="wall-clock time of all paths"),
         }
-        names = [path.name for path in paths]
-        return xr.Dataset(variables, coords={"path": names, "component": ["rr", "zz", "rz", "tt"]})
+        axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
+        return xr.Dataset(variables, coords=axes).assign(cost)
 
-    def _follow(self, paths: tuple[StrainPath, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """Stress over strength at the ends of `paths`, and excess of these and of random ones."""
+    def _follow(
+        self, paths: tuple[StrainPath, ...]
+    ) -> tuple[np.ndarray, np.ndarray, Mapping[str, xarray.Variable]]:
+        """Stress over strength at the ends of `paths`, excess of these and of random ones, cost."""
         import numpy as np
         import warp as wp
 
+        from mpm_warp.history import costs
         from mpm_warp.kernels.precision import FLOAT64
         from mpm_warp.kernels.strain_path import make_strain_path
         from mpm_warp.kernels.yielding import make_yielding
         from mpm_warp.materials import Tresca
 
+        start = time.perf_counter()
         material = Tresca(
             shear_modulus=self.rigidity_index * self.undrained_shear_strength,
             poissons_ratio=self.poissons_ratio,
@@ -174,24 +176,30 @@ class MaterialPoint(ReadyScene):
         )
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
         gradient = np.concatenate([[path.gradient for path in paths], random])
-        start = np.zeros((len(gradient), 4))
-        start[: len(paths)] = [path.start for path in paths]
-        stress: wp.array[Any] = wp.array(
-            start * material.strength, dtype=FLOAT64.vec4, device="cpu"
-        )
+        rest = np.zeros((len(gradient), 4))
+        rest[: len(paths)] = [path.start for path in paths]
+        stress: wp.array[Any] = wp.array(rest * material.strength, dtype=FLOAT64.vec4, device="cpu")
         excess: wp.array[Any] = wp.zeros(len(gradient), dtype=FLOAT64.real, device="cpu")
-        wp.launch(
-            make_strain_path(make_yielding(material, FLOAT64), FLOAT64),
-            len(gradient),
-            [
-                wp.array(gradient, dtype=FLOAT64.vec5, device="cpu"),
-                self.step_count,
-                material.shear_modulus,
-                material.bulk_modulus,
-                material.strength,
-                stress,
-                excess,
-            ],
-            device="cpu",
+        arguments = [
+            wp.array(gradient, dtype=FLOAT64.vec5, device="cpu"),
+            self.step_count,
+            material.shear_modulus,
+            material.bulk_modulus,
+            material.strength,
+            stress,
+            excess,
+        ]
+        set_up = time.perf_counter()
+        kernel = make_strain_path(make_yielding(material, FLOAT64), FLOAT64)
+        wp.force_load("cpu", modules=[kernel.module])
+        loaded = time.perf_counter()
+        wp.launch(kernel, len(gradient), arguments, device="cpu")
+        cost = costs(
+            run_time=time.perf_counter() - loaded,
+            setup_time=set_up - start,
+            compile_time=loaded - set_up,
+            step_count=self.step_count,
+            particle_count=len(gradient),
+            particle_updates=len(gradient) * self.step_count,
         )
-        return stress.numpy()[: len(paths)] / material.strength, excess.numpy()
+        return stress.numpy()[: len(paths)] / material.strength, excess.numpy(), cost

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness import archive
+from harness import archive, case_files
 from harness.cases import COMPLETED, Case, cases_of
 from harness.study import Study, load_study
 
@@ -26,21 +26,21 @@ def result(depths: list[float], cone_factor: float) -> xr.Dataset:
 
 def complete(folder: Path, cases: list[Case]) -> None:
     for k, case in enumerate(cases):
-        archive.write_case(folder, case, result([0.1, 0.2], 10 + k / 3), COMPLETED)
+        case_files.write_case(folder, case, result([0.1, 0.2], 10 + k / 3), COMPLETED)
 
 
 @pytest.fixture
 def folder(tmp_path: Path, small: Study) -> Path:
-    folder = archive.case_folder(tmp_path, small)
-    archive.prepare(folder)
+    folder = case_files.case_folder(tmp_path, small)
+    case_files.prepare(folder)
     return folder
 
 
 def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
     case = cases_of(small)[0]
     written = result([0.1, 0.2, 0.3], 31 / 3)
-    archive.write_case(folder, case, written, "diverged", "why")
-    read = archive.read_case(folder, case)
+    case_files.write_case(folder, case, written, "diverged", "why")
+    read = case_files.read_case(folder, case)
     assert read is not None
     xr.testing.assert_equal(read, written)
     assert read.cone_factor.attrs == written.cone_factor.attrs
@@ -50,27 +50,27 @@ def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
 
 
 def test_a_case_that_has_not_run_is_none(folder: Path, small: Study) -> None:
-    assert archive.read_case(folder, cases_of(small)[0]) is None
+    assert case_files.read_case(folder, cases_of(small)[0]) is None
 
 
 @pytest.mark.parametrize("damage", ["empty", "truncated", "random"])
 def test_a_damaged_case_is_named(folder: Path, small: Study, damage: str) -> None:
     case = cases_of(small)[0]
     complete(folder, [case])
-    path = archive.case_file(folder, case)
+    path = case_files.case_file(folder, case)
     content = path.read_bytes()
     noise = np.random.default_rng(1).bytes(len(content))
     path.write_bytes({"empty": b"", "truncated": content[:-3000], "random": noise}[damage])
-    with pytest.raises(archive.ArchiveError, match=case.key):
-        archive.read_case(folder, case)
+    with pytest.raises(case_files.ArchiveError, match=case.key):
+        case_files.read_case(folder, case)
 
 
 def test_the_file_of_another_case_is_refused(folder: Path, small: Study) -> None:
     one, other, _ = cases_of(small)
     complete(folder, [one])
-    archive.case_file(folder, one).rename(archive.case_file(folder, other))
-    with pytest.raises(archive.ArchiveError, match="is not the result of case"):
-        archive.read_case(folder, other)
+    case_files.case_file(folder, one).rename(case_files.case_file(folder, other))
+    with pytest.raises(case_files.ArchiveError, match="is not the result of case"):
+        case_files.read_case(folder, other)
 
 
 def test_another_format_version_is_refused_by_name(
@@ -78,25 +78,25 @@ def test_another_format_version_is_refused_by_name(
 ) -> None:
     case = cases_of(small)[0]
     complete(folder, [case])
-    monkeypatch.setattr(archive, "FORMAT_VERSION", 99)
-    with pytest.raises(archive.ArchiveError, match="has format version 1, where 99 can be read"):
-        archive.read_case(folder, case)
+    monkeypatch.setattr(case_files, "FORMAT_VERSION", 99)
+    with pytest.raises(case_files.ArchiveError, match="has format version 1, where 99 can be read"):
+        case_files.read_case(folder, case)
 
 
 def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
     path = folder / "a.nc"
-    archive.write_whole(result([0.1], 1.0), path)
+    case_files.write_whole(result([0.1], 1.0), path)
     content = path.read_bytes()
     with pytest.raises(ValueError, match="'bad'"):
-        archive.write_whole(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
+        case_files.write_whole(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
     assert path.read_bytes() == content
     assert list(folder.iterdir()) == [path]
 
 
 def test_a_file_cannot_be_made_where_a_file_is(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(archive.ArchiveError, match="cannot be made"):
-        archive.prepare(tmp_path / "file" / "cases")
+    with pytest.raises(case_files.ArchiveError, match="cannot be made"):
+        case_files.prepare(tmp_path / "file" / "cases")
 
 
 def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_file: Path) -> None:
@@ -124,7 +124,7 @@ def test_all_parameters_are_in_the_study(folder: Path, small: Study) -> None:
 def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> None:
     cases = cases_of(small)
     for case, depths in zip(cases, ([0.1, 0.2], [0.1, 0.2, 0.3], [0.3]), strict=True):
-        archive.write_case(folder, case, result(depths, 1.0), COMPLETED)
+        case_files.write_case(folder, case, result(depths, 1.0), COMPLETED)
     resistance = archive.collect(small, cases, folder).penetration_resistance
     assert resistance.penetration.values.tolist() == [0.1, 0.2, 0.3]
     expected = [[0.1 / 3, 0.2 / 3, np.nan], [0.1 / 3, 0.2 / 3, 0.3 / 3], [np.nan, np.nan, 0.3 / 3]]
@@ -134,7 +134,7 @@ def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> No
 def test_a_case_that_failed_is_not_a_number_and_says_why(folder: Path, small: Study) -> None:
     cases = cases_of(small)
     complete(folder, cases[:1])
-    archive.write_case(folder, cases[1], xr.Dataset(), "diverged", "too fast")
+    case_files.write_case(folder, cases[1], xr.Dataset(), "diverged", "too fast")
     dataset = archive.collect(small, cases, folder)
     assert dataset.status.values.tolist() == ["completed", "diverged", "missing"]
     assert dataset.message.values.tolist() == ["", "too fast", ""]
@@ -159,11 +159,11 @@ def test_a_study_comes_back_bit_for_bit(folder: Path, tmp_path: Path, small: Stu
 def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
     case = cases_of(small)[0]
     complete(folder, [case])
-    with pytest.raises(archive.ArchiveError, match="not the result of a study"):
-        archive.read_study(archive.case_file(folder, case))
+    with pytest.raises(case_files.ArchiveError, match="not the result of a study"):
+        archive.read_study(case_files.case_file(folder, case))
 
 
 def test_a_missing_result_is_answered_with_the_nearest(tmp_path: Path) -> None:
     (tmp_path / "mesh_size.nc").touch()
-    with pytest.raises(archive.ArchiveError, match=r"did you mean 'mesh_size\.nc'"):
+    with pytest.raises(case_files.ArchiveError, match=r"did you mean 'mesh_size\.nc'"):
         archive.read_study(tmp_path / "meshsize.nc")

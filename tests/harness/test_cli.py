@@ -1,18 +1,19 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
-from harness import archive
+from harness import archive, case_files
 from harness.cases import COMPLETED, cases_of
 from harness.cli import main
 from harness.study import load_study, study_names
@@ -74,6 +75,10 @@ MALFORMED: dict[str, tuple[str | bytes, str]] = {
     "no scene": ('title = "t"', "scene: is missing; known: "),
     "no title": (SCENE_ONLY, "title: is missing"),
     "title of two lines": (SCENE_ONLY + 'title = "a\\nb"', "must be a text of one line"),
+    "timing of wrong type": (GOOD + "[timing]\nrepeats = 2.0", "repeats = 2.0: must be an integer"),
+    "truth for repeats": (GOOD + "[timing]\nrepeats = true", "must be an integer, 1 to 1000"),
+    "no repeats": (GOOD + "[timing]\nrepeats = 0", "must be an integer, 1 to 1000"),
+    "unknown key to timing": (GOOD + "[timing]\nrepeat = 2", "did you mean 'repeats'?"),
     "empty": ("", "is missing"),
     "syntax error": (GOOD + "[fixed\n", "not valid TOML: Expected"),
     "key twice": (GOOD + 'title = "again"', "not valid TOML: Cannot overwrite"),
@@ -170,6 +175,26 @@ def test_a_wrong_number_of_workers_is_one_line(
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("limit", ["0", "-1", "soon", "nan", "inf"])
+def test_a_wrong_time_limit_is_one_line(limit: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", "mesh_size", f"--case-timeout={limit}"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"'{limit}' is not allowed: must be a number > 0" in line
+
+
+def test_a_case_that_timed_out_is_listed_and_tried_again(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    long = ["--set", "adhesion_factor=0", "--set", "penetration=200", "--set", "speed_ratio=0.0001"]
+    run = ["run", str(small_file), "--out", str(tmp_path / "out"), *long, "--case-timeout=0.5"]
+    for _ in range(2):
+        assert main(run) == 1
+        told = capsys.readouterr().err
+        assert "1 cases, 0 done already" in told
+        assert "harness: cone_penetration: timed_out: ended after 0.5 s, at 0% of the case" in told
+
+
 def test_a_folder_that_cannot_be_made_is_one_line(
     small_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -252,23 +277,23 @@ def test_running_again_goes_on_where_it_stopped(
 ) -> None:
     out = tmp_path / "out"
     study = load_study(str(small_file))
-    folder = archive.case_folder(out, study)
+    folder = case_files.case_folder(out, study)
     command = ["run", str(small_file), "--out", str(out)]
 
     def inodes() -> list[int]:
-        return [archive.case_file(folder, case).stat().st_ino for case in cases_of(study)]
+        return [case_files.case_file(folder, case).stat().st_ino for case in cases_of(study)]
 
     assert main([*command, "--set", "adhesion_factor=[0.5]"]) == 0
     assert main(command) == 0
-    assert "small: 3 cases, 1 done already, " in capsys.readouterr().err
+    assert "small: 3 cases, 1 done already" in capsys.readouterr().err
     first = inodes()
 
     assert main(command) == 0
     assert inodes() == first
 
     damaged, failed, kept = cases_of(study)
-    archive.case_file(folder, damaged).write_bytes(b"noise")
-    archive.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
+    case_files.case_file(folder, damaged).write_bytes(b"noise")
+    case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
     before = inodes()
     capsys.readouterr()
     assert main(command) == 0
@@ -280,12 +305,46 @@ def test_running_again_goes_on_where_it_stopped(
 
     assert main([*command, "--fresh"]) == 0
     assert "0 done already" in capsys.readouterr().err
-    assert archive.read_case(folder, kept) is not None
+    assert case_files.read_case(folder, kept) is not None
 
 
-INTERRUPTED = (
-    "harness: interrupted; finished cases are kept, the same command goes on with the rest\n"
-)
+def test_a_study_may_ask_for_timed_runs(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    untimed = small_file.read_text()
+    run = ["run", str(small_file), "--out", str(out)]
+    status = ["status", *run[1:]]
+
+    def told_after(definition: str) -> str:
+        small_file.write_text(definition)
+        capsys.readouterr()
+        assert main(run) == 0
+        return capsys.readouterr().err
+
+    assert "0 done already" in told_after(untimed)
+    keys = [case.key for case in cases_of(load_study(str(small_file)))]
+    small_file.write_text(untimed + "[timing]\nrepeats = 3\n")
+    assert [case.key for case in cases_of(load_study(str(small_file)))] == keys
+    assert main(status) == 1
+    assert "3 cases: 3 untimed" in capsys.readouterr().out
+
+    told = told_after(untimed + "[timing]\nrepeats = 3\n")
+    assert "0 done already" in told
+    assert "timed alone, 3 warm runs a case; load now " in told
+    assert main(status) == 0
+    dataset = archive.read_study(out / "small.nc")
+    assert dataset.run_time_sample.dims == ("adhesion_factor", "repeat")
+    assert dataset.run_time_sample.notnull().all()
+    assert (dataset.run_time == dataset.run_time_sample.median("repeat")).all()
+    assert (dataset.run_time_minimum == dataset.run_time_sample.min("repeat")).all()
+
+    assert "3 done already" in told_after(untimed + "[timing]\nrepeats = 2\n")
+    assert "3 done already" in told_after(untimed)
+    assert "0 done already" in told_after(untimed + "[timing]\nrepeats = 4\n")
+
+
+INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
 
 @contextmanager
@@ -307,27 +366,19 @@ def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Pope
         yield process
 
 
-def is_alive(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-def statuses_left(group: int, out: Path) -> list[str]:
-    """Wait for all processes of the group to end, then read all files that there are."""
-    deadline = time.monotonic() + 30
-    while is_alive(group) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not is_alive(group)
-    files = [path for path in out.rglob("*") if path.is_file()]
+def statuses_left(out: Path) -> list[str]:
+    """Statuses of the case files that there are."""
+    files = [path for path in out.rglob("*") if path.is_file() and path != out / "small.nc"]
     return [xr.load_dataset(path).attrs["status"] for path in files]
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
-    small_file: Path, tmp_path: Path, number: signal.Signals, code: int
+    small_file: Path,
+    tmp_path: Path,
+    number: signal.Signals,
+    code: int,
+    wait_for_end: Callable[[int], None],
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
@@ -336,14 +387,20 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
         send(process.pid, number)
         told = process.communicate()[1]
     assert process.returncode == code
-    assert told.endswith(INTERRUPTED)
+    interrupted = INTERRUPTED.search(told)
+    assert interrupted is not None
+    assert interrupted[1].startswith("2 cases: 1 completed, 1 missing; ")
     assert "Traceback" not in told
-    assert statuses_left(process.pid, out) == [COMPLETED]
+    wait_for_end(process.pid)
+    assert statuses_left(out) == [COMPLETED]
+    dataset = archive.read_study(out / "small.nc")
+    assert dataset.status.values.tolist() == [COMPLETED, "missing"]
+    assert dataset.cone_factor.notnull().values.tolist() == [True, False]
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.02, 0.1])
 def test_an_interrupt_while_workers_start_is_as_quiet(
-    small_file: Path, tmp_path: Path, delay: float
+    small_file: Path, tmp_path: Path, delay: float, wait_for_end: Callable[[int], None]
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="harness: small: ") as process:
@@ -351,18 +408,22 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate()[1]
     assert process.returncode == 130
-    assert told.endswith(INTERRUPTED)
+    assert INTERRUPTED.search(told)
     assert "Traceback" not in told
-    assert statuses_left(process.pid, out) == []
+    wait_for_end(process.pid)
+    assert statuses_left(out) == []
 
 
-def test_a_run_whose_reader_has_gone_ends_quietly(small_file: Path, tmp_path: Path) -> None:
+def test_a_run_whose_reader_has_gone_ends_quietly(
+    small_file: Path, tmp_path: Path, wait_for_end: Callable[[int], None]
+) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="harness: small: ") as process:
         assert process.stderr is not None
         process.stderr.close()
     assert process.returncode == 141
-    assert statuses_left(process.pid, out) == [COMPLETED]
+    wait_for_end(process.pid)
+    assert statuses_left(out) == [COMPLETED]
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="reads Linux's /proc")
@@ -378,8 +439,11 @@ def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> No
     assert int(held, 16) & 1 << (signal.SIGINT - 1)
 
 
-def test_workers_end_with_a_parent_that_was_killed(small_file: Path, tmp_path: Path) -> None:
+def test_workers_end_with_a_parent_that_was_killed(
+    small_file: Path, tmp_path: Path, wait_for_end: Callable[[int], None]
+) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
         process.kill()
-    assert statuses_left(process.pid, out) == [COMPLETED]
+    wait_for_end(process.pid)
+    assert statuses_left(out) == [COMPLETED]

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import re
 import signal
 from pathlib import Path
 from typing import NoReturn
@@ -9,8 +10,9 @@ from typing import NoReturn
 import pytest
 import xarray as xr
 
-from harness import archive
-from harness.cases import COMPLETED, CRASHED, Case, Outcome, cases_of
+from harness import archive, case_files
+from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
+from harness.measuring import differing
 from harness.runner import Watcher, run_cases
 from harness.study import Study, load_study
 from harness.worker import run_case
@@ -33,8 +35,8 @@ class Record:
 
 def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
     """Run a study in `out` and collect it."""
-    folder = archive.case_folder(out, study)
-    archive.prepare(folder)
+    folder = case_files.case_folder(out, study)
+    case_files.prepare(folder)
     run_cases(cases_of(study), folder, workers, watcher)
     return archive.collect(study, cases_of(study), folder)
 
@@ -51,9 +53,8 @@ def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
 def test_the_number_of_workers_does_not_change_a_bit(tmp_path: Path, small: Study) -> None:
     one = run(small, tmp_path / "1", 1, Record())
     two = run(small, tmp_path / "2", 2, Record())
-    timings = [name for name in one.data_vars if one[name].attrs.get("units") == "s"]
-    assert "run_time" in timings
-    xr.testing.assert_equal(one.drop_vars(timings), two.drop_vars(timings))
+    assert "time_step" in one
+    assert differing(one, two) == []
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
@@ -74,9 +75,81 @@ def test_the_death_of_a_worker_takes_one_case(
     dataset = run(study, tmp_path, 1, record)
     assert dataset.status.values.tolist() == [CRASHED, COMPLETED]
     message = dataset.message.values[0]
-    assert message.startswith(f"worker killed by {number.name} after ")
+    assert re.fullmatch(rf"worker killed by {number.name}, at \d+% of the case", message)
     assert dataset.cone_factor.isnull().values.tolist() == [True, False]
     assert record.outcomes[cases_of(study)[0].key].status == CRASHED
+
+
+def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
+    tmp_path: Path, small_file: Path
+) -> None:
+    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03]"]
+    study = load_study(str(small_file), settings)
+    folder = case_files.case_folder(tmp_path, study)
+    case_files.prepare(folder)
+    long, short = cases_of(study)
+    fractions: list[float] = []
+
+    class Follower(Record):
+        def advanced(self, case: Case, fraction: float) -> None:
+            if case == long:
+                fractions.append(fraction)
+
+    run_cases([short], folder, 1, Record())  # compiling kernels takes time too
+    case_files.discard(folder, [short])
+    record = Follower()
+    run_cases([long, short], folder, 1, record, time_limit=5)
+    assert record.outcomes[short.key].status == COMPLETED
+    kept = case_files.read_outcome(folder, long)
+    assert (kept.status, record.outcomes[long.key].status) == (TIMED_OUT, TIMED_OUT)
+    assert kept.message == f"ended after 5 s, at {fractions[-1]:.0%} of the case"
+    assert kept.seconds >= 5
+    assert not list(folder.glob(".*"))
+    assert not multiprocessing.active_children()
+
+
+def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
+    tmp_path: Path, small: Study
+) -> None:
+    folder = case_files.case_folder(tmp_path, small)
+    case_files.prepare(folder)
+    case = cases_of(small)[0]
+
+    class Killer(Record):
+        """Kills the worker as it begins, after another has written the result."""
+
+        def advanced(self, case: Case, fraction: float) -> None:
+            if not case_files.case_file(folder, case).exists():
+                case_files.write_case(folder, case, xr.Dataset(), COMPLETED)
+                (worker,) = multiprocessing.active_children()
+                worker.kill()
+
+    record = Killer()
+    run_cases([case], folder, 1, record)
+    assert record.outcomes[case.key].status == COMPLETED
+    assert case_files.read_outcome(folder, case).status == COMPLETED
+
+
+def test_what_another_run_has_completed_meanwhile_is_not_run_again(
+    tmp_path: Path, small: Study
+) -> None:
+    folder = case_files.case_folder(tmp_path, small)
+    case_files.prepare(folder)
+    first, *others = cases_of(small)
+
+    class Other(Record):
+        """Another run in the same folder, that has done the rest before the first case ends."""
+
+        def advanced(self, case: Case, fraction: float) -> None:
+            for other in others:
+                case_files.write_case(folder, other, xr.Dataset(), COMPLETED)
+
+    record = Other()
+    run_cases([first, *others], folder, 1, record)
+    messages = [record.outcomes[case.key].message for case in (first, *others)]
+    assert messages == ["", "by another run", "by another run"]
+    kept = [case_files.read_case(folder, case) for case in others]
+    assert not any(result is None or "cone_factor" in result for result in kept)
 
 
 def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, small: Study) -> None:
@@ -99,7 +172,7 @@ def test_an_exception_of_the_scene_is_the_outcome(
     case = cases_of(small)[0]
     outcome = run_case(case, tmp_path)
     assert (outcome.status, outcome.message) == ("failed", "ArithmeticError: on two lines")
-    result = archive.read_case(tmp_path, case)
+    result = case_files.read_case(tmp_path, case)
     assert result is not None
     assert result.attrs["message"] == outcome.message
 
@@ -117,10 +190,10 @@ def test_an_exception_may_name_the_status(
     assert run_case(cases_of(small)[0], tmp_path).status == "diverged"
 
 
-def test_a_result_that_cannot_be_written_is_missing(tmp_path: Path, small: Study) -> None:
+def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
     record = Record()
-    case = cases_of(small)[0]
-    run_cases([case], tmp_path / "not there", 1, record)
-    outcome = record.outcomes[case.key]
-    assert outcome.status == "missing"
-    assert case.key in outcome.message
+    cases = cases_of(small)
+    with pytest.raises(case_files.ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
+        run_cases(cases, tmp_path / "not there", 1, record)
+    assert record.outcomes == {}
+    assert not multiprocessing.active_children()

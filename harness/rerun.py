@@ -1,0 +1,131 @@
+"""One case again, from its file alone: does it give the same bits?"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from harness.case_files import ArchiveError, prepare, read_case, read_netcdf
+from harness.cases import COMPLETED, Case
+from harness.measuring import differing
+from harness.runner import Watcher, run_cases
+from mpm_warp.parameters import Value, nearest_name, parameters_of
+from mpm_warp.scenes import scene_class
+
+PROVENANCE = ("commit", "warp_lang_version", "numpy_version", "python_version", "processor")
+"""What may be the reason where results differ."""
+
+
+def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
+    """A case and its result, from its own file or from a collected one.
+
+    Args:
+        path: the file.
+        key: which case; a case file has but one.
+
+    Raises:
+        ArchiveError: there is no such case, or another version of the simulator computed it.
+    """
+    dataset = read_netcdf(path)
+    if "study" in dataset.attrs:
+        dataset = _cell(path, dataset, key)
+        key = str(dataset.case_key.item())
+        parameters = _parameters(dataset)
+    elif "case_key" in dataset.attrs:
+        if key is not None and key != dataset.attrs["case_key"]:
+            raise ArchiveError(f"{path}: is the file of case {dataset.attrs['case_key']} alone")
+        key = str(dataset.attrs["case_key"])
+        parameters = json.loads(dataset.attrs["parameters"])
+    else:
+        raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
+    case = Case(
+        index=(),
+        scene=str(dataset.attrs["scene"]),
+        scene_version=int(dataset.attrs["scene_version"]),
+        parameters=parameters,
+        label=key,
+    )
+    if case.key != key:
+        raise ArchiveError(f"{path}: the parameters there are not those of case {key}")
+    version = scene_class(case.scene).version
+    if version != case.scene_version:
+        raise ArchiveError(
+            f"{path}: was computed by version {case.scene_version} of {case.scene}, "
+            f"this simulator has version {version}"
+        )
+    return case, dataset
+
+
+def rerun(case: Case, watcher: Watcher) -> xr.Dataset:
+    """Run a case in a worker process, as a study does, and leave no file."""
+    with tempfile.TemporaryDirectory(prefix="harness-rerun-") as name:
+        folder = Path(name)
+        prepare(folder)
+        run_cases([case], folder, 1, watcher)
+        again = read_case(folder, case)
+    if again is None:
+        raise ArchiveError(f"case {case.key}: left no result")
+    return again
+
+
+def verdict(before: xr.Dataset, again: xr.Dataset) -> tuple[bool, str]:
+    """Whether both results of a case are the same to the last bit, and that in words."""
+    statuses = [_status(dataset) for dataset in (before, again)]
+    if statuses != [COMPLETED, COMPLETED]:
+        return False, f"not to be compared: {statuses[0]} before, {statuses[1]} again"
+    is_cell = "status" in before.variables
+    names = differing(_as_before(before, again) if is_cell else before, again)
+    if not names:
+        return True, "bit-identical"
+    return False, f"differs in {', '.join(names)}{_changes(before.attrs, again.attrs)}"
+
+
+def _status(dataset: xr.Dataset) -> str:
+    return str(dataset.status.item() if "status" in dataset.variables else dataset.attrs["status"])
+
+
+def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
+    """A case of a collected dataset."""
+    keys = dataset.case_key
+    places = np.argwhere(keys.values == key)
+    if key is None or not len(places):
+        known = nearest_name(key or "", map(str, keys.values.flat))
+        raise ArchiveError(
+            f"{path}: {'no case is named' if key is None else f'no case {key}'}{known}"
+        )
+    return dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+
+
+def _parameters(cell: xr.Dataset) -> dict[str, Value | None]:
+    """All parameters of a case of a collected dataset; not a number is what the scene derives."""
+    parameters: dict[str, Value | None] = {}
+    for name, definition in parameters_of(scene_class(cell.attrs["scene"])).items():
+        stored = cell[f"{name}_parameter" if f"{name}_parameter" in cell else name].item()
+        derived = isinstance(stored, float) and np.isnan(stored)
+        parameters[name] = None if derived else definition.kind(stored)
+    return parameters
+
+
+def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
+    """The case as its own file had it: without padding, each number in its own type."""
+    variables = {}
+    for name, array in again.variables.items():
+        if name in cell.variables:
+            places = {dim: again[dim] for dim in array.dims if dim in cell.indexes}
+            variables[name] = cell[name].sel(places).variable.astype(array.dtype)
+    return xr.Dataset(variables)
+
+
+def _changes(before: Mapping[str, Any], again: Mapping[str, Any]) -> str:
+    changed = [
+        f"{name} {before[name]} -> {again[name]}"
+        for name in PROVENANCE
+        if name in before and before[name] != again[name]
+    ]
+    return f"; {', '.join(changed)}" if changed else "; on the same machine with the same versions"

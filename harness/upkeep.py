@@ -1,0 +1,109 @@
+"""Looking after the results of a study: how its cases stand, one dataset of them, what is left."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import netCDF4
+import xarray as xr
+
+from harness.archive import collect, write_study
+from harness.case_files import abandoned, case_file, case_folder, read_outcome
+from harness.cases import COMPLETED, DAMAGED, UNTIMED, Case, Outcome
+from harness.compare import NothingToCompareError, with_references
+from harness.progress import tell
+from harness.study import Study
+
+
+def result_file(out: Path, study: Study) -> Path:
+    """The collected dataset of a study."""
+    return out / f"{study.name}.nc"
+
+
+def collect_and_write(study: Study, cases: Sequence[Case], out: Path) -> xr.Dataset:
+    """Collect a study, compare it with its references, and write its dataset.
+
+    Raises:
+        harness.case_files.ArchiveError: a case file is damaged, or the dataset cannot be written.
+    """
+    dataset = collect(study, cases, case_folder(out, study))
+    try:
+        dataset = with_references(dataset, study.references)
+    except NothingToCompareError as error:
+        tell(str(error))
+    write_study(result_file(out, study), dataset)
+    return dataset
+
+
+def outcomes(study: Study, cases: Sequence[Case], out: Path) -> list[Outcome]:
+    """How the cases of a study stand, in their order."""
+    folder = case_folder(out, study)
+    read = [read_outcome(folder, case) for case in cases]
+    return [
+        replace(outcome, status=UNTIMED)
+        if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats
+        else outcome
+        for outcome in read
+    ]
+
+
+def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
+    """How the cases of a collected dataset stand; times are of completed ones."""
+    statuses = dataset.status
+    times = dataset["case_time"] if "case_time" in dataset else xr.zeros_like(statuses, float)
+    pairs = zip(statuses.values.flat, times.fillna(0.0).values.flat, strict=True)
+    return [Outcome(str(status), seconds=float(seconds)) for status, seconds in pairs]
+
+
+def status_rows(cases: Sequence[Case], outcomes: Sequence[Outcome]) -> list[str]:
+    """A line a case, and one of all."""
+    rows = [f"{'case':16}  {'status':9}  {'time':>9}  parameters"]
+    for case, outcome in zip(cases, outcomes, strict=True):
+        time = f"{outcome.seconds:.1f} s" if outcome.seconds else ""
+        why = f": {outcome.message}" if outcome.message else ""
+        rows.append(f"{case.key}  {outcome.status:9}  {time:>9}  {case.label}{why}")
+    return [*rows, summary(outcomes)]
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """How many cases of each status there are, and how long they took."""
+    counts = Counter(outcome.status for outcome in outcomes)
+    told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    return f"{len(outcomes)} cases: {told}; {sum(it.seconds for it in outcomes):.1f} s in all"
+
+
+def leftovers(study: Study, cases: Sequence[Case], out: Path) -> dict[Path, str]:
+    """Files that are no results of the study as it is now, and what they are.
+
+    These are damaged files, results of cases that the study does not have (with other parameters,
+    or of another version of the simulator), and what processes that were killed left half-written.
+    """
+    folder = case_folder(out, study)
+    found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
+    present = {case_file(folder, case): case for case in cases}
+    for path in sorted(folder.glob("*.nc")):
+        if path not in present:
+            found[path] = _stranger(path, cases[0])
+        elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
+            found[path] = outcome.message
+    return found
+
+
+def _stranger(path: Path, present: Case) -> str:
+    """What a case file is that belongs to no case, beside one that does."""
+    try:
+        with netCDF4.Dataset(path) as file:
+            parameters = json.loads(file.parameters)
+            told = f"{file.scene} version {file.scene_version}, {file.status}"
+    except (OSError, RuntimeError, ValueError, AttributeError):
+        return "not a case file, or a damaged one"
+    others = ", ".join(
+        f"{name}={value}"
+        for name, value in parameters.items()
+        if value != present.parameters.get(name)
+    )
+    return f"no case of this study: {told}: {others or 'the same parameters'}"

@@ -1,0 +1,90 @@
+"""A study killed again and again: nothing lost, nothing done twice, the same bits in the end."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness import archive, case_files
+from harness.cases import Case, cases_of
+from harness.measuring import differing
+from harness.study import load_study
+
+
+def definition(path: Path, case_count: int) -> Path:
+    """A study of small cases."""
+    values = [0.4 * i / case_count for i in range(case_count)]
+    path.write_text(
+        'title = "Many small cases"\nscene = "gravity_column"\n'
+        f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {values}\n"
+    )
+    return path
+
+
+def command(study: Path, out: Path) -> list[str]:
+    return [
+        *(sys.executable, "-m", "harness", "run", str(study), "--out", str(out)),
+        *("--workers", "2"),
+    ]
+
+
+def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
+    """Run a command, and kill its group of processes a moment after `done` case files are there."""
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    ) as process:
+        while len(list(folder.glob("*.nc"))) < done:
+            assert process.poll() is None
+            time.sleep(0.005)
+        time.sleep(delay)
+        os.killpg(process.pid, signal.SIGKILL)
+    return process.pid
+
+
+def marks(folder: Path, cases: list[Case]) -> dict[str, tuple[int, int]]:
+    """What tells a file of a completed case from one written later."""
+    done = [case for case in cases if case_files.is_complete(folder, case)]
+    stats = {case.key: case_files.case_file(folder, case).stat() for case in done}
+    return {key: (stat.st_ino, stat.st_mtime_ns) for key, stat in stats.items()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case_count", "kills"), [(200, 10)])
+def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
+    case_count: int, kills: int, tmp_path: Path, wait_for_end: Callable[[int], None]
+) -> None:
+    study_file = definition(tmp_path / "many.toml", case_count)
+    study = load_study(str(study_file))
+    cases = cases_of(study)
+    subprocess.run(command(study_file, tmp_path / "whole"), check=True, capture_output=True)
+
+    out = tmp_path / "killed"
+    folder = case_files.case_folder(out, study)
+    moments = random.Random(20260101)
+    seen: dict[str, tuple[int, int]] = {}
+    for done in sorted(moments.sample(range(case_count - kills), kills)):
+        delay = moments.uniform(0, 0.1)
+        wait_for_end(kill_when(command(study_file, out), folder, done, delay))
+        now = marks(folder, cases)
+        assert seen.items() <= now.items()
+        seen = now
+    assert 0 < len(seen) < case_count
+    subprocess.run(command(study_file, out), check=True, capture_output=True)
+
+    assert seen.items() <= marks(folder, cases).items()
+    assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in cases}
+    assert not list(out.rglob(".*"))
+    killed = archive.read_study(out / "many.nc")
+    assert set(killed.status.values.tolist()) == {"completed"}
+    assert differing(killed, archive.read_study(tmp_path / "whole" / "many.nc")) == []
