@@ -107,3 +107,22 @@ def test_steady_cone_factor_of_smooth_and_rough_cones() -> None:
     assert 10.0 < smooth < 11.1
     assert 11.8 < rough < 13.0
     assert all(float(dataset.cone_factor_variation) < 0.01 for dataset in factors)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"in_situ_stress": 1000 * 20e3},
+        {"undrained_shear_strength": 1.0, "in_situ_stress": 20.0},
+        {"undrained_shear_strength": 1e7, "in_situ_stress": 20e7},
+        {"cone_radius": 1e-3},
+        {"cone_radius": 10.0},
+        {"density": 3000.0},
+    ],
+)
+def test_cone_factor_does_not_depend_on_units(other: dict[str, float]) -> None:
+    """Strength, stress, length and mass only scale the problem: equal but for rounding."""
+    short = ConePenetration(cells_per_radius=2.0, penetration=1.0, in_situ_stress=20 * 20e3)
+    expected = float(short.run().cone_factor)
+    scaled = float(dataclasses.replace(short, **other).run().cone_factor)
+    assert scaled == pytest.approx(expected, rel=1e-9)
