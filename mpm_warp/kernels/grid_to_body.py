@@ -4,6 +4,7 @@ Symbols: v_i velocity of node i, d_i its offset, N_i shape function, L velocity 
 (xx, xy, yx, yy, zz), h cell size.
 
     v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
+    L <- L + dt L'L / 2      the strain of a finite step: without it a body that turns grows
     x <- x + dt v,       V <- V (1 + dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
@@ -38,7 +39,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
     first_node, place, offsets = splines.first_node, splines.place, splines.offsets
     weights, slopes = splines.weights, splines.slopes
     elastic_trial, stress_step = make_elastic_trial(precision), make_stress_step(precision)
-    one, four = wp.constant(real(1.0)), wp.constant(real(4.0))
+    half, one, four = (wp.constant(real(x)) for x in (0.5, 1.0, 4.0))
 
     shape = "axisymmetric" if axisymmetric else "plane"
     key = f"{shape}.{'damped.' if damped else ''}{precision.numpy_name}"
@@ -84,6 +85,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
                 v += N * v_i
                 B += wp.outer(N * v_i, d)
                 gradient += wp.outer(v_i, vec2(dNx[column] * Ny[row], Nx[column] * dNy[row]))
+        gradient += half * time_step * (wp.transpose(gradient) * gradient)
         hoop = real(0.0)
         if wp.static(axisymmetric):
             hoop = v[0] / x[0]

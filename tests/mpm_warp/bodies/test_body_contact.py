@@ -214,6 +214,20 @@ def test_free_flight_keeps_momentum_and_spin() -> None:
     assert spin() == pytest.approx(spin_start, rel=1e-11)
 
 
+def test_body_that_turns_keeps_its_shape() -> None:
+    """Of a finite turn w dt in each step, second order is kept; the third is left over."""
+    body = InterfaceFrame(angle=0.0).body((0.0, LENGTH), (0.0, HEIGHT), 0.5 * CELL, MATERIAL)
+    loop = spinning(body, rate=0.02 * MATERIAL.shear_wave_speed)
+    before = np.linalg.norm(body.position - body.position[0], axis=1)[1:]
+    turn = 0.02 * MATERIAL.shear_wave_speed * loop.plan.time_step
+    loop.advance(2000)
+    position = loop.array("particle.position")
+    after = np.linalg.norm(position - position[0], axis=1)[1:]
+    # What holds the body together against its own inertia strains it by rho (w l)^2 / E at most.
+    inertia = (0.02 * LENGTH) ** 2
+    assert np.abs(after / before - 1.0).max() <= 2000 * turn**3 + inertia
+
+
 def test_ring_breathes_at_its_frequency() -> None:
     """The hoop stress drives a thin ring back: omega = sqrt(E / rho) / R (Rayleigh)."""
     radius, thickness = 2.0, 0.2
