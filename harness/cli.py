@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, NoReturn
 
 from harness import HarnessError
 from harness.cases import COMPLETED, Case, cases_of
+from harness.definition import study_names
 from harness.progress import tell as _tell
-from harness.study import load_study, study_names
+from harness.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 

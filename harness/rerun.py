@@ -45,7 +45,6 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
     else:
         raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
     case = Case(
-        index=(),
         scene=str(dataset.attrs["scene"]),
         scene_version=int(dataset.attrs["scene_version"]),
         parameters=parameters,
@@ -99,7 +98,11 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
         raise ArchiveError(
             f"{path}: {'no case is named' if key is None else f'no case {key}'}{known}"
         )
-    return dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+    cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+    if "scene" in cell.coords:  # of several
+        of_case = {name: cell[name].item() for name in ("scene", "scene_version")}
+        return cell.assign_attrs(of_case)
+    return cell
 
 
 def _parameters(cell: xr.Dataset) -> dict[str, Value | None]:

@@ -16,7 +16,8 @@ import xarray as xr
 from harness import archive, case_files
 from harness.cases import COMPLETED, cases_of
 from harness.cli import main
-from harness.study import load_study, study_names
+from harness.definition import study_names
+from harness.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.cone_penetration import ConePenetration
