@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -164,7 +165,8 @@ def _gathered(
             if name not in arrays:
                 shape = (count, *(axes[dim].size for dim in array.dims))
                 arrays[name] = array, np.full(shape, np.nan)
-            arrays[name][1][place][np.ix_(*(places[dim] for dim in array.dims))] = array
+            cell: tuple[Any, ...] = (place, *np.ix_(*(places[dim] for dim in array.dims)))
+            arrays[name][1][cell] = array
     for name, (array, values) in arrays.items():
         shape = (*grid.values(), *values.shape[1:])
         gathered[name] = xr.Variable((*grid, *array.dims), values.reshape(shape), array.attrs)

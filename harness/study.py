@@ -23,7 +23,7 @@ The README has all keys.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -264,7 +264,7 @@ def _variation(
     for end in ("from", "to"):
         if end not in value:
             raise StudyError(f"{table.where} {end}: is missing; a range has from and to")
-        KnownParameters({end: definition}, table.where).value(end, value[end])
+        KnownParameters({end: replace(definition, name=end)}, table.where).value(end, value[end])
     start, stop = float(value["from"]), float(value["to"])
     logarithmic = table.word("spacing", SPACINGS) == "logarithmic"
     if logarithmic and min(start, stop) <= 0:
