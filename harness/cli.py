@@ -114,6 +114,9 @@ def _parser() -> argparse.ArgumentParser:
     describe.set_defaults(command=_describe)
     describe.add_argument("scene", metavar="SCENE")
 
+    schema = commands.add_parser("schema", help="print a JSON schema of studies, for editors")
+    schema.set_defaults(command=_schema)
+
     plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")
     plan.set_defaults(command=_plan)
     plan.add_argument("scene", metavar="SCENE")
@@ -330,6 +333,15 @@ def _describe(options: argparse.Namespace) -> int:
         unit = "" if parameter.unit == "1" else f" {parameter.unit}"
         default = "derived" if parameter.default is None else f"{parameter.default}{unit}"
         print(f"{name:26} {default:16} {parameter.meaning}; {parameter.allowed}")
+    return DONE
+
+
+def _schema(options: argparse.Namespace) -> int:
+    import json
+
+    from harness.schema import study_schema
+
+    print(json.dumps(study_schema(), indent=2))
     return DONE
 
 
