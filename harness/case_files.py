@@ -154,7 +154,7 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
 
 
 def read_outcome(folder: Path, case: Case) -> Outcome:
-    """How a case ended, as its file says, without reading its numbers.
+    """How a case ended, as its file says; all of that is read, so that damage shows.
 
     Its status is ``missing`` where there is no file, ``damaged`` where that is of no use.
     """
@@ -163,17 +163,17 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
         return Outcome(MISSING)
     try:
         with netCDF4.Dataset(path) as file:
+            file.set_auto_maskandscale(False)
             attributes = file.__dict__
-            time = file.variables.get("case_time")
-            seconds = 0.0 if time is None else float(time[...])
-            repeat = file.dimensions.get("repeat")
-            repeats = 0 if repeat is None else repeat.size
+            numbers = {name: variable[...] for name, variable in file.variables.items()}
         check_version(path, attributes)
         _check_owner(path, case, attributes)
     except (OSError, RuntimeError, ValueError, KeyError) as error:
-        return Outcome(DAMAGED, " ".join(str(error).split()))
+        return Outcome(DAMAGED, f"{path}: cannot be read: {' '.join(str(error).split())}")
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
+    seconds = float(numbers.get("case_time", 0.0))
+    repeats = len(numbers.get("repeat", ()))
     status, message = str(attributes["status"]), str(attributes["message"])
     return Outcome(status, message, seconds=seconds, repeats=repeats)
 

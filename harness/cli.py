@@ -74,12 +74,15 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
     run.set_defaults(command=_run)
     _add_study(run)
-    run.add_argument(
+    where = run.add_mutually_exclusive_group()
+    where.add_argument(
         "--workers",
         type=_worker_count,
-        default=os.cpu_count() or 1,
         metavar="N",
         help="processes, each with a case at a time; default: one for each core",
+    )
+    where.add_argument(
+        "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
     )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
@@ -170,47 +173,20 @@ def _worker_count(text: str) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare
-    from harness.progress import Display
-    from harness.runner import run_cases
-    from harness.upkeep import collect_and_write, outcomes, result_file, summary
+    from harness.run_study import on_cluster, on_this_machine, run_study
+    from harness.upkeep import result_file
 
     signal.signal(signal.SIGTERM, _raise_terminated)
+    if options.dask is not None and options.case_timeout < math.inf:
+        raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
     study = load_study(options.study, options.set)
     cases = cases_of(study)
-    folder = case_folder(options.out, study)
-    prepare(folder)
-    for partial in abandoned(folder):
-        partial.unlink(missing_ok=True)
-    if options.fresh:
-        discard(folder, cases)
-    repeats = study.timing_repeats
-    pending = [case for case in cases if not _is_done(folder, case, repeats)]
-
-    workers = min(1 if repeats else options.workers, len(pending))
-    done = len(cases) - len(pending)
-    try:
-        _tell(f"{study.name}: {len(cases)} cases, {done} done already, {workers} workers")
-        if repeats and pending:
-            _tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
-        with Display(len(pending), sys.stderr) as display:
-            run_cases(
-                pending,
-                folder,
-                workers,
-                display,
-                time_limit=options.case_timeout,
-                repeats=repeats,
-            )
-    except (KeyboardInterrupt, HarnessError) as error:
-        stand = outcomes(study, cases, options.out)
-        can_write = not isinstance(error, ArchiveError)
-        if can_write and any(outcome.status == COMPLETED for outcome in stand):
-            collect_and_write(study, cases, options.out)
-        _tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
-        raise
-
-    dataset = collect_and_write(study, cases, options.out)
+    run = (
+        on_this_machine(study, options.workers, options.case_timeout)
+        if options.dask is None
+        else on_cluster(study, options.dask)
+    )
+    dataset = run_study(study, options.out, run, fresh=options.fresh)
     _show(dataset, options.out)
     print(result_file(options.out, study))
     return _list_incomplete(cases, dataset)
@@ -237,24 +213,6 @@ def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
     return INCOMPLETE if lost else DONE
 
 
-def _is_done(folder: Path, case: Case, repeats: int) -> bool:
-    """Whether a case has completed, and been timed as often as its study asks for.
-
-    All of its file is read, so that damage shows now.
-    """
-    from harness.case_files import ArchiveError, discard, read_case
-
-    try:
-        result = read_case(folder, case)
-    except ArchiveError as error:
-        _tell(f"{error}; the case is run again")
-        discard(folder, [case])
-        return False
-    if result is None or result.attrs["status"] != COMPLETED:
-        return False
-    return result.sizes.get("repeat", 0) >= repeats
-
-
 def _status(options: argparse.Namespace) -> int:
     from harness.upkeep import outcomes, status_rows
 
@@ -267,13 +225,12 @@ def _status(options: argparse.Namespace) -> int:
 
 def _collect(options: argparse.Namespace) -> int:
     from harness.case_files import prepare
-    from harness.upkeep import collect_and_write, outcomes, result_file, summary
+    from harness.upkeep import collect_and_write, outcomes_of, result_file, summary
 
     study = load_study(options.study, options.set)
     cases = cases_of(study)
-    stand = outcomes(study, cases, options.out)
     prepare(options.out)
-    collect_and_write(study, cases, options.out)
+    stand = outcomes_of(collect_and_write(study, cases, options.out))
     _tell(summary(stand))
     print(result_file(options.out, study))
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
@@ -346,15 +303,14 @@ def _schema(options: argparse.Namespace) -> int:
 
 
 def _plan(options: argparse.Namespace) -> int:
-    scene = scene_class(options.scene)().simulated_scene()
-    if scene is None:
-        raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
     from harness.plan_text import plan_text
     from harness.worker import start_warp_in_silence
-    from mpm_warp.planning import make_plan
 
     start_warp_in_silence()
-    print(plan_text(make_plan(scene)))
+    plan = scene_class(options.scene)().plan()
+    if plan is None:
+        raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
+    print(plan_text(plan))
     return DONE
 
 

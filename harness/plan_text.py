@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from mpm_warp.plan import Launch, Plan
+from mpm_warp.plan import Launch, StepPlan
 
 
-def plan_text(plan: Plan) -> str:
+def plan_text(plan: StepPlan) -> str:
     """Launches of a step, arrays and their bytes, particle count and time step."""
     lines = [f"kernels of a step: {len(plan.step)}"]
     lines += [_launch_line(launch) for launch in plan.step]
-    if plan.admission is not None:
-        lines += ["kernels now and then:", _launch_line(plan.admission)]
+    now_and_then = plan.launches[len(plan.step) :]
+    if now_and_then:
+        lines += ["kernels now and then:", *map(_launch_line, now_and_then)]
     byte_count = sum(array.byte_count for array in plan.arrays.values())
     lines += [f"arrays: {len(plan.arrays)}, {byte_count:,} bytes"]
     lines += [

@@ -51,6 +51,14 @@ def outcomes(study: Study, cases: Sequence[Case], out: Path) -> list[Outcome]:
     ]
 
 
+def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
+    """How the cases of a collected dataset stand; times are of completed ones."""
+    statuses = dataset.status
+    times = dataset["case_time"] if "case_time" in dataset else xr.zeros_like(statuses, float)
+    pairs = zip(statuses.values.flat, times.fillna(0.0).values.flat, strict=True)
+    return [Outcome(str(status), seconds=float(seconds)) for status, seconds in pairs]
+
+
 def status_rows(cases: Sequence[Case], outcomes: Sequence[Outcome]) -> list[str]:
     """A line a case, and one of all."""
     rows = [f"{'case':16}  {'status':9}  {'time':>9}  parameters"]

@@ -127,6 +127,10 @@ def _run(case: Case, progress: Progress | None, repeats: int) -> xr.Dataset:
     from harness.measuring import differing, with_samples
 
     scene = scene_class(case.scene)
+    if scene.version != case.scene_version:  # as on a cluster with another installation
+        raise RuntimeError(
+            f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
+        )
     run_count = repeats + 1
 
     def run(number: int) -> xr.Dataset:

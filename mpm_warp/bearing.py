@@ -13,6 +13,7 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 if TYPE_CHECKING:
     import xarray
 
+    from mpm_warp.boundaries import Fixed
     from mpm_warp.contact import SurfaceContact
     from mpm_warp.grids import Floats, Grid
     from mpm_warp.materials import Tresca
@@ -83,19 +84,24 @@ class Bearing(ReadyScene):
         """Speed of the body [m/s]."""
         return self.speed_ratio / self.rigidity_index * self.material.shear_wave_speed
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+    def fixed(self, grid: Grid) -> Fixed:
+        """Nodes on the axis, on the side of the soil and below it."""
         import numpy as np
 
         from mpm_warp.boundaries import Fixed
-        from mpm_warp.scene import Scene
 
-        grid = self.grid()
         vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical[0] = True
         radial = vertical.copy()
         radial[grid.surface_radius == 0.0, 0] = True
         radial[:, -1] = True
+        return Fixed.where(radial=radial, vertical=vertical)
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.scene import Scene
+
+        grid = self.grid()
         return Scene(
             grid=grid,
             material=self.material,
@@ -104,7 +110,7 @@ class Bearing(ReadyScene):
             # A few passages of a shear wave through a cell.
             velocity_memory=20 * RADIUS / self.cells_per_radius / self.material.shear_wave_speed,
             bulk_viscosity=0.2,
-            fixed=Fixed.where(radial=radial, vertical=vertical),
+            fixed=self.fixed(grid),
             contact=self.contact(grid),
         )
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,10 +50,16 @@ class Grid:
     surface_radius: Floats
     outer_radius: float
     planar: bool = False
+    polar: ClassVar[bool] = False
+    """Whether positions are first turned into distance and angle, see `mpm_warp.polar`."""
 
     def weight(self, radius: Floats) -> Floats:
         """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
         return np.ones_like(radius) if self.planar else radius
+
+    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
+        """Whether there is soil at positions [m] of shape [count, 2] before anything moves."""
+        return np.ones(len(position), dtype=np.bool_)
 
     @property
     def column_count(self) -> int:
@@ -87,6 +93,30 @@ class Grid:
         height = self.rows[row] + eta * np.diff(self.rows)[row]
         return np.stack(np.broadcast_arrays(radius, height), axis=-1)
 
+    @property
+    def particle_bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest (r, z) of soil that belongs to the grid, a cell beyond its sides [m].
+
+        Soil may stand out a little: it then has the velocity of the side.
+        """
+        below, above = np.diff(self.rows)[[0, -1]]
+        beside = np.diff(self.columns)[-1] * self.outer_radius
+        lower = np.array([0.0, self.rows[0] - below])
+        return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
+
+    @property
+    def surface_normals(self) -> Floats:
+        """Unit normals of an inner surface that is a cylinder, into the soil, for each row."""
+        return np.tile([1.0, 0.0], (self.row_count + 1, 1))
+
+    def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
+        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
+        width = (self.outer_radius - surface) * np.diff(self.columns)[column]
+        weight = self.weight(self.place(column, row, xi, eta)[..., 0])
+        volumes: Floats = weight * width * np.diff(self.rows)[row]
+        return volumes
+
     @cached_property
     def node_positions(self) -> Floats:
         """Positions (r, z) of the nodes [m], shape [node_count, 2]."""
@@ -111,7 +141,7 @@ class Grid:
         stress, and of the mean strain rate of the cell. Exact. In m2, shape [cell_count, 4, 3].
         """
         xi, eta = (g.ravel() for g in np.meshgrid(GAUSS_POINTS, GAUSS_POINTS))
-        shape, d_xi, d_eta = _bilinear(xi, eta)  # each [4 nodes, 4 points]
+        shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, 4 points]
         radius, height = np.moveaxis(self.node_positions[self.cell_nodes], -1, 0)
         r, r_xi, r_eta = (radius @ function for function in (shape, d_xi, d_eta))
         z_eta = height @ d_eta
@@ -146,14 +176,25 @@ class Grid:
 
     @cached_property
     def cell_lengths(self) -> Floats:
-        """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
+        """See the function of that name, shape [cell_count]."""
+        return cell_lengths(self.gradient_integrals, self.cell_volumes)
 
-        1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
-        frequency of a uniform-strain cell (Flanagan & Belytschko 1984, Eng. Comput. 1:249-253).
-        """
-        gradients = self.gradient_integrals[..., :2] / self.cell_volumes[:, None, None]
+
+def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
+    """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
+
+    1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
+    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, Eng. Comput. 1:249-253).
+    Infinite where nothing of the cell is open.
+
+    Args:
+        gradient_integrals: see `Grid`, shape [cell_count, 4, 3].
+        cell_volumes: see `Grid`, shape [cell_count].
+    """
+    gradients = gradient_integrals[..., :2] / cell_volumes[:, None, None]
+    with np.errstate(divide="ignore"):
         lengths: Floats = 1.0 / np.sqrt(np.sum(gradients**2, axis=(1, 2)))
-        return lengths
+    return lengths
 
 
 def graded(first: float, length: float, growth: float) -> Floats:
@@ -177,7 +218,7 @@ def graded(first: float, length: float, growth: float) -> Floats:
     return edges
 
 
-def _bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
+def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
     """Shape functions and their derivatives along xi and eta, each [4 nodes, points]."""
     shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta])
     d_xi = np.array([eta - 1, 1 - eta, -eta, eta])

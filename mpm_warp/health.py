@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mpm_warp.grids import Floats
+from mpm_warp.grids import Floats, Integers
+from mpm_warp.materials import PerfectlyPlastic, Tresca
+
+YIELD_TOLERANCE = 1e-5
+"""Stress beyond the yield surface that is rounding yet, over the strength (in single precision)."""
+OVERFULL = 8
+"""Soil in a cell, over that of a full one, that no compression of soil could explain."""
 
 
 class SimulationDiverged(RuntimeError):
@@ -21,32 +28,8 @@ class WindowOverfull(RuntimeError):
     """More soil stays in the travelling window than it has places for; the message is one line."""
 
 
-class ParticleOutside(RuntimeError):
-    """A particle has left the grid; the message is one line."""
-
-
-def check_inside(
-    *, position: Floats, bounds: tuple[Floats, Floats], step: int, time: float
-) -> None:
-    """Check that particles are where the grid has all the nodes that they need.
-
-    Args:
-        position: coordinates [m], shape [particle_count, 2].
-        bounds: lowest and highest coordinates allowed [m], each of shape [2].
-        step: number of steps taken.
-        time: simulated time [s].
-
-    Raises:
-        ParticleOutside: one is not.
-    """
-    outside = ~np.all((position >= bounds[0]) & (position <= bounds[1]), axis=1)
-    if outside.any():
-        particle = int(np.argmax(outside))
-        raise ParticleOutside(
-            f"particle {particle} has left the grid: {np.array2string(position[particle])} m is "
-            f"not within {bounds[0]} to {bounds[1]} m at step {step}, t = {time:.4g} s; "
-            "make the grid wider or the run shorter"
-        )
+class Fault(Exception):
+    """What the watch has found: the begin of a message, without when and what to do."""
 
 
 def check_particles(
@@ -54,40 +37,100 @@ def check_particles(
     position: Floats,
     velocity: Floats,
     stress: Floats,
+    mass: Floats,
     speed_limit: float,
-    step: int,
-    healthy_step: int,
-    time: float,
+    bounds: tuple[Floats, Floats],
 ) -> None:
-    """Check that particles are finite and slower than the waves that they carry.
+    """Check that particles are within the grid, finite and slower than the waves that they carry.
 
     Args:
-        position: (r, z) [m], shape [particle_count, 2].
-        velocity: (r, z) [m/s], shape [particle_count, 2].
-        stress: (rr, zz, rz, tt) [Pa], shape [particle_count, 4].
+        position: coordinates [m], shape [particle_count, 2].
+        velocity: [m/s], shape [particle_count, 2].
+        stress: four components [Pa], shape [particle_count, 4].
+        mass: [kg], shape [particle_count].
         speed_limit: pressure wave speed [m/s].
-        step: number of steps taken.
-        healthy_step: step of the last check that passed.
-        time: simulated time [s].
+        bounds: lowest and highest coordinates of the grid [m].
 
     Raises:
-        SimulationDiverged: a particle is not finite or too fast.
+        Fault: a particle is not.
     """
-    speed = np.abs(velocity).max(axis=1)
+    # NaN is not within any limit either.
     sound = {
-        "stress": np.isfinite(stress).all(axis=1),
-        "position": np.isfinite(position).all(axis=1),
-        # NaN is not below the limit either.
-        "velocity": speed < speed_limit,
+        "velocity": (velocity, np.abs(velocity).max(axis=1) < speed_limit),
+        "stress": (stress, np.isfinite(stress).all(axis=1)),
+        "mass": (mass, (mass > 0.0) & np.isfinite(mass)),
+        "position": (position, _within(position, bounds)),
     }
-    for quantity, healthy in sound.items():
-        if healthy.all():
-            continue
-        worst = int(np.argmin(healthy))
-        values = {"stress": stress, "position": position, "velocity": velocity}[quantity][worst]
-        place = f"(r, z) = ({position[worst, 0]:.4g}, {position[worst, 1]:.4g}) m"
-        raise SimulationDiverged(
-            f"{quantity} of particle {worst} at {place} is {np.array2string(values, precision=4)} "
-            f"at step {step}, t = {time:.4g} s; healthy at step {healthy_step}; "
-            "try a smaller time_step_fraction"
+    for quantity, (values, healthy) in sound.items():
+        if not healthy.all():
+            worst = int(np.argmin(healthy))
+            raise Fault(f"{quantity} of {_particle(worst, position)} is {_text(values[worst])}")
+
+
+def check_yield(*, position: Floats, stress: Floats, material: PerfectlyPlastic) -> None:
+    """Check that stresses (rr, zz, rz, tt) are on or inside the yield surface.
+
+    Raises:
+        Fault: one is not.
+    """
+    excess = yield_excess(stress, material)
+    worst = int(np.argmax(excess))
+    if excess[worst] > YIELD_TOLERANCE:
+        raise Fault(
+            f"stress of {_particle(worst, position)} is {_text(stress[worst])}, outside the yield "
+            f"surface by {excess[worst]:.2g} of the strength"
         )
+
+
+def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
+    """How far stresses are outside the yield surface over the strength; < 0 inside."""
+    rr, zz, rz, tt = stress.T
+    if isinstance(material, Tresca):
+        centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+        extreme = np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt)
+        beyond: Floats = 0.5 * extreme / material.strength - 1.0
+        return beyond
+    mean = (rr + zz + tt) / 3.0
+    j2 = 0.5 * ((rr - mean) ** 2 + (zz - mean) ** 2 + (tt - mean) ** 2) + rz**2
+    excess: Floats = np.sqrt(j2) / material.strength - 1.0
+    return excess
+
+
+def check_cells(*, cell: Integers, mass: Floats, full_mass: Floats) -> None:
+    """Check that no cell holds more soil than could be pressed into it.
+
+    Args:
+        cell: flat index of each particle's cell, shape [particle_count].
+        mass: of the particles [kg], shape [particle_count].
+        full_mass: of each cell when it is full [kg], shape [cell_count].
+
+    Raises:
+        Fault: one does.
+    """
+    filling = np.bincount(cell, weights=mass, minlength=len(full_mass)) / full_mass
+    worst = int(np.argmax(filling))
+    if not filling[worst] < OVERFULL:
+        raise Fault(f"soil in cell {worst} is {filling[worst]:.3g} times that of a full one")
+
+
+def check_time_step(*, time_step: float, longest: float) -> None:
+    """Check that the time step is at most the longest that is stable [s].
+
+    Raises:
+        Fault: it is not.
+    """
+    if not time_step <= longest:
+        raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")
+
+
+def _within(position: Floats, bounds: tuple[Floats, Floats]) -> NDArray[np.bool_]:
+    within: NDArray[np.bool_] = np.all((position >= bounds[0]) & (position <= bounds[1]), axis=1)
+    return within
+
+
+def _particle(index: int, position: Floats) -> str:
+    return f"particle {index} at {_text(position[index])} m"
+
+
+def _text(values: Floats) -> str:
+    return np.array2string(np.asarray(values), precision=4, separator=", ")

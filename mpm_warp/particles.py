@@ -50,13 +50,9 @@ def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: in
     xi = (across[:, None] + gauss_xi) / n
     eta = (layer[:, None] + gauss_eta) / n
     points = grid.place(column[:, None], row[:, None], xi, eta)
-    surface = grid.surface_radius[row] + eta.T * np.diff(grid.surface_radius)[row]
-    width = (grid.outer_radius - surface.T) * np.diff(grid.columns)[column, None]
-    height = np.diff(grid.rows)[row, None]
-    volumes = grid.weight(points[..., 0]) * width * height / (4 * n * n)
+    volumes = grid.jacobian(column[:, None], row[:, None], xi, eta) / (4 * n * n)
     volume = volumes.sum(axis=1)
-    return Seed(
-        position=np.sum(points * volumes[..., None], axis=1) / volume[:, None],
-        volume=volume,
-        cell=np.stack([column, row], axis=-1),
-    )
+    position = np.sum(points * volumes[..., None], axis=1) / volume[:, None]
+    soil = grid.holds_soil(position)
+    cell = np.stack([column, row], axis=-1)
+    return Seed(position=position[soil], volume=volume[soil], cell=cell[soil])

@@ -113,16 +113,20 @@ class PenetrometerSurface:
     friction: float
     in_situ_stress: float
 
-    @cached_property
-    def rows(self) -> Integers:
-        """The rows of nodes on the surface, that of the tip first."""
+    @property
+    def nodes(self) -> Integers:
+        """Flat indices of the nodes on the surface, from the tip upward, shape [node_count]."""
+        return self.grid.node(0, self._rows)
+
+    @property
+    def _rows(self) -> Integers:
         tip = int(np.flatnonzero(self.grid.surface_radius == 0.0)[-1])
         return np.arange(tip, self.grid.row_count + 1, dtype=np.int32)
 
     @cached_property
     def areas(self) -> tuple[Floats, Floats]:
         """Integrals of N r along face and shaft for each node [m2], each of shape [node_count]."""
-        radius, height = self.grid.surface_radius[self.rows], self.grid.rows[self.rows]
+        radius, height = self.grid.surface_radius[self._rows], self.grid.rows[self._rows]
         length = np.hypot(np.diff(radius), np.diff(height))
         to_lower = length * (radius[:-1] / 3.0 + radius[1:] / 6.0)
         to_upper = length * (radius[:-1] / 6.0 + radius[1:] / 3.0)
@@ -145,10 +149,10 @@ class PenetrometerSurface:
         half = 0.5 * self.penetrometer.apex_angle
         vectors = np.outer(face, [-np.cos(half), np.sin(half)]) + np.outer(shaft, [-1.0, 0.0])
         # On the axis nothing moves sideways: the tip resists along z alone.
-        vectors[0, 0] = 0.0
+        vectors[self.grid.node_positions[self.nodes, 0] == 0.0, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
         return SurfaceContact(
-            nodes=self.grid.node(0, self.rows),
+            nodes=self.nodes,
             normals=vectors / normal_areas[:, None],
             normal_areas=normal_areas,
             adhesion_forces=self.face_adhesion * face + self.shaft_adhesion * shaft,

@@ -58,26 +58,31 @@ class StepPlan:
     Attributes:
         precision: floating point types.
         time_step: length of every step [s].
+        longest_time_step: beyond which a run is not stable [s].
         speed_limit: speed of the fastest wave, which no particle exceeds in a sound run [m/s].
-        particle_bounds: lowest and highest coordinates that particles may have [m]; None where
-            the step itself keeps them within the grid.
+        particle_bounds: lowest and highest coordinates that particles may have [m].
+        remedy: what may help where a run diverges.
         particle_count: particles at the start.
         arrays: by name, "particle.mass" say; the first word tells over what they run.
         step: the launches of one step, in order.
+        audited_step: the same with an audit of energy in it, to be taken now and then; or none.
     """
 
     precision: Precision
     time_step: float
+    longest_time_step: float
     speed_limit: float
-    particle_bounds: tuple[Floats, Floats] | None = None
+    particle_bounds: tuple[Floats, Floats]
+    remedy: str = "try a smaller time_step_fraction"
     particle_count: int = 0
     arrays: dict[str, Array] = field(default_factory=dict)
     step: list[Launch] = field(default_factory=list)
+    audited_step: list[Launch] = field(default_factory=list)
 
     @property
     def launches(self) -> list[Launch]:
         """Every launch of the run, those of a step first."""
-        return self.step
+        return [*self.step, *(it for it in self.audited_step if it not in self.step)]
 
     def add_array(self, name: str, kind: str, values: np.ndarray) -> str:
         """Add an array that starts with the given values; `kind` is a type of the precision."""
@@ -118,4 +123,5 @@ class Plan(StepPlan):
     @property
     def launches(self) -> list[Launch]:
         """See `StepPlan`."""
-        return self.step if self.admission is None else [*self.step, self.admission]
+        launches = super().launches
+        return launches if self.admission is None else [*launches, self.admission]

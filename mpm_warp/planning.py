@@ -12,10 +12,16 @@ from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
 from mpm_warp.kernels.boundaries import make_far_field, make_fixed
 from mpm_warp.kernels.contact import make_surface_contact
+from mpm_warp.kernels.energy import make_kinetic_energy
 from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
 from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
 from mpm_warp.kernels.loads import make_damping, make_gravity, make_nodal_load
-from mpm_warp.kernels.moving_wall import make_move_wall, make_push, make_refit_cells
+from mpm_warp.kernels.moving_wall import (
+    make_move_wall,
+    make_push,
+    make_refit_cells,
+    make_refit_sectors,
+)
 from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
 from mpm_warp.kernels.precision import FLOAT64, Precision
 from mpm_warp.kernels.window import make_admit, make_advance_window
@@ -25,6 +31,7 @@ from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.moving_wall import MovingWall
 from mpm_warp.particles import seed_rows
 from mpm_warp.plan import Launch, Plan
+from mpm_warp.polar import PolarGrid
 from mpm_warp.scene import Scene
 from mpm_warp.window import Window
 
@@ -36,6 +43,9 @@ PARTICLE_STATE = (
     "particle.cell",
 )
 
+ABSURD_SPEED = 100.0
+"""Speed over that of the pressure wave beyond which a node is left out of the step."""
+
 
 def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
     """The plan of a run of `scene`, complete."""
@@ -45,7 +55,9 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
         scene=scene,
         precision=precision,
         time_step=scene.time_step_fraction * critical_time_step,
+        longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=wave_speed,
+        particle_bounds=scene.grid.particle_bounds,
     )
     _add_particles(plan)
     if scene.window is not None:
@@ -73,6 +85,8 @@ def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
         _move_wall(plan, scene.moving_wall)
     if scene.window is not None:
         _advance_window(plan, scene.window)
+    if scene.energy_audit:
+        _add_energy_audit(plan)
     return plan
 
 
@@ -138,7 +152,7 @@ def _add_particles_to_grid(plan: Plan) -> None:
     plan.add_zeros("cell.mass", "real", grid.cell_count)
     plan.add_zeros("node.momentum", "vec3", grid.node_count)
     plan.add_launch(
-        make_particles_to_grid(plan.scene.window is not None, plan.precision),
+        make_particles_to_grid(grid.polar, plan.scene.window is not None, plan.precision),
         plan.arrays["particle.mass"].shape,
         *PARTICLE_STATE,
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
@@ -174,6 +188,7 @@ def _add_node_update(plan: Plan) -> None:
         (grid.row_count + 1, grid.column_count + 1),
         *("node.momentum", "cell.stress", "cell.integrals"),
         *(grid.column_count, grid.row_count, plan.time_step, "node.least_mass"),
+        ABSURD_SPEED * plan.speed_limit,
         *("node.mass", "node.motion"),
     )
 
@@ -243,11 +258,19 @@ def _add_push(plan: Plan) -> None:
     motion = np.zeros((grid.row_count + 1, 3))
     motion[:, 2] = grid.surface_radius
     plan.add_array("wall.motion", "vec3", motion)
+    plan.add_array("wall.outward", "vec2", grid.surface_normals)
     plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
     plan.add_launch(
         make_push(plan.precision),
         grid.row_count + 1,
-        *(grid.column_count, "wall.motion", "node.mass", "node.motion", "wall.impulse"),
+        *(
+            grid.column_count,
+            "wall.motion",
+            "wall.outward",
+            "node.mass",
+            "node.motion",
+            "wall.impulse",
+        ),
     )
 
 
@@ -276,7 +299,10 @@ def _add_grid_to_particles(plan: Plan) -> None:
         travelling = ("window.motion", float(top), "free.slots", "free.count")
     plan.add_launch(
         make_grid_to_particles(
-            make_yielding(material, plan.precision), scene.window is not None, plan.precision
+            grid.polar,
+            make_yielding(material, plan.precision),
+            scene.window is not None,
+            plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
         *("node.motion", "cell.stress_step", "grid.columns", "grid.rows", grid.outer_radius),
@@ -299,9 +325,32 @@ def _move_wall(plan: Plan, wall: MovingWall) -> None:
         grid.row_count + 1,
         *(plan.time_step, wall.speed, wall.ramp_time, "wall.motion", "grid.rows"),
     )
-    plan.add_launch(
-        make_refit_cells(plan.precision),
-        grid.cell_count,
-        *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
-        *("cell.integrals", "cell.volume"),
+    geometry = ("grid.columns", "grid.rows", grid.outer_radius, grid.column_count)
+    if isinstance(grid, PolarGrid):
+        angular, caps = grid.angular_integrals
+        plan.add_launch(
+            make_refit_sectors(plan.precision),
+            grid.cell_count,
+            *geometry,
+            plan.add_array("wall.angular", "vec5", angular),
+            plan.add_array("wall.caps", "real", caps),
+            *("cell.integrals", "cell.volume"),
+        )
+    else:
+        kernel = make_refit_cells(plan.precision)
+        plan.add_launch(kernel, grid.cell_count, *geometry, "cell.integrals", "cell.volume")
+
+
+def _add_energy_audit(plan: Plan) -> None:
+    grid = plan.scene.grid
+    energy = plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
+    before, after = (
+        Launch(
+            kernel=make_kinetic_energy(when, plan.precision),
+            dim=grid.row_count + 1,
+            arguments=(grid.column_count, "node.mass", "node.motion", energy),
+        )
+        for when in ("before", "after")
     )
+    update = next(i for i, it in enumerate(plan.step) if "node.least_mass" in it.arrays) + 1
+    plan.audited_step = [after, *plan.step[:update], before, *plan.step[update:]]

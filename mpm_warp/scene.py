@@ -35,6 +35,7 @@ class Scene:
         contact: contact with a rigid body, or none.
         moving_wall: inner wall that moves and takes the grid along, or none.
         window: travel of the grid through the soil, or none.
+        energy_audit: whether to sample what energy the transfers create or dissipate.
     """
 
     grid: Grid
@@ -51,3 +52,4 @@ class Scene:
     contact: SurfaceContact | None = None
     moving_wall: MovingWall | None = None
     window: Window | None = None
+    energy_audit: bool = False

@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 import warp as wp
 
-from mpm_warp.grids import Floats
-from mpm_warp.health import check_inside, check_particles
+from mpm_warp.grids import Floats, Integers, cell_lengths
+from mpm_warp.health import (
+    Fault,
+    SimulationDiverged,
+    check_cells,
+    check_particles,
+    check_time_step,
+    check_yield,
+)
+from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 
-CHECK_INTERVAL = 250
-"""Steps between two checks of the particles."""
+CHECK_INTERVAL = 500
+"""Steps between two looks of the watch."""
+AUDIT_INTERVAL = 16
+"""Steps between two that are audited."""
 
 
 class TimeLoop:
@@ -45,10 +56,8 @@ class TimeLoop:
         modules = [launch.kernel.module for launch in self.plan.launches]
         wp.force_load(self._device, modules=modules)
         # Recorded once: replaying a step costs no Python beyond one call.
-        with wp.ScopedCapture(device=self._device) as capture:
-            for launch in self.plan.step:
-                self.launch(launch)
-        self._step = capture.graph
+        self._step = self._record(self.plan.step)
+        self._audited_step = self._record(self.plan.audited_step or self.plan.step)
         self.compile_time = time.perf_counter() - start
 
     @property
@@ -73,6 +82,12 @@ class TimeLoop:
         ]
         wp.launch(launch.kernel, launch.dim, arguments, device=self._device)
 
+    def _record(self, launches: list[Launch]) -> Any:
+        with wp.ScopedCapture(device=self._device) as capture:
+            for launch in launches:
+                self.launch(launch)
+        return capture.graph
+
     def advance(self, step_count: int) -> None:
         """Take steps.
 
@@ -83,37 +98,44 @@ class TimeLoop:
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
             block = min(last, next_check) - self.step_count
-            for _ in range(block):
-                wp.capture_launch(self._step)
+            for step in range(self.step_count, self.step_count + block):
+                audited = step % AUDIT_INTERVAL == 0
+                wp.capture_launch(self._audited_step if audited else self._step)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if self.step_count == next_check:
                 self.check()
 
     def check(self) -> None:
-        """Check the particles.
+        """Look whether the run is sound.
 
         Raises:
-            SimulationDiverged: see `mpm_warp.health.check_particles`.
-            ParticleOutside: see `mpm_warp.health.check_inside`.
+            SimulationDiverged: it is not; the message names what, where, when and what may help.
         """
-        check_particles(
-            position=self.array("particle.position"),
-            velocity=self.array("particle.velocity"),
-            stress=self.array("particle.stress"),
-            speed_limit=self.plan.speed_limit,
-            step=self.step_count,
-            healthy_step=self._healthy_step,
-            time=self.time,
-        )
-        if self.plan.particle_bounds is not None:
-            check_inside(
-                position=self.array("particle.position"),
-                bounds=self.plan.particle_bounds,
-                step=self.step_count,
-                time=self.time,
-            )
+        try:
+            self._look()
+        except Fault as fault:
+            raise SimulationDiverged(
+                f"{fault}, at step {self.step_count}, t = {self.time:.4g} s; healthy at step "
+                f"{self._healthy_step}; {self.plan.remedy}"
+            ) from None
         self._healthy_step = self.step_count
+
+    def _look(self) -> None:
+        check_time_step(time_step=self.plan.time_step, longest=self.plan.longest_time_step)
+        present = self._present()
+        check_particles(
+            position=self.array("particle.position")[present],
+            velocity=self.array("particle.velocity")[present],
+            stress=self.array("particle.stress")[present],
+            mass=self.array("particle.mass")[present],
+            speed_limit=self.plan.speed_limit,
+            bounds=self.plan.particle_bounds,
+        )
+
+    def _present(self) -> slice | Integers:
+        """The places of particles that are in the grid."""
+        return slice(None)
 
 
 class Simulation(TimeLoop):
@@ -134,11 +156,46 @@ class Simulation(TimeLoop):
         self.setup_time += planning_time
         self._forces_taken_at = 0.0
 
+    def _look(self) -> None:
+        super()._look()
+        present, grid, material = self._present(), self.scene.grid, self.scene.material
+        if isinstance(material, PerfectlyPlastic):
+            check_yield(
+                position=self.array("particle.position")[present],
+                stress=self.array("particle.stress")[present],
+                material=material,
+            )
+        volume = self.array("cell.volume")
+        column, row = self.array("particle.cell")[present].T
+        check_cells(
+            cell=row * grid.column_count + column,
+            mass=self.array("particle.mass")[present],
+            full_mass=material.density * volume,
+        )
+        if self.scene.moving_wall is not None:
+            shortest = float(cell_lengths(self.array("cell.integrals"), volume).min())
+            check_time_step(
+                time_step=self.plan.time_step, longest=shortest / material.pressure_wave_speed
+            )
+
+    def _present(self) -> slice | Integers:
+        if self.scene.window is None:
+            return slice(None)
+        return np.flatnonzero(self.array("particle.cell")[:, 0] >= 0)
+
     @property
     def particle_count(self) -> int:
         """Number of particles in the grid now."""
         places = self.plan.arrays["particle.mass"].shape[0]
         return places if self.scene.window is None else places - int(self.array("free.count")[0])
+
+    @property
+    def transfer_energy(self) -> float:
+        """What the transfers have added to the kinetic energy per radian, dissipated if < 0 [J].
+
+        A sample of the steps, where the scene has an energy audit.
+        """
+        return AUDIT_INTERVAL * float(self.array("transfer.energy").sum())
 
     def take_contact_forces(self) -> Floats:
         """Mean forces of the soil at the contact nodes since they were last taken.

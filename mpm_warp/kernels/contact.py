@@ -4,12 +4,14 @@ After Ceccato, Beuth & Simonini (2017, Procedia Engineering 175:182-188) and Bar
 (2001, CMES 2:509-522): a corrector on the velocities predicted for a body alone.
 
 Symbols: m mass of the body at the node, d its predicted velocity less that of the combined system
-(of a rigid body: the prescribed one), n unit normal, outward from the body, mu friction
-coefficient, a A adhesion times contact area, p A in-situ pressure times contact area, which the
-simulated stress leaves out.
+(of a rigid body: the prescribed one), n unit normal, outward from the body, P impulse that presses
+the bodies together, mu friction coefficient, a A adhesion times contact area, p A in-situ pressure
+times contact area, which the simulated stress leaves out.
 
-    J_n = m d.n              while J_n + p A dt > 0; otherwise the bodies part and J_n = -p A dt
-    J_t = m |w|, w = d - d.n n,     at most mu (J_n + p A dt) + a A dt      (stick, slip)
+    J_n = m d.n              while P > 0; otherwise the bodies part and J_n = -p A dt
+    J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)
+
+On a surface that the grid follows P = m d.n + p A dt, the node's own.
 """
 
 import functools
@@ -22,25 +24,25 @@ from mpm_warp.kernels.precision import Precision
 
 @functools.cache
 def make_contact_law(precision: Precision) -> Any:
-    """The function (m, d, n, mu, a A dt, p A dt) -> (J_n, J_t w/|w|): impulse from the body."""
+    """The function (m, d, n, P, mu, a A dt, p A dt) -> (J_n, J_t w/|w|): impulse from the body."""
     real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
     zero = wp.constant(real(0.0))
 
     @wp.func
     def contact_law(
-        m: real, d: vec2, n: vec2, friction: real, adhesion: real, pressure: real
+        m: real, d: vec2, n: vec2, pressing: real, friction: real, adhesion: real, pressure: real
     ) -> vec3:
         normal_speed = wp.dot(d, n)
-        total_normal = m * normal_speed + pressure
-        if total_normal <= zero:
-            return vec3(-pressure, zero, zero)
+        J_n = wp.max(m * normal_speed, -pressure)
+        if pressing <= zero:
+            return vec3(J_n, zero, zero)
         w = d - normal_speed * n
         slip = m * wp.length(w)
-        limit = friction * total_normal + adhesion
+        limit = friction * pressing + adhesion
         transmitted = m * w
         if slip > limit:
             transmitted = (limit / slip) * transmitted
-        return vec3(m * normal_speed, transmitted[0], transmitted[1])
+        return vec3(J_n, transmitted[0], transmitted[1])
 
     return contact_law
 
@@ -87,7 +89,9 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
             d += vec2(real(0.0), window_motion[1])
         else:
             d += vec2(real(0.0), speed)
-        J = contact_law(m, d, n, friction, adhesion[k] * time_step, pressure[k] * time_step)
+        in_situ = pressure[k] * time_step
+        pressing = m * wp.dot(d, n) + in_situ
+        J = contact_law(m, d, n, pressing, friction, adhesion[k] * time_step, in_situ)
         tangential = vec2(J[1], J[2])
         change = -(J[0] * n + tangential) / m
         motion[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])

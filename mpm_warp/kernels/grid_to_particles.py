@@ -40,23 +40,25 @@ def make_elastic_trial(precision: Precision) -> Any:
 
 
 @functools.cache
-def make_grid_to_particles(yielding: Any, window: bool, precision: Precision) -> Any:
+def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: Precision) -> Any:
     """The kernel, launched over particles.
 
     Args:
+        polar: whether the grid is one of rings and rays.
         yielding: returns a trial stress to the yield surface; None where the material never yields.
         window: whether particles that rise above the grid leave it; otherwise they stay below.
         precision: floating point types.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     vec5, vec7 = precision.vec5, precision.vec7
-    location = make_location(precision)
+    location = make_location(polar, precision)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
     elastic_trial = make_elastic_trial(precision)
     yields = yielding is not None
     one = wp.constant(real(1.0))
     behaviour = yielding.key if yields else "elastic"
-    key = f"{behaviour}.{'window' if window else 'closed'}.{precision.numpy_name}"
+    key = f"{'polar' if polar else 'rows'}.{behaviour}.{'window' if window else 'closed'}"
+    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(

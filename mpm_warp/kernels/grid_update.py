@@ -37,9 +37,11 @@ def make_cell_stress(viscous: bool, precision: Precision) -> Any:
         stress: wp.array(dtype=vec4),
     ):
         c = wp.tid()
-        if mass[c] > zero:
-            # A cell that is empty for a moment keeps the stress it had: soil is all around it.
-            mean = stress_sum[c] / mass[c]
+        mean = stress_sum[c] / mass[c]
+        total = mean[0] + mean[1] + mean[2] + mean[3]
+        # A cell that is empty for a moment keeps the stress it had: soil is all around it. So does
+        # one whose soil is not finite, until the watch finds the particle.
+        if total - total == zero:
             if wp.static(viscous):
                 q = viscosity[c] * dilation_rate[c]
                 mean += vec4(q, q, zero, q)
@@ -77,6 +79,7 @@ def make_node_update(precision: Precision) -> Any:
         row_count: int,
         time_step: real,
         least_mass: wp.array(dtype=real),
+        absurd_speed: real,
         mass: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
     ):
@@ -103,6 +106,10 @@ def make_node_update(precision: Precision) -> Any:
             if i > 0:
                 force -= pull(stress[cell - 1], integrals[cell - 1, 3])
         before = vec2(sums[1], sums[2]) / m
+        if not wp.dot(before, before) < absurd_speed * absurd_speed:
+            # The particle that gave it such a velocity is left alone until the watch finds it.
+            motion[node] = vec4()
+            return
         after = before + (time_step / wp.max(m, least_mass[node])) * force
         motion[node] = vec4(after[0], after[1], before[0], before[1])
 

@@ -1,4 +1,4 @@
-"""Where a particle is in its cell: natural coordinates on the grid of `mpm_warp.grids`.
+"""Where a particle is in its cell: natural coordinates on a grid of `mpm_warp.grids` or `.polar`.
 
 Symbols: g column coordinate (0 on the surface, 1 at the outer radius), s radius of the surface,
 D the difference across the cell; column[i] = (g, Dg, 1/Dg), row[j] = (z, Dz, 1/Dz, s, Ds).
@@ -19,30 +19,62 @@ class Location:
 
     Attributes:
         natural: (position, column, row, outer radius) -> (xi, eta, dr/dxi, dr/deta).
+        offset: (position, the same, column, row, outer radius, xi_i, eta_i) -> offset of node i,
+            which stands at the natural coordinates xi_i, eta_i.
         settle: (position, cell, columns, rows, outer radius, cell counts) -> cell after a move.
         outside_surface: (position, row) -> position, moved out of the surface where it was within.
     """
 
     natural: Any
+    offset: Any
     settle: Any
     outside_surface: Any
 
 
 @functools.cache
-def make_location(precision: Precision) -> Location:
-    """Location functions in one precision."""
+def make_location(polar: bool, precision: Precision) -> Location:
+    """Location functions in one precision, of a polar grid or of one with horizontal rows."""
     real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
     vec4, vec5 = precision.vec4, precision.vec5
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.func
+    def horizontal(x: vec2) -> vec2:
+        return x
+
+    @wp.func
+    def distance_and_angle(x: vec2) -> vec2:
+        return vec2(wp.length(x), wp.atan2(x[0], x[1]))
+
+    on_grid = distance_and_angle if polar else horizontal
+
+    @wp.func
     def natural(x: vec2, column: vec3, row: vec5, outer_radius: real) -> vec4:
-        eta = wp.clamp((x[1] - row[0]) * row[2], zero, one)
+        q = on_grid(x)
+        eta = wp.clamp((q[1] - row[0]) * row[2], zero, one)
         surface = row[3] + eta * row[4]
         span = outer_radius - surface
-        g = (x[0] - surface) / span
+        g = (q[0] - surface) / span
         xi = wp.clamp((g - column[0]) * column[2], zero, one)
         return vec4(xi, eta, span * column[1], row[4] * (one - g))
+
+    @wp.func
+    def offset_in_rows(
+        x: vec2, where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
+    ) -> vec2:
+        # The left and right edge of a cell are straight lines.
+        lean = row[4] * (one - column[0] - xi_i * column[1])
+        up = eta_i - where[1]
+        return vec2((xi_i - where[0]) * where[2] + up * lean, up * row[1])
+
+    @wp.func
+    def offset_on_rays(
+        x: vec2, where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
+    ) -> vec2:
+        surface = row[3] + eta_i * row[4]
+        distance = surface + (outer_radius - surface) * (column[0] + xi_i * column[1])
+        angle = row[0] + eta_i * row[1]
+        return distance * vec2(wp.sin(angle), wp.cos(angle)) - x
 
     @wp.func
     def settle(
@@ -54,17 +86,18 @@ def make_location(precision: Precision) -> Location:
         cell_counts: wp.vec2i,
     ) -> wp.vec2i:
         # To a neighbour at most: an index can not leave the grid, whatever the position is.
+        q = on_grid(x)
         i, j = cell[0], cell[1]
         row = rows[j]
-        eta = (x[1] - row[0]) * row[2]
+        eta = (q[1] - row[0]) * row[2]
         if eta >= one:
             j = wp.min(j + 1, cell_counts[1] - 1)
         elif eta < zero:
             j = wp.max(j - 1, 0)
         row = rows[j]
-        surface = row[3] + wp.clamp((x[1] - row[0]) * row[2], zero, one) * row[4]
+        surface = row[3] + wp.clamp((q[1] - row[0]) * row[2], zero, one) * row[4]
         column = columns[i]
-        xi = ((x[0] - surface) / (outer_radius - surface) - column[0]) * column[2]
+        xi = ((q[0] - surface) / (outer_radius - surface) - column[0]) * column[2]
         if xi >= one:
             i = wp.min(i + 1, cell_counts[0] - 1)
         elif xi < zero:
@@ -72,8 +105,20 @@ def make_location(precision: Precision) -> Location:
         return wp.vec2i(i, j)
 
     @wp.func
-    def outside_surface(x: vec2, row: vec5) -> vec2:
+    def outside_surface_of_rows(x: vec2, row: vec5) -> vec2:
         surface = row[3] + wp.clamp((x[1] - row[0]) * row[2], zero, one) * row[4]
         return vec2(wp.max(x[0], surface), x[1])
 
-    return Location(natural, settle, outside_surface)
+    @wp.func
+    def outside_surface_of_rays(x: vec2, row: vec5) -> vec2:
+        distance = wp.length(x)
+        if distance < row[3]:
+            return (row[3] / distance) * x
+        return x
+
+    return Location(
+        natural,
+        offset_on_rays if polar else offset_in_rows,
+        settle,
+        outside_surface_of_rays if polar else outside_surface_of_rows,
+    )

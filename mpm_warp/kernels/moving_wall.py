@@ -6,6 +6,13 @@ of a cell, h its height, N shape functions. For a cell with vertical sides, per 
     integral of dN/dr r = -+ (a + w/2) h / 2       at the inner and outer nodes
     integral of dN/dz r = -+ w (a/2 + w/6)         below and above, inner;  w (a/2 + w/3)  outer
     integral of N       = w h / 4
+
+For a sector of a ring, in distance and angle, they are products of integrals over the two: with
+f and g the linear functions along either, P = integral of f' rho^2, Q of f rho, and of the angle t
+
+    integral of dN/dr r = P (g sin^2) + Q (g' sin cos)
+    integral of dN/dz r = P (g sin cos) - Q (g' sin^2)
+    integral of N       = Q (g)
 """
 
 import functools
@@ -78,17 +85,60 @@ def make_refit_cells(precision: Precision) -> Any:
 
 
 @functools.cache
+def make_refit_sectors(precision: Precision) -> Any:
+    """The same for the cells of a polar grid; launched over cells.
+
+    `angular` holds the integrals over the angle (g sin^2, g' sin cos, g sin cos, g' sin^2, g) of
+    the two rays of each row, `caps` that of sin.
+    """
+    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
+    half, sixth, third = (wp.constant(real(x)) for x in (0.5, 1.0 / 6.0, 1.0 / 3.0))
+
+    @wp.func
+    def part(P: real, Q: real, t: vec5) -> vec3:
+        return vec3(P * t[0] + Q * t[1], P * t[2] - Q * t[3], Q * t[4])
+
+    @wp.kernel(module=f"mpm_warp.refit_sectors.{precision.numpy_name}", enable_backward=False)
+    def refit_sectors(
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        column_count: int,
+        angular: wp.array2d(dtype=vec5),
+        caps: wp.array(dtype=real),
+        integrals: wp.array2d(dtype=vec3),
+        volume: wp.array(dtype=real),
+    ):
+        c = wp.tid()
+        j = c / column_count
+        column = columns[c % column_count]
+        row = rows[j]
+        a = row[3] + (outer_radius - row[3]) * column[0]
+        w = (outer_radius - row[3]) * column[1]
+        P = a * a + a * w + third * w * w
+        inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
+        integrals[c, 0] = part(-P, inner, angular[j, 0])
+        integrals[c, 1] = part(P, outer, angular[j, 0])
+        integrals[c, 2] = part(-P, inner, angular[j, 1])
+        integrals[c, 3] = part(P, outer, angular[j, 1])
+        volume[c] = P * w * caps[j]
+
+    return refit_sectors
+
+
+@functools.cache
 def make_push(precision: Precision) -> Any:
     """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
 
     Launched over the rows of nodes.
     """
-    real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
 
     @wp.kernel(module=f"mpm_warp.push.{precision.numpy_name}", enable_backward=False)
     def push(
         column_count: int,
         wall_motion: wp.array(dtype=vec3),
+        outward: wp.array(dtype=vec2),
         mass: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
         impulse: wp.array(dtype=real),
@@ -96,8 +146,9 @@ def make_push(precision: Precision) -> Any:
         j = wp.tid()
         node = j * (column_count + 1)
         v = motion[node]
-        speed = wall_motion[j][1]
-        impulse[j] += mass[node] * (speed - v[0])
-        motion[node] = vec4(speed, v[1], v[2], v[3])
+        n = outward[j]
+        change = wall_motion[j][1] - (v[0] * n[0] + v[1] * n[1])
+        impulse[j] += mass[node] * change
+        motion[node] = vec4(v[0] + change * n[0], v[1] + change * n[1], v[2], v[3])
 
     return push

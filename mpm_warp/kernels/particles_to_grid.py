@@ -18,17 +18,19 @@ from mpm_warp.kernels.precision import Precision
 
 
 @functools.cache
-def make_particles_to_grid(window: bool, precision: Precision) -> Any:
+def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> Any:
     """The kernel, launched over particles.
 
     Args:
+        polar: whether the grid is one of rings and rays.
         window: whether there are places without a particle, to be passed over.
         precision: floating point types.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     vec5, mat22 = precision.vec5, precision.mat22
-    natural = make_location(precision).natural
-    one = wp.constant(real(1.0))
+    location = make_location(polar, precision)
+    natural, offset = location.natural, location.offset
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.func
     def share(N: real, m: real, v: vec2, L: mat22, d: vec2) -> vec3:
@@ -36,7 +38,8 @@ def make_particles_to_grid(window: bool, precision: Precision) -> Any:
         velocity = v + L * d
         return vec3(w, w * velocity[0], w * velocity[1])
 
-    key = f"{'window' if window else 'closed'}.{precision.numpy_name}"
+    key = f"{'polar' if polar else 'rows'}.{'window' if window else 'closed'}"
+    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
     def particles_to_grid(
@@ -62,43 +65,25 @@ def make_particles_to_grid(window: bool, precision: Precision) -> Any:
                 return
         column = columns[i]
         row = rows[j]
-        where = natural(position[p], column, row, outer_radius)
-        xi, eta, width = where[0], where[1], where[2]
+        x = position[p]
+        where = natural(x, column, row, outer_radius)
+        xi, eta = where[0], where[1]
         m = mass[p]
 
         c = j * column_count + i
         wp.atomic_add(cell_stress_sum, c, m * stress[p])
         wp.atomic_add(cell_mass, c, m)
 
-        # Offsets of the four nodes: the left and right edge of the cell are straight lines.
-        below, above = -eta, one - eta
-        left, right = -xi * width, (one - xi) * width
-        lean_left = row[4] * (one - column[0])
-        lean_right = lean_left - row[4] * column[1]
         v, L = velocity[p], cell_gradient[c]
         node = j * (column_count + 1) + i
         upper = node + column_count + 1
-        wp.atomic_add(
-            node_momentum,
-            node,
-            share(
-                (one - xi) * (one - eta), m, v, L, vec2(left + below * lean_left, below * row[1])
-            ),
-        )
-        wp.atomic_add(
-            node_momentum,
-            node + 1,
-            share(xi * (one - eta), m, v, L, vec2(right + below * lean_right, below * row[1])),
-        )
-        wp.atomic_add(
-            node_momentum,
-            upper,
-            share((one - xi) * eta, m, v, L, vec2(left + above * lean_left, above * row[1])),
-        )
-        wp.atomic_add(
-            node_momentum,
-            upper + 1,
-            share(xi * eta, m, v, L, vec2(right + above * lean_right, above * row[1])),
-        )
+        d = offset(x, where, column, row, outer_radius, zero, zero)
+        wp.atomic_add(node_momentum, node, share((one - xi) * (one - eta), m, v, L, d))
+        d = offset(x, where, column, row, outer_radius, one, zero)
+        wp.atomic_add(node_momentum, node + 1, share(xi * (one - eta), m, v, L, d))
+        d = offset(x, where, column, row, outer_radius, zero, one)
+        wp.atomic_add(node_momentum, upper, share((one - xi) * eta, m, v, L, d))
+        d = offset(x, where, column, row, outer_radius, one, one)
+        wp.atomic_add(node_momentum, upper + 1, share(xi * eta, m, v, L, d))
 
     return particles_to_grid

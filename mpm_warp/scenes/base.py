@@ -12,6 +12,7 @@ from mpm_warp.parameters import Value, check_parameters
 if TYPE_CHECKING:
     import xarray
 
+    from mpm_warp.plan import StepPlan
     from mpm_warp.scene import Scene
 
 Progress = Callable[[float], None]
@@ -56,8 +57,15 @@ class ReadyScene(ABC):
         check_parameters(self)
 
     def simulated_scene(self) -> Scene | None:
-        """What the simulator runs; None where it runs no grid."""
+        """What the simulator runs where soil fills a grid; None otherwise."""
         return None
+
+    def plan(self) -> StepPlan | None:
+        """What a run consists of; None where it runs no grid."""
+        from mpm_warp.planning import make_plan
+
+        scene = self.simulated_scene()
+        return None if scene is None else make_plan(scene)
 
     @abstractmethod
     def run(self, progress: Progress | None = None) -> xarray.Dataset:

@@ -23,7 +23,10 @@ von Karman, for an apex angle of 60 degrees."""
 
 @dataclass(frozen=True, kw_only=True)
 class ConeBearing(Bearing):
-    """A 60 degree cone that is pressed on from where its shoulder is at the surface."""
+    """A cone that is pressed on from where its shoulder is at the surface.
+
+    The exact load is known for 60 degrees and the adhesion factors of `EXACT`.
+    """
 
     summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"
     version: ClassVar[int] = 1
@@ -39,13 +42,16 @@ class ConeBearing(Bearing):
     )
 
     adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the cone", choices=tuple(EXACT)
+        0.0, unit="1", meaning="adhesion factor of the cone", minimum=0, maximum=1
+    )
+    apex_angle: float = parameter(
+        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
     )
 
     @property
     def exact_load(self) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
-        return EXACT[self.adhesion_factor]
+        """See :class:`~mpm_warp.bearing.Bearing`; not a number where none is known."""
+        return EXACT.get(self.adhesion_factor, math.nan) if self.apex_angle == 60.0 else math.nan
 
     def grid(self) -> Grid:
         """See :class:`~mpm_warp.bearing.Bearing`."""
@@ -69,7 +75,7 @@ class ConeBearing(Bearing):
     def _penetrometer(self) -> Penetrometer:
         from mpm_warp.penetrometer import Penetrometer
 
-        return Penetrometer(radius=RADIUS, apex_angle=math.radians(60.0))
+        return Penetrometer(radius=RADIUS, apex_angle=math.radians(self.apex_angle))
 
     def _surface(self, grid: Grid) -> PenetrometerSurface:
         from mpm_warp.penetrometer import PenetrometerSurface

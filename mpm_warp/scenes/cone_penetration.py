@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 SAMPLE_SPACING = 0.1
 """Penetration between two samples of the curves, in cone radii."""
+STEADY_SAMPLES = 20
+"""Samples whose mean is the steady value: two radii."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +32,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
 
     rigidity_index: float = parameter(
         100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
@@ -74,13 +76,21 @@ class ConePenetration(ReadyScene):
         60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
     )
     penetration: float = parameter(
-        15.0, unit="1", meaning="penetration over cone radius", minimum=1, maximum=200
+        30.0, unit="1", meaning="greatest penetration over cone radius", minimum=1, maximum=200
+    )
+    steady_tolerance: float = parameter(
+        0.003,
+        unit="1",
+        meaning="change of the resistance over two radii at which it counts as steady, and the run "
+        "ends; 0: never",
+        minimum=0,
+        maximum=0.1,
     )
     speed_ratio: float = parameter(
         0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.5
     )
     cells_per_radius: float = parameter(
-        4.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=40
+        3.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=40
     )
     cell_growth: float = parameter(
         0.8,
@@ -88,6 +98,12 @@ class ConePenetration(ReadyScene):
         meaning="growth of the cells' width per distance from the penetrometer",
         minimum=0.1,
         maximum=2,
+    )
+    contact_surface: str = parameter(
+        "fitted",
+        unit="1",
+        meaning="grid fitted to the penetrometer, or a plain grid and its surface as points",
+        choices=("fitted", "points"),
     )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
@@ -117,6 +133,7 @@ class ConePenetration(ReadyScene):
     def build(self) -> tuple[Scene, PenetrometerSurface]:
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
         from mpm_warp.boundaries import FarField, Fixed
+        from mpm_warp.immersed import ImmersedGrid, SampledSurface
         from mpm_warp.materials import Tresca, VonMises
         from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
         from mpm_warp.scene import Scene
@@ -130,7 +147,12 @@ class ConePenetration(ReadyScene):
             strength=strength,
         )
         penetrometer = Penetrometer(radius=radius, apex_angle=math.radians(self.apex_angle))
-        grid = penetrometer.fitted_grid(
+        make_grid, surface_type = {
+            "fitted": (Penetrometer.fitted_grid, PenetrometerSurface),
+            "points": (ImmersedGrid.around, SampledSurface),
+        }[self.contact_surface]
+        grid = make_grid(
+            penetrometer,
             cell_size=radius / self.cells_per_radius,
             cell_growth=self.cell_growth,
             outer_radius=self.domain_radius * radius,
@@ -140,7 +162,7 @@ class ConePenetration(ReadyScene):
         shaft_adhesion_factor = self.shaft_adhesion_factor
         if shaft_adhesion_factor is None:
             shaft_adhesion_factor = self.adhesion_factor
-        surface = PenetrometerSurface(
+        surface = surface_type(
             penetrometer=penetrometer,
             grid=grid,
             face_adhesion=self.adhesion_factor * strength,
@@ -161,6 +183,7 @@ class ConePenetration(ReadyScene):
             far_field=FarField.around(grid, material),
             contact=surface.contact,
             window=Window(speed=speed, ramp_travel=radius),
+            energy_audit=True,
         )
         return scene, surface
 
@@ -170,8 +193,11 @@ class ConePenetration(ReadyScene):
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost
+        import numpy as np
+
+        from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
+        from mpm_warp.steady_state import is_steady
         from mpm_warp.travel import Travel
 
         scene, surface = self.build()
@@ -179,15 +205,31 @@ class ConePenetration(ReadyScene):
         travel = Travel(simulation)
         start = time.perf_counter()
         sample_count = round(self.penetration / SAMPLE_SPACING)
-        forces = []
+        forces, places = [], []
         for sample in range(1, sample_count + 1):
             travel.advance_to(sample * SAMPLE_SPACING * self.cone_radius)
             forces.append(surface.forces(simulation.take_contact_forces()))
+            places.append(travel.distance)
             if progress is not None:
                 progress(sample / sample_count)
+            resistance = [force.face_normal + force.face_shear for force in forces]
+            if is_steady(resistance, STEADY_SAMPLES, self.steady_tolerance):
+                break
         simulation.check()
         run_time = time.perf_counter() - start
-        return self._dataset(forces, surface.shaft_area).assign(cost(simulation, run_time=run_time))
+        travelled = np.diff(places, prepend=0.0)
+        upward = [force.face_normal + force.face_shear + force.shaft_shear for force in forces]
+        work = float(np.array(upward) @ travelled)
+        energy_error = variable(
+            simulation.transfer_energy / work,
+            unit="1",
+            meaning="energy error",
+            description="kinetic energy that the transfers between material points and grid "
+            "created, dissipated if < 0, over the work of the penetrometer",
+        )
+        return self._dataset(forces, surface.shaft_area).assign(
+            {"energy_error": energy_error, **cost(simulation, run_time=run_time)}
+        )
 
     def _dataset(self, forces: list[PenetrometerForces], shaft_area: float) -> xarray.Dataset:
         """Curves over penetration and their steady values, from the forces of each sample."""
@@ -202,12 +244,12 @@ class ConePenetration(ReadyScene):
         normal = np.array([force.face_normal for force in forces]) / base_area
         shear = np.array([force.face_shear for force in forces]) / base_area
         friction = np.array([force.shaft_shear for force in forces]) / shaft_area
-        last_quarter = penetration > 0.75 * self.penetration
-        resistance = (normal + shear)[last_quarter]
+        last = slice(-min(STEADY_SAMPLES, len(forces) // 2), None)
+        resistance = (normal + shear)[last]
         steady = {
             "cone_factor": (resistance, "cone factor"),
-            "cone_factor_normal": (normal[last_quarter], "cone factor, normal part"),
-            "cone_factor_shear": (shear[last_quarter], "cone factor, shear part"),
+            "cone_factor_normal": (normal[last], "cone factor, normal part"),
+            "cone_factor_shear": (shear[last], "cone factor, shear part"),
         }
         curves = {
             "penetration_resistance": (normal + shear, "net cone resistance"),
@@ -221,7 +263,7 @@ class ConePenetration(ReadyScene):
                 values.mean() / self.undrained_shear_strength,
                 unit="1",
                 meaning=meaning,
-                description="Nc = (qc - sigma_v0) / su, mean over the last quarter",
+                description="Nc = (qc - sigma_v0) / su, mean over the last two radii",
             )
             for name, (values, meaning) in steady.items()
         }
@@ -229,7 +271,13 @@ class ConePenetration(ReadyScene):
             np.ptp(resistance) / resistance.mean(),
             unit="1",
             meaning="variation of the cone factor",
-            description="range over the last quarter of the penetration, over its mean",
+            description="range over the last two radii of penetration, over the mean",
+        )
+        variables["penetration_reached"] = variable(
+            len(forces) * SAMPLE_SPACING,
+            unit="1",
+            meaning="penetration reached over cone radius",
+            description="where the resistance was steady, or the greatest penetration",
         )
         meaning = "penetration over cone radius"
         axis = variable(penetration, unit="1", meaning=meaning, dims=("penetration",))

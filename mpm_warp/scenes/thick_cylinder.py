@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
+    from mpm_warp.boundaries import Fixed
+    from mpm_warp.grids import Grid
+    from mpm_warp.loads import NodalLoad
     from mpm_warp.scene import Scene
 
 INNER_RADIUS = 1.0
@@ -27,7 +30,9 @@ REST_TIME = 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class ThickCylinder(ReadyScene):
-    """A ring of one row of cells between smooth ends, the pressure there from the first step on.
+    """A ring between smooth ends, the pressure there from the first step on.
+
+    In axisymmetry one row of cells, in plane strain a quarter of the ring's section, on rays.
 
     With p the pressure on the inner radius a, b the outer radius and q = p a^2 / (b^2 - a^2)
     (Lame): sigma_r = q (1 - b^2/r^2), sigma_t = q (1 + b^2/r^2), sigma_z = 2 nu q, and
@@ -36,15 +41,23 @@ class ThickCylinder(ReadyScene):
 
     summary: ClassVar[str] = "elastic thick-walled cylinder, stresses and wall displacement"
     version: ClassVar[int] = 1
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cell_count",
             resolutions=(10, 20, 40),
             bounds={"error": 0.01},
             least_order=1.0,
-        ),
+            settings=settings,
+        )
+        for settings in ({}, {"section": "plane_strain"})
     )
 
+    section: str = parameter(
+        "axisymmetric",
+        unit="1",
+        meaning="the half plane through the axis, or the plane across it",
+        choices=("axisymmetric", "plane_strain"),
+    )
     cell_count: int = parameter(
         40, unit="1", meaning="cells across the wall", minimum=2, maximum=1000
     )
@@ -62,41 +75,74 @@ class ThickCylinder(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-
-        from mpm_warp.boundaries import Fixed
-        from mpm_warp.grids import Grid
-        from mpm_warp.loads import NodalLoad
         from mpm_warp.materials import LinearElastic
         from mpm_warp.scene import Scene
 
-        outer = self.radius_ratio * INNER_RADIUS
-        size = (outer - INNER_RADIUS) / self.cell_count
-        grid = Grid(
-            columns=np.linspace(0.0, 1.0, self.cell_count + 1),
-            rows=np.array([0.0, size]),
-            surface_radius=np.full(2, INNER_RADIUS),
-            outer_radius=outer,
-        )
+        grid = self._grid()
         material = LinearElastic(
             shear_modulus=SHEAR_MODULUS, poissons_ratio=self.poissons_ratio, density=DENSITY
         )
-        vertical = np.ones((2, self.cell_count + 1), dtype=bool)
-        force = self.pressure * INNER_RADIUS * size / 2
         return Scene(
             grid=grid,
             material=material,
             particles_per_side=2,
             time_step_fraction=0.85,
             velocity_memory=math.inf,
-            load=NodalLoad(
-                nodes=grid.node(np.zeros(2, dtype=int), np.arange(2)),
-                forces=np.full((2, 2), [force, 0.0]),
-            ),
+            load=self._load(grid),
             # Of the order of the lowest frequency, shear wave speed over mean radius.
-            damping=2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + outer)),
-            fixed=Fixed.where(radial=np.zeros_like(vertical), vertical=vertical),
+            damping=2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius)),
+            fixed=self._fixed(grid),
         )
+
+    def _grid(self) -> Grid:
+        import numpy as np
+
+        from mpm_warp.grids import Grid
+        from mpm_warp.polar import PolarGrid
+
+        outer = self.radius_ratio * INNER_RADIUS
+        columns = np.linspace(0.0, 1.0, self.cell_count + 1)
+        if self.section == "plane_strain":
+            return PolarGrid(
+                columns=columns,
+                rows=np.linspace(0.0, 0.5 * np.pi, self.cell_count + 1),
+                surface_radius=np.full(self.cell_count + 1, INNER_RADIUS),
+                outer_radius=outer,
+                planar=True,
+            )
+        return Grid(
+            columns=columns,
+            rows=np.array([0.0, (outer - INNER_RADIUS) / self.cell_count]),
+            surface_radius=np.full(2, INNER_RADIUS),
+            outer_radius=outer,
+        )
+
+    def _load(self, grid: Grid) -> NodalLoad:
+        """The pressure on the nodes of the inner wall: integrals of N n over it."""
+        import numpy as np
+
+        from mpm_warp.loads import NodalLoad
+        from mpm_warp.polar import PolarGrid
+
+        rows = np.arange(grid.row_count + 1)
+        if isinstance(grid, PolarGrid):
+            vectors = grid.wall_vectors
+        else:
+            vectors = np.outer(np.full(2, 0.5 * INNER_RADIUS * np.ptp(grid.rows)), [1.0, 0.0])
+        forces = self.pressure * vectors
+        return NodalLoad(nodes=grid.node(np.zeros_like(rows), rows), forces=forces)
+
+    def _fixed(self, grid: Grid) -> Fixed:
+        import numpy as np
+
+        from mpm_warp.boundaries import Fixed
+
+        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        vertical = np.ones_like(radial)
+        if grid.polar:  # two planes of symmetry
+            radial[0] = True
+            vertical[:-1] = False
+        return Fixed.where(radial=radial, vertical=vertical)
 
     def run(self, progress: Progress | None = None) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -104,9 +150,11 @@ class ThickCylinder(ReadyScene):
         import xarray as xr
 
         from mpm_warp.history import cost, variable
+        from mpm_warp.polar import PolarGrid
         from mpm_warp.simulation import Simulation
 
         scene = self.simulated_scene()
+        grid = scene.grid
         simulation = Simulation(scene)
         start = time.perf_counter()
         position = simulation.array("particle.position").copy()
@@ -115,16 +163,25 @@ class ThickCylinder(ReadyScene):
         simulation.check()
         run_time = time.perf_counter() - start
 
-        change = simulation.array("particle.position")[:, 0] - position[:, 0]
-        # The wall's displacement lies on the line through the particles of the first cell.
-        slope = (change[1] - change[0]) / (position[1, 0] - position[0, 0])
-        displacement = change[0] + slope * (INNER_RADIUS - position[0, 0])
-        radius = np.linspace(INNER_RADIUS, scene.grid.outer_radius, self.cell_count + 1)
+        distance, now = (
+            np.hypot(*it.T) if grid.polar else it[:, 0]
+            for it in (position, simulation.array("particle.position"))
+        )
+        # The wall's displacement lies on the line through the two rings of its particles.
+        rings = distance.reshape(2 * grid.row_count, -1)[:, :2]
+        change = (now - distance).reshape(2 * grid.row_count, -1)[:, :2]
+        slope = (change[:, 1] - change[:, 0]) / (rings[:, 1] - rings[:, 0])
+        displacement = float(np.mean(change[:, 0] + slope * (INNER_RADIUS - rings[:, 0])))
+        radius = np.linspace(INNER_RADIUS, grid.outer_radius, self.cell_count + 1)
         middles = 0.5 * (radius[1:] + radius[:-1])
-        stress = simulation.array("cell.stress")[:, [0, 3, 1]]
+        stresses = simulation.array("cell.stress")
+        if isinstance(grid, PolarGrid):
+            stress = grid.along_rays(stresses)
+        else:
+            stress = stresses[None, :, [0, 3, 1]]
         exact_stress, exact_displacement = self.exact(middles)
         weights = middles[:, None]
-        difference = np.sum(weights * (stress - exact_stress) ** 2)
+        difference = np.mean(np.sum(weights * (stress - exact_stress) ** 2, axis=(1, 2)))
         stress_error = math.sqrt(difference / np.sum(weights * exact_stress**2))
         dims = ("radius", "component")
         variables = {
@@ -135,7 +192,9 @@ class ThickCylinder(ReadyScene):
                 description="the greater of the L2 norm of the error of radial, hoop and axial "
                 "stress, over that of the exact ones, and the relative error of the displacement",
             ),
-            "stress": variable(stress, unit="Pa", meaning="stress", dims=dims),
+            "stress": variable(
+                stress.mean(axis=0), unit="Pa", meaning="stress, mean over the angle", dims=dims
+            ),
             "stress_exact": variable(exact_stress, unit="Pa", meaning="stress, exact", dims=dims),
             "wall_displacement": variable(
                 displacement, unit="m", meaning="displacement of the inner wall"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import time
+from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 
@@ -35,3 +38,23 @@ def small_file(tmp_path: Path) -> Path:
 def small(small_file: Path) -> Study:
     """Three cases of next to no cost."""
     return load_study(str(small_file))
+
+
+@pytest.fixture
+def wait_for_end() -> Callable[[int], None]:
+    """Waits until all processes of a group have ended, which must be soon."""
+
+    def is_alive(group: int) -> bool:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return False
+        return True
+
+    def wait(group: int) -> None:
+        deadline = time.monotonic() + 30
+        while is_alive(group) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert not is_alive(group)
+
+    return wait

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -35,8 +36,8 @@ def command(study: Path, out: Path) -> list[str]:
     ]
 
 
-def kill_when(command: list[str], folder: Path, done: int, delay: float) -> None:
-    """Run a command, and kill all its processes a moment after `done` case files are there."""
+def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
+    """Run a command, and kill its group of processes a moment after `done` case files are there."""
     with subprocess.Popen(
         command,
         stdout=subprocess.DEVNULL,
@@ -48,18 +49,7 @@ def kill_when(command: list[str], folder: Path, done: int, delay: float) -> None
             time.sleep(0.005)
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGKILL)
-    deadline = time.monotonic() + 30
-    while is_alive(process.pid) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert not is_alive(process.pid)
-
-
-def is_alive(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+    return process.pid
 
 
 def marks(folder: Path, cases: list[Case]) -> dict[str, tuple[int, int]]:
@@ -72,7 +62,7 @@ def marks(folder: Path, cases: list[Case]) -> dict[str, tuple[int, int]]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("case_count", "kills"), [(200, 10)])
 def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
-    case_count: int, kills: int, tmp_path: Path
+    case_count: int, kills: int, tmp_path: Path, wait_for_end: Callable[[int], None]
 ) -> None:
     study_file = definition(tmp_path / "many.toml", case_count)
     study = load_study(str(study_file))
@@ -84,7 +74,8 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     moments = random.Random(20260101)
     seen: dict[str, tuple[int, int]] = {}
     for done in sorted(moments.sample(range(case_count - kills), kills)):
-        kill_when(command(study_file, out), folder, done, moments.uniform(0, 0.1))
+        delay = moments.uniform(0, 0.1)
+        wait_for_end(kill_when(command(study_file, out), folder, done, delay))
         now = marks(folder, cases)
         assert seen.items() <= now.items()
         seen = now
@@ -93,6 +84,7 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
 
     assert seen.items() <= marks(folder, cases).items()
     assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in cases}
+    assert not list(out.rglob(".*"))
     killed = archive.read_study(out / "many.nc")
     assert set(killed.status.values.tolist()) == {"completed"}
     assert differing(killed, archive.read_study(tmp_path / "whole" / "many.nc")) == []

@@ -23,13 +23,14 @@ def apply_contact_law(
     mass: wp.float64,
     jump: wp.array(dtype=wp.vec2d),
     normal: wp.array(dtype=wp.vec2d),
+    pressing: wp.float64,
     friction: wp.float64,
     adhesion: wp.float64,
     pressure: wp.float64,
     impulse: wp.array(dtype=wp.vec3d),
 ):
     k = wp.tid()
-    impulse[k] = contact_law(mass, jump[k], normal[k], friction, adhesion, pressure)
+    impulse[k] = contact_law(mass, jump[k], normal[k], pressing, friction, adhesion, pressure)
 
 
 def impulse_of(
@@ -39,12 +40,18 @@ def impulse_of(
     friction: float = 0.0,
     adhesion: float = 0.0,
     pressure: float = 0.0,
+    pressing: float | None = None,
 ) -> tuple[float, Floats]:
-    """Normal impulse and tangential impulse vector of a body with the given velocity jump."""
+    """Normal impulse and tangential impulse vector of a body with the given velocity jump.
+
+    What presses the bodies is the node's own impulse where no other is given.
+    """
+    if pressing is None:
+        pressing = MASS * normal_speed + pressure
     jump = wp.array([normal_speed * NORMAL + slip * TANGENT], dtype=wp.vec2d, device="cpu")
     normal = wp.array([NORMAL], dtype=wp.vec2d, device="cpu")
     impulse = wp.zeros(1, dtype=wp.vec3d, device="cpu")
-    arguments = [MASS, jump, normal, friction, adhesion, pressure, impulse]
+    arguments = [MASS, jump, normal, pressing, friction, adhesion, pressure, impulse]
     wp.launch(apply_contact_law, 1, arguments, device="cpu")
     values = impulse.numpy()[0]
     return float(values[0]), values[1:]
@@ -91,3 +98,9 @@ def test_beyond_the_in_situ_pressure_the_bodies_part_and_no_total_traction_is_le
     normal, tangential = impulse_of(-1.0, 3.0, friction=0.3, adhesion=0.2, pressure=1.5)
     assert normal == -1.5
     np.testing.assert_array_equal(tangential, 0.0)
+
+
+def test_a_node_that_parts_in_a_pressed_neighbourhood_feels_friction_and_adhesion_alone() -> None:
+    normal, tangential = impulse_of(-0.5, 3.0, friction=0.3, adhesion=0.2, pressing=2.0)
+    assert normal == 0.0
+    np.testing.assert_allclose(tangential, (0.3 * 2.0 + 0.2) * TANGENT, rtol=1e-13)

@@ -10,9 +10,11 @@ import pytest
 import xarray as xr
 
 from mpm_warp.footing import Footing
+from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.scenes.circular_footing import CircularFooting
 from mpm_warp.scenes.cone_bearing import ConeBearing
 from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
+from mpm_warp.scenes.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.material_point import MaterialPoint
 from mpm_warp.scenes.strip_footing import StripFooting
@@ -108,3 +110,32 @@ def test_a_load_that_still_rises_has_no_limit() -> None:
     result = ConeBearing(cells_per_radius=4, displacement=3).run()
     assert np.isnan(result["bearing_capacity"])
     assert np.isnan(result["error"])
+
+
+def test_ring_in_plane_strain() -> None:
+    """Of second order in a cell, which here is a tenth of the wall and of a quarter turn."""
+    result = ThickCylinder(section="plane_strain", cell_count=10).run()
+    assert error(result) <= 1 / 10**2
+
+
+def test_order_of_the_ring_in_plane_strain() -> None:
+    rate = order(lambda n: ThickCylinder(section="plane_strain", cell_count=n).run(), 5)
+    assert rate == pytest.approx(2, abs=0.3)
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
+def test_force_on_a_cylinder_in_full_flow(adhesion_factor: float) -> None:
+    cells = 4
+    # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
+    result = FullFlowCylinder(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()
+    assert error(result) <= 1 / (cells * result.bearing_capacity_exact)
+
+
+def test_pressure_of_a_spherical_cavity() -> None:
+    """The soil's compressibility lowers the limit by 0.018, half a cell at the wall the rest."""
+    cells, index = 4, 50.0
+    result = CavitySphere(cells_per_radius=cells, rigidity_index=index, expansion=2.0).run()
+    limit = 4 / 3 * (1 + math.log(index))
+    # The wall cell stands for the soil half a cell away: 4 su times the strain over it.
+    assert error(result) <= (0.018 + 4 / (2 * cells) / 4) / limit
+    assert float(result.departure) <= 1 / cells**2

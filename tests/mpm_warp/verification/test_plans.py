@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpm_warp.plan import Plan
+from mpm_warp.plan import StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
@@ -13,18 +13,13 @@ from mpm_warp.scenes.gravity_column import GravityColumn
 STEP = ["particles_to_grid", "cell_stress", "node_update", "cell_rates", "grid_to_particles"]
 
 
-def plan_of(name: str) -> Plan | None:
-    scene = scene_class(name)().simulated_scene()
-    return None if scene is None else make_plan(scene)
-
-
-def kernels(plan: Plan) -> list[str]:
+def kernels(plan: StepPlan) -> list[str]:
     return [launch.kernel.key.split("__")[-1] for launch in plan.step]
 
 
 @pytest.mark.parametrize("name", scene_names())
 def test_every_array_is_used(name: str) -> None:
-    plan = plan_of(name)
+    plan = scene_class(name)().plan()
     if plan is None:
         return
     used = {array for launch in plan.launches for array in launch.arrays}

@@ -1,0 +1,100 @@
+"""A study is run: what is not done yet, on this machine or on a cluster; then it is collected."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from harness import HarnessError
+from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare, read_outcome
+from harness.cases import COMPLETED, DAMAGED, Case, cases_of
+from harness.progress import Display, tell
+from harness.runner import Watcher, run_cases
+from harness.study import Study
+from harness.upkeep import collect_and_write, outcomes, summary
+
+RunCases = Callable[[Sequence[Case], Path, Watcher], None]
+"""Runs cases, keeps their results in a folder, and tells a watcher."""
+
+
+def on_this_machine(study: Study, worker_count: int | None, time_limit: float) -> RunCases:
+    """How to run the cases of a study in worker processes here.
+
+    Args:
+        study: where it asks for timed runs, one process runs alone.
+        worker_count: processes at work; None: one for each core.
+        time_limit: time that a case may take [s].
+    """
+    repeats = study.timing_repeats
+    workers = 1 if repeats else worker_count or os.cpu_count() or 1
+    if repeats:
+        tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
+    return lambda cases, folder, watcher: run_cases(
+        cases, folder, workers, watcher, time_limit=time_limit, repeats=repeats
+    )
+
+
+def on_cluster(study: Study, address: str) -> RunCases:
+    """How to run the cases of a study on a Dask cluster.
+
+    Raises:
+        HarnessError: the study asks for timed runs, or Dask is not installed.
+        harness.cluster.ClusterError: the scheduler at `address` cannot be reached.
+    """
+    if study.timing_repeats:
+        raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
+    try:
+        from harness.cluster import connect, run_on_cluster
+    except ModuleNotFoundError as error:
+        raise HarnessError(f"--dask: {error}: pip install 'mpm-warp[cluster]'") from None
+    client = connect(address)
+
+    def run(cases: Sequence[Case], folder: Path, watcher: Watcher) -> None:
+        with client:
+            run_on_cluster(cases, folder, client, watcher)
+
+    return run
+
+
+def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Dataset:
+    """Run the cases of a study that are not done, or all of them if `fresh`, and collect it.
+
+    However it ends, what is done is in the archive, and collected.
+
+    Raises:
+        HarnessError: results cannot be written, or a cluster is lost.
+        KeyboardInterrupt: Ctrl-C.
+    """
+    cases = cases_of(study)
+    folder = case_folder(out, study)
+    prepare(folder)
+    for partial in (*abandoned(out), *abandoned(folder)):
+        partial.unlink(missing_ok=True)
+    if fresh:
+        discard(folder, cases)
+    pending = [case for case in cases if not _is_done(folder, case, study.timing_repeats)]
+    tell(f"{study.name}: {len(cases)} cases, {len(cases) - len(pending)} done already")
+    try:
+        with Display(len(pending), sys.stderr) as display:
+            run(pending, folder, display)
+    except (KeyboardInterrupt, HarnessError) as error:
+        stand = outcomes(study, cases, out)
+        can_write = not isinstance(error, ArchiveError)
+        if can_write and any(outcome.status == COMPLETED for outcome in stand):
+            collect_and_write(study, cases, out)
+        tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
+        raise
+    return collect_and_write(study, cases, out)
+
+
+def _is_done(folder: Path, case: Case, repeats: int) -> bool:
+    """Whether a case has completed, and been timed as often as its study asks for."""
+    outcome = read_outcome(folder, case)
+    if outcome.status == DAMAGED:
+        tell(f"{outcome.message}; the case is run again")
+        discard(folder, [case])
+    return outcome.status == COMPLETED and outcome.repeats >= repeats

@@ -1,0 +1,160 @@
+"""What the first body of a scene does while it runs: motion, forces, momentum and energy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpm_warp.bodies.planning import BodyPlan
+from mpm_warp.bodies.scene import Load
+from mpm_warp.grids import Floats
+from mpm_warp.simulation import TimeLoop
+
+
+class BodyHistory:
+    """Samples of body 0 and of contact 0; changes are those since the history began.
+
+    Args:
+        loop: a run of bodies in contact; every load is one on body 0, which is the body of
+            contact 0.
+    """
+
+    def __init__(self, loop: TimeLoop) -> None:
+        plan = loop.plan
+        assert isinstance(plan, BodyPlan)
+        body = plan.scene.bodies[0]
+        self._loop = loop
+        self._loads = body.loads
+        self._mass = body.mass
+        self._axisymmetric = plan.scene.grid.axisymmetric
+        self._samples: dict[str, list[float | Floats]] = {}
+        self.sample()
+
+    def sample(self) -> None:
+        """Add a sample."""
+        position, velocity = (
+            self._loop.array(f"particle.{name}")[: len(self._mass)].copy()
+            for name in ("position", "velocity")
+        )
+        total = self._loop.array("contact0.total")[0]
+        values: dict[str, float | Floats] = {
+            "time": self._loop.time,
+            "position": position,
+            "momentum": self._mass @ velocity,
+            "kinetic_energy": 0.5 * float(self._mass @ np.sum(velocity**2, axis=1)),
+            "elastic_energy": self._elastic_energy(),
+            "contact_impulse": total[:2].copy(),
+            "slip_work": float(total[2]),
+            "viscous_work": self._viscous_work(),
+        }
+        for name, value in values.items():
+            self._samples.setdefault(name, []).append(value)
+
+    @property
+    def time(self) -> Floats:
+        """Simulated time [s], shape [sample_count]."""
+        return self._all("time")
+
+    @property
+    def velocity(self) -> Floats:
+        """Mean velocity of the body [m/s], shape [sample_count, 2]."""
+        return self._all("momentum") / float(self._mass.sum())
+
+    @property
+    def displacement(self) -> Floats:
+        """Mean displacement [m], shape [sample_count, 2]."""
+        moved = self._change("position")
+        mean: Floats = np.einsum("p,tpi->ti", self._mass, moved) / self._mass.sum()
+        return mean
+
+    @property
+    def contact_force(self) -> Floats:
+        """Mean force on the base between samples [N], shape [sample_count - 1, 2]."""
+        force: Floats = np.diff(self._all("contact_impulse"), axis=0)
+        return force / np.diff(self.time)[:, None]
+
+    @property
+    def kinetic_energy(self) -> Floats:
+        """Kinetic energy of the body [J], shape [sample_count]."""
+        return self._all("kinetic_energy")
+
+    @property
+    def elastic_energy(self) -> Floats:
+        """Change of the elastic energy of all bodies [J], shape [sample_count]."""
+        return self._change("elastic_energy")
+
+    @property
+    def slip_work(self) -> Floats:
+        """Work that the slip of the interface took [J], shape [sample_count]."""
+        return self._change("slip_work")
+
+    @property
+    def viscous_work(self) -> Floats:
+        """Work that damping took in all bodies [J], shape [sample_count]."""
+        return self._change("viscous_work")
+
+    @property
+    def load_work(self) -> Floats:
+        """Work of the loads [J], shape [sample_count]."""
+        moved = np.diff(self._all("position"), axis=0)
+        work = np.zeros(len(moved))
+        for load in self._loads:
+            mean = np.diff(_integral(load, self.time)) / np.diff(self.time)
+            work += mean * np.sum(load.forces * moved, axis=(1, 2))
+        return np.concatenate([[0.0], np.cumsum(work)])
+
+    @property
+    def momentum_error(self) -> Floats:
+        """What momentum and impulses lack to balance, over the loads' impulse at the end.
+
+        In axisymmetry that along the axis: hoop stresses turn the radial one.
+        """
+        given = np.zeros((len(self.time), 2))
+        for load in self._loads:
+            given += np.outer(_integral(load, self.time), load.forces.sum(axis=0))
+        given -= given[0]
+        lack = given - self._change("contact_impulse") - self._change("momentum")
+        balanced = slice(1 if self._axisymmetric else 0, 2)
+        error: Floats = np.linalg.norm(lack[:, balanced], axis=1) / np.linalg.norm(given[-1])
+        return error
+
+    @property
+    def energy_error(self) -> Floats:
+        """What energies and work lack to balance, over the loads' greatest work.
+
+        It is what the transfer between particles and grid has dissipated.
+        """
+        work = self.load_work
+        stored = self._change("kinetic_energy") + self.elastic_energy
+        taken = self.slip_work + self.viscous_work
+        return (work - stored - taken) / float(np.abs(work).max())
+
+    def _viscous_work(self) -> float:
+        if "particle.dissipated" not in self._loop.plan.arrays:
+            return 0.0
+        return float(self._loop.array("particle.dissipated").sum())
+
+    def _elastic_energy(self) -> float:
+        """s:s / 4 G + p^2 / 2 K over all bodies, s the deviator and p the mean stress [J]."""
+        stress, volume = (self._loop.array(f"particle.{name}") for name in ("stress", "volume"))
+        moduli = self._loop.array("body.moduli")[self._loop.array("particle.body")]
+        normal = stress[:, [0, 1, 3]]
+        mean = normal.mean(axis=1)
+        square = np.sum((normal - mean[:, None]) ** 2, axis=1) + 2.0 * stress[:, 2] ** 2
+        density = square / (4.0 * moduli[:, 0]) + mean**2 / (2.0 * moduli[:, 1])
+        return float(np.sum(volume * density))
+
+    def _all(self, name: str) -> Floats:
+        return np.array(self._samples[name])
+
+    def _change(self, name: str) -> Floats:
+        values = self._all(name)
+        change: Floats = values - values[0]
+        return change
+
+
+def _integral(load: Load, time: Floats) -> Floats:
+    """Time integral of the fraction of a load that acts [s]."""
+    rising = np.clip(time - load.start, 0.0, load.rise_time)
+    steady = np.maximum(time - load.start - load.rise_time, 0.0)
+    integral: Floats = 0.5 * rising**2 / load.rise_time + steady
+    return integral

@@ -1,0 +1,105 @@
+"""A sliding block, computed and exact, as a dataset."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.bodies.history import BodyHistory
+from mpm_warp.bodies.sliding import SlidingMotion
+from mpm_warp.grids import Floats
+from mpm_warp.history import variable
+
+
+def sliding_dataset(
+    history: BodyHistory,
+    motion: SlidingMotion,
+    *,
+    along: Floats,
+    length: float,
+    start: float,
+    settled_time: float,
+) -> xr.Dataset:
+    """Computed and exact curves, and what they come to.
+
+    Args:
+        history: of a block that is body 0; its first sample is the begin of the drive.
+        motion: the exact one.
+        along: unit vector along the interface, shape [2].
+        length: of the block [m].
+        start: time at which the drive begins [s].
+        settled_time: time from then until a block that sticks is at rest again [s].
+    """
+    since = history.time - start
+    middle = 0.5 * (since[1:] + since[:-1])
+    velocity = history.velocity @ along
+    displacement = history.displacement @ along
+    shear = history.contact_force @ along
+    exact_velocity, exact_displacement, exact_shear = motion.at(since)
+    exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
+    late = len(middle) // 2
+    acceleration, exact_acceleration = (
+        float(v[-1] - v[late]) / float(since[-1] - since[late]) for v in (velocity, exact_velocity)
+    )
+    settled = np.flatnonzero(since <= settled_time)[-1]
+    creep, acceleration_error = math.nan, math.nan
+    if motion.slides:
+        acceleration_error = abs(acceleration / exact_acceleration - 1.0)
+    else:
+        creep = float(abs(displacement[-1] - displacement[settled])) / length
+    mean_shear, exact_mean_shear = float(shear[late:].mean()), float(exact_shear[late:].mean())
+    shear_error = math.nan
+    if exact_mean_shear > 0.0:
+        shear_error = abs(mean_shear / exact_mean_shear - 1.0)
+    scalars = {
+        "error": (
+            acceleration_error if motion.slides else creep,
+            "1",
+            "relative error of the acceleration, or the creep of a block that sticks",
+        ),
+        "acceleration": (acceleration, "m s-2", "mean acceleration over the second half"),
+        "acceleration_exact": (exact_acceleration, "m s-2", "exact mean acceleration"),
+        "acceleration_error": (acceleration_error, "1", "relative error of the acceleration"),
+        "creep": (creep, "1", "displacement over length of a block that sticks, once at rest"),
+        "base_shear": (mean_shear, "N", "mean base shear over the second half"),
+        "base_shear_exact": (exact_mean_shear, "N", "exact mean base shear"),
+        "base_shear_error": (shear_error, "1", "relative error of the base shear"),
+        "momentum_error": (
+            float(np.abs(history.momentum_error).max()),
+            "1",
+            "greatest error of the momentum balance",
+        ),
+        "energy_error": (
+            float(np.abs(history.energy_error).max()),
+            "1",
+            "greatest error of the energy balance",
+        ),
+    }
+    curves = {
+        "time": (since[1:], "s", "time since the driving force began"),
+        "velocity": (velocity[1:], "m s-1", "velocity of the block"),
+        "velocity_exact": (exact_velocity[1:], "m s-1", "exact velocity"),
+        "displacement": (displacement[1:], "m", "displacement of the block"),
+        "displacement_exact": (exact_displacement[1:], "m", "exact displacement"),
+        "shear_force": (shear, "N", "base shear, mean since the sample before"),
+        "shear_force_exact": (exact_shear, "N", "exact base shear"),
+        "kinetic_energy": (history.kinetic_energy[1:], "J", "kinetic energy"),
+        "elastic_energy": (history.elastic_energy[1:], "J", "change of the elastic energy"),
+        "load_work": (history.load_work[1:], "J", "work of the loads"),
+        "slip_work": (history.slip_work[1:], "J", "work taken by slip"),
+        "viscous_work": (history.viscous_work[1:], "J", "work taken by damping"),
+        "momentum_balance": (history.momentum_error[1:], "1", "error of the momentum balance"),
+        "energy_balance": (history.energy_error[1:], "1", "error of the energy balance"),
+    }
+    variables = {
+        name: variable(value, unit=unit, meaning=meaning)
+        for name, (value, unit, meaning) in scalars.items()
+    } | {
+        name: variable(values, unit=unit, meaning=meaning, dims=("progress",))
+        for name, (values, unit, meaning) in curves.items()
+    }
+    fraction = np.arange(1, len(middle) + 1) / len(middle)
+    axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
+    return xr.Dataset(variables, coords={"progress": axis})

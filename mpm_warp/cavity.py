@@ -1,0 +1,222 @@
+"""What the scenes of expanding cavities have in common: a wall that moves, and its pressure."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray
+
+    from mpm_warp.boundaries import FarField, Fixed
+    from mpm_warp.grids import Grid
+    from mpm_warp.materials import Tresca
+    from mpm_warp.scene import Scene
+
+RADIUS = 1.0
+STRENGTH = 1e3
+DENSITY = 1700.0
+SAMPLE_COUNT = 150
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cavity(ReadyScene):
+    """A cavity in Tresca soil whose wall moves, the grid following it.
+
+    Incompressible soil with strains of any size: with a the radius, a0 that at the start,
+    e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm, (p - p0)/su = k Ir Li2(e) while
+    e <= x, then k (Ir Li2(x) + ln(e/x)); m = 2 and k = 1 for the cylinder, m = 3 and k = 4/3 for
+    the sphere. The soil here is slightly compressible (Poisson's ratio 0.495), which lowers the
+    limit by ln(2 (1 + nu) / (5 - 4 nu)) = -0.0101 and 4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0178
+    (Hill 1950); nothing is corrected for that.
+    """
+
+    exponent: ClassVar[int]
+    """m: 2 for the cylinder, 3 for the sphere."""
+    factor: ClassVar[float]
+    """k: 1 for the cylinder, 4/3 for the sphere."""
+
+    rigidity_index: float = parameter(
+        100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=2000
+    )
+    poissons_ratio: float = parameter(
+        0.495, unit="1", meaning="Poisson's ratio", minimum=0.4, maximum=0.4999
+    )
+    expansion: float = parameter(
+        4.0, unit="1", meaning="final over initial radius of the cavity", minimum=1.1, maximum=10
+    )
+    cells_per_radius: int = parameter(
+        8, unit="1", meaning="cells per initial radius at the wall", minimum=1, maximum=40
+    )
+    particles_per_cell: int = parameter(
+        4, unit="1", meaning="material points per cell", choices=(1, 4, 9, 16, 25)
+    )
+    speed_ratio: float = parameter(
+        0.03,
+        unit="1",
+        meaning="speed of the wall over sqrt(su / density)",
+        minimum=1e-3,
+        maximum=0.3,
+    )
+
+    @abstractmethod
+    def grid(self) -> Grid:
+        """The grid around the cavity."""
+
+    @abstractmethod
+    def fixed(self, grid: Grid) -> Fixed:
+        """Nodes on planes and axes of symmetry."""
+
+    @abstractmethod
+    def far_field(self, grid: Grid, material: Tresca) -> FarField | None:
+        """The medium around the grid, or none."""
+
+    @abstractmethod
+    def wall_area(self, grid: Grid, radius: float) -> float:
+        """Area of the wall per radian [m2] when the cavity has a radius [m]."""
+
+    @property
+    def cell_size(self) -> float:
+        """Width of the cells at the wall [m]."""
+        return RADIUS / self.cells_per_radius
+
+    @property
+    def plastic_radius(self) -> float:
+        """Radius of the plastic zone at the end [m], about."""
+        return float(self.expansion * self.rigidity_index ** (1.0 / self.exponent) * RADIUS)
+
+    def columns(self, outer_radius: float) -> np.ndarray:
+        """Columns of the grid, dense at the wall."""
+        from mpm_warp.grids import graded
+
+        span = outer_radius - RADIUS
+        columns: np.ndarray = graded(self.cell_size, span, 1.0 + 0.5 * self.cell_size / RADIUS)
+        return columns / span
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.materials import Tresca
+        from mpm_warp.moving_wall import MovingWall
+        from mpm_warp.scene import Scene
+
+        grid = self.grid()
+        material = Tresca(
+            shear_modulus=self.rigidity_index * STRENGTH,
+            poissons_ratio=self.poissons_ratio,
+            density=DENSITY,
+            strength=STRENGTH,
+        )
+        speed = self.speed_ratio * math.sqrt(STRENGTH / DENSITY)
+        return Scene(
+            grid=grid,
+            material=material,
+            particles_per_side=math.isqrt(self.particles_per_cell),
+            time_step_fraction=0.85,
+            # The time in which the wall passes a cell.
+            velocity_memory=self.cell_size / speed,
+            bulk_viscosity=0.2,
+            fixed=self.fixed(grid),
+            far_field=self.far_field(grid, material),
+            moving_wall=MovingWall(speed=speed, ramp_travel=0.3 * RADIUS),
+        )
+
+    def exact(self, expansion: np.ndarray) -> np.ndarray:
+        """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
+        import numpy as np
+
+        index = self.rigidity_index
+        strain = 1.0 - expansion ** -float(self.exponent)
+        yielding = -math.expm1(-1.0 / index)
+        elastic = index * _dilogarithm(np.minimum(strain, yielding))
+        pressure: np.ndarray = elastic + np.log(np.maximum(strain / yielding, 1.0))
+        return self.factor * pressure
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        import numpy as np
+        import xarray as xr
+
+        from mpm_warp.history import cost, variable
+        from mpm_warp.simulation import Simulation
+
+        scene = self.simulated_scene()
+        assert scene.moving_wall is not None
+        simulation = Simulation(scene)
+        travel = (self.expansion - 1.0) * RADIUS + scene.moving_wall.ramp_travel
+        step_count = round(travel / scene.moving_wall.speed / simulation.plan.time_step)
+        start = time.perf_counter()
+        radius, pressure = [], []
+        before = RADIUS
+        for sample in range(1, SAMPLE_COUNT + 1):
+            steps = step_count * sample // SAMPLE_COUNT - simulation.step_count
+            simulation.advance(steps)
+            now = float(simulation.array("wall.motion")[0, 2])
+            on_rows = simulation.array("wall.impulse") / (steps * simulation.plan.time_step)
+            simulation.arrays["wall.impulse"].zero_()
+            radius.append(0.5 * (before + now))
+            area = self.wall_area(scene.grid, radius[-1])
+            pressure.append(on_rows.sum() / area / STRENGTH)
+            before = now
+            if progress is not None:
+                progress(sample / SAMPLE_COUNT)
+        simulation.check()
+        run_time = time.perf_counter() - start
+
+        expansion, computed = np.array(radius) / RADIUS, np.array(pressure)
+        exact = self.exact(expansion)
+        limit = self.factor * (1.0 + math.log(self.rigidity_index))
+        dims = ("expansion",)
+        variables = {
+            "error": variable(
+                np.abs(computed - exact).max() / limit,
+                unit="1",
+                meaning="error of the cavity pressure",
+                description="greatest difference over the whole curve, over the limit pressure",
+            ),
+            "cavity_pressure": variable(
+                computed, unit="1", meaning="cavity pressure over su", dims=dims
+            ),
+            "cavity_pressure_exact": variable(
+                exact, unit="1", meaning="cavity pressure over su, exact", dims=dims
+            ),
+        }
+        meaning = "radius of the cavity over that at the start"
+        axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
+        return (
+            xr.Dataset(variables, coords={"expansion": axis})
+            .assign(self.shape(scene.grid, on_rows))
+            .assign(cost(simulation, run_time=run_time))
+        )
+
+    def shape(self, grid: Grid, on_rows: np.ndarray) -> dict[str, xarray.Variable]:
+        """What tells how well the cavity keeps its shape, from the forces on the wall's nodes."""
+        return {}
+
+
+def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
+    """Soft and stiff soil at two resolutions, with a bound on the error of the finer one."""
+    return tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=resolutions,
+            bounds={"error": largest_error},
+            settings={"rigidity_index": rigidity_index},
+        )
+        for rigidity_index in (50.0, 500.0)
+    )
+
+
+def _dilogarithm(x: np.ndarray) -> np.ndarray:
+    """Li2(x) by its series, for 0 <= x <= 0.1: twelve terms are exact to rounding."""
+    import numpy as np
+
+    powers = np.arange(1, 13)
+    series: np.ndarray = np.sum(np.asarray(x)[..., None] ** powers / powers**2, axis=-1)
+    return series

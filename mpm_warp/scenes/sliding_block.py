@@ -1,0 +1,373 @@
+"""An elastic block on a base: sticking, or sliding under friction and adhesion, and exact."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from mpm_warp.parameters import ParameterError, parameter
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+
+# The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
+if TYPE_CHECKING:
+    import xarray
+
+    from mpm_warp.bodies.interface import InterfaceFrame
+    from mpm_warp.bodies.planning import BodyPlan
+    from mpm_warp.bodies.scene import BodyScene
+    from mpm_warp.bodies.sliding import SlidingMotion
+    from mpm_warp.materials import LinearElastic
+
+SAMPLE_COUNT = 100
+"""Samples of the curves, from the moment when the driving force begins."""
+SETTLING = 40.0
+"""Duration of the start, in which the normal load rises and comes to rest, over the time in which
+a shear wave crosses the height of the block."""
+DRIVE_RISE = 10.0
+"""Time in which a constant driving force rises, in the same unit."""
+BASE_CELLS = 3
+"""Thickness of the base in cells."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidingBlock(ReadyScene):
+    """A block is pressed on a base, and driven along it when it has come to rest.
+
+    The interface is described as horizontal: gravity leans by the slope instead, and the grid lies
+    under the whole at any angle and offset. With M the mass of the block, A its base, N the normal
+    force, F the driving force at time t, a the adhesion, mu the friction coefficient: the block
+    sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
+    """
+
+    summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(resolution="cells_per_length", resolutions=(10, 20), bounds={"error": 0.01}),
+        Verification(
+            resolution="cells_per_length",
+            resolutions=(10, 20),
+            bounds={"error": 0.03},
+            settings={"grid_angle": 20.0, "grid_offset": 0.3, "stiffness_ratio": 1.0},
+        ),
+        Verification(
+            resolution="cells_per_length",
+            resolutions=(10, 20),
+            bounds={"error": 1e-4},
+            settings={"friction": 0.8},
+        ),
+    )
+
+    friction: float = parameter(
+        0.3, unit="1", meaning="friction coefficient of the interface", minimum=0, maximum=10
+    )
+    adhesion: float = parameter(500.0, unit="Pa", meaning="adhesion of the interface", minimum=0)
+    slope: float = parameter(
+        30.0, unit="degree", meaning="slope of the interface", minimum=0, below=90
+    )
+    gravity: float = parameter(9.81, unit="m s-2", meaning="gravity", minimum=0)
+    normal_pressure: float = parameter(
+        0.0, unit="Pa", meaning="normal pressure on the block beside gravity", minimum=0
+    )
+    drive: float = parameter(
+        0.0, unit="Pa", meaning="driving force beside gravity per area of the interface", minimum=0
+    )
+    driving: str = parameter(
+        "constant",
+        unit="1",
+        meaning="how the driving forces, gravity's included, begin: at once, or rising steadily",
+        choices=("constant", "ramped"),
+    )
+    grid_angle: float = parameter(
+        0.0, unit="degree", meaning="angle between interface and grid", minimum=-180, maximum=180
+    )
+    grid_offset: float = parameter(
+        0.0,
+        unit="1",
+        meaning="offset to the grid along both axes over cell size",
+        minimum=0,
+        below=1,
+    )
+    interface_radius: float | None = parameter(
+        None,
+        unit="m",
+        meaning="radius of the interface of a ring in a sleeve (default: plane strain)",
+        above=0,
+    )
+    length: float = parameter(1.0, unit="m", meaning="length of the block", above=0, maximum=1e6)
+    height_ratio: float = parameter(
+        0.3, unit="1", meaning="height of the block over its length", minimum=0.1, maximum=2
+    )
+    shear_modulus: float = parameter(
+        4e6, unit="Pa", meaning="shear modulus of the softer of block and base", above=0
+    )
+    stiffness_ratio: float | None = parameter(
+        None,
+        unit="1",
+        meaning="stiffness of the base over that of the block (default: rigid base)",
+        minimum=1e-4,
+        maximum=1e4,
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.45
+    )
+    density: float = parameter(2000.0, unit="kg m-3", meaning="density of the block", above=0)
+    mass_scale: float = parameter(
+        1.0, unit="1", meaning="factor on all masses but not on gravity's force", above=0
+    )
+    travel: float = parameter(
+        0.4, unit="1", meaning="distance to slide over length", above=0, maximum=5
+    )
+    damping_ratio: float = parameter(
+        0.05,
+        unit="1",
+        meaning="share of critical damping of the block's slowest shear wave; 0 for none",
+        minimum=0,
+        maximum=2,
+    )
+    cells_per_length: int = parameter(
+        10, unit="1", meaning="cells along the block", minimum=4, maximum=400
+    )
+    particles_per_cell: int = parameter(
+        4, unit="1", meaning="material points per cell", choices=(4, 9, 16)
+    )
+    time_step_fraction: float = parameter(
+        0.6,
+        unit="1",
+        meaning="time step over that in which a wave crosses a cell",
+        above=0,
+        maximum=1,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.driving_force <= 0.0:
+            raise ParameterError("drive", "drive = 0 with slope = 0 or gravity = 0: nothing drives")
+        if self.normal_force <= 0.0:
+            raise ParameterError(
+                "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
+            )
+        if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
+            raise ParameterError(
+                "height_ratio",
+                f"height_ratio = {self.height_ratio:g} with cells_per_length = "
+                f"{self.cells_per_length} is not allowed: the block must be 3 cells high or more",
+            )
+        if self.interface_radius is None:
+            self._check_pressed()
+        else:
+            self._check_ring()
+
+    def _check_pressed(self) -> None:
+        # The base shear acts below the middle; its moment is borne while N is in the middle third.
+        shear = min(self.motion.resistance, self.driving_force)
+        highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
+        if self.height > highest:
+            raise ParameterError(
+                "height_ratio",
+                f"height_ratio = {self.height_ratio:g} is not allowed: the block would lift off at "
+                f"its rear; at most {highest / self.length:.3g} with these forces",
+            )
+
+    def _check_ring(self) -> None:
+        if self.friction > 0.0:
+            raise ParameterError(
+                "friction",
+                f"friction = {self.friction:g} with an interface_radius is not allowed: the hoop "
+                "stress of the ring bears part of the normal force; set friction = 0",
+            )
+        if self.grid_angle != 0.0:
+            raise ParameterError("grid_angle", "grid_angle must be 0 with an interface_radius")
+        least = self.height + 4.0 * self.cell_size
+        if self.interface_radius is not None and self.interface_radius < least:
+            raise ParameterError(
+                "interface_radius",
+                f"interface_radius = {self.interface_radius:g} must be at least {least:g} m: the "
+                "height of the block and four cells",
+            )
+
+    @property
+    def cell_size(self) -> float:
+        """Side of a cell [m]."""
+        return self.length / self.cells_per_length
+
+    @property
+    def spacing(self) -> float:
+        """Side of the square that a particle stands for [m]."""
+        return self.cell_size / math.isqrt(self.particles_per_cell)
+
+    @property
+    def height(self) -> float:
+        """Height of the block, in whole particles [m]."""
+        return self.spacing * max(1, round(self.height_ratio * self.length / self.spacing))
+
+    @property
+    def area(self) -> float:
+        """Area of the block's base per thickness, or per radian [m2]."""
+        return self.length * (self.interface_radius or 1.0)
+
+    @property
+    def volume(self) -> float:
+        """Volume of the block per thickness, or per radian [m3]."""
+        mean = 1.0 if self.interface_radius is None else self.interface_radius - 0.5 * self.height
+        return self.length * self.height * mean
+
+    @property
+    def mass(self) -> float:
+        """Mass of the block, scaled [kg]."""
+        return self.mass_scale * self.density * self.volume
+
+    @property
+    def weight(self) -> float:
+        """Weight of the block, which no mass scale changes [N]."""
+        return self.density * self.volume * self.gravity
+
+    @property
+    def normal_force(self) -> float:
+        """Force that presses the block on its base [N]."""
+        weight = self.weight * math.cos(math.radians(self.slope))
+        return weight + self.normal_pressure * self.area
+
+    @property
+    def driving_force(self) -> float:
+        """Final force along the interface [N]."""
+        return self.weight * math.sin(math.radians(self.slope)) + self.drive * self.area
+
+    @property
+    def motion(self) -> SlidingMotion:
+        """The exact solution."""
+        from mpm_warp.bodies.sliding import SlidingMotion
+
+        motion = SlidingMotion(
+            mass=self.mass,
+            driving_force=self.driving_force,
+            resistance=self.adhesion * self.area + self.friction * self.normal_force,
+            rise_time=DRIVE_RISE * self._crossing,
+        )
+        if self.driving == "ramped" and motion.slides:
+            return replace(motion, rise_time=None)
+        return motion
+
+    @property
+    def start(self) -> float:
+        """Time at which the driving force begins [s]."""
+        return SETTLING * self._crossing
+
+    @property
+    def settled_time(self) -> float:
+        """Time from the begin of the drive until a block that sticks is at rest again [s]."""
+        return (DRIVE_RISE + SETTLING) * self._crossing
+
+    @property
+    def duration(self) -> float:
+        """Time from the begin of the drive to the end of the run [s].
+
+        A block that slides covers its `travel`; one that sticks gets, once at rest, the time in
+        which it would have slid its whole length without friction and adhesion.
+        """
+        if self.motion.slides:
+            return self.motion.duration(self.travel * self.length)
+        return self.settled_time + math.sqrt(2.0 * self.length * self.mass / self.driving_force)
+
+    def build(self) -> BodyScene:
+        """The scene: the block is body 0, the base body 1."""
+        import numpy as np
+
+        from mpm_warp.bodies.scene import BodyContact, BodyScene, Load
+        from mpm_warp.materials import LinearElastic
+
+        ratio = self.stiffness_ratio or 1.0
+        block_material, base_material = (
+            LinearElastic(
+                shear_modulus=self.shear_modulus * factor,
+                poissons_ratio=self.poissons_ratio,
+                density=self.mass_scale * self.density,
+            )
+            for factor in (max(1.0, 1.0 / ratio), max(1.0, ratio))
+        )
+        frame, cell, spacing = self._frame, self.cell_size, self.spacing
+        block = frame.body((0.0, self.length), (0.0, self.height), spacing, block_material)
+        margin, thickness = 3.0 * cell, BASE_CELLS * cell
+        travel = self.travel * self.length if self.motion.slides else 0.0
+        end = self.length + travel + margin
+        base = frame.body((-margin, end), (-thickness, 0.0), spacing, base_material)
+        is_rigid = self.stiffness_ratio is None
+        held = (frame.height(base.position) < cell - thickness) | is_rigid
+        share = block.volume / block.volume.sum()
+        on_top = share * (frame.height(block.position) > self.height - spacing)
+        pressure_force = self.normal_pressure * self.area
+        pressed = (self.normal_force - pressure_force) * share
+        pressed += pressure_force * on_top / on_top.sum()
+        loads = (
+            Load(forces=np.outer(-pressed, frame.outward), start=0.0, rise_time=0.5 * self.start),
+            Load(
+                forces=np.outer(self.driving_force * share, frame.along),
+                start=self.start,
+                rise_time=self.motion.rise_time or self.duration,
+            ),
+        )
+        bodies = tuple(
+            replace(body, retardation_time=self._retardation_time(body.material))
+            for body in (replace(block, loads=loads), replace(base, held=held))
+        )
+        contact = BodyContact(body=0, base=1, friction=self.friction, adhesion=self.adhesion)
+        return BodyScene(
+            grid=frame.grid_around(bodies, travel=travel, cell_size=cell, offset=self.grid_offset),
+            bodies=bodies,
+            contacts=(contact,),
+            time_step_fraction=self.time_step_fraction,
+        )
+
+    def plan(self) -> BodyPlan:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.bodies.planning import make_body_plan
+
+        return make_body_plan(self.build())
+
+    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.bodies.history import BodyHistory
+        from mpm_warp.bodies.sliding_dataset import sliding_dataset
+        from mpm_warp.history import cost
+        from mpm_warp.simulation import TimeLoop
+
+        loop = TimeLoop(self.plan())
+        begin = time.perf_counter()
+        loop.advance(round(self.start / loop.plan.time_step))
+        history = BodyHistory(loop)
+        for sample in range(1, SAMPLE_COUNT + 1):
+            until = self.start + self.duration * sample / SAMPLE_COUNT
+            loop.advance(round(until / loop.plan.time_step) - loop.step_count)
+            history.sample()
+            if progress is not None:
+                progress(sample / SAMPLE_COUNT)
+        loop.check()
+        run_time = time.perf_counter() - begin
+        result = sliding_dataset(
+            history,
+            self.motion,
+            along=self._frame.along,
+            length=self.length,
+            start=self.start,
+            settled_time=self.settled_time,
+        )
+        return result.assign(cost(loop, run_time=run_time))
+
+    @property
+    def _crossing(self) -> float:
+        """Time in which a shear wave crosses the height in the softer body [s]."""
+        return self.height / math.sqrt(self.shear_modulus / (self.mass_scale * self.density))
+
+    def _retardation_time(self, material: LinearElastic) -> float | None:
+        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
+        crossing = self.height / material.shear_wave_speed
+        return 4.0 / math.pi * self.damping_ratio * crossing if self.damping_ratio else None
+
+    @property
+    def _frame(self) -> InterfaceFrame:
+        from mpm_warp.bodies.interface import InterfaceFrame
+
+        return InterfaceFrame(
+            angle=math.radians(self.grid_angle), interface_radius=self.interface_radius
+        )

@@ -1,0 +1,151 @@
+"""What a user declares for bodies, and what is refused before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mpm_warp.bodies.planning import make_body_plan
+from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, Load, SceneError, UniformGrid
+from mpm_warp.health import SimulationDiverged
+from mpm_warp.materials import LinearElastic
+from mpm_warp.parameters import ParameterError, Value
+from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.simulation import TimeLoop
+
+MATERIAL = LinearElastic(shear_modulus=1e6, poissons_ratio=0.2, density=1000.0)
+GRID = UniformGrid(lower=(0.0, 0.0), cell_size=1.0, cell_counts=(8, 8))
+
+
+def square(x: float, y: float) -> Body:
+    """Four particles around a place."""
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
+    return Body(
+        position=np.array([x, y]) + 0.25 * corners,
+        volume=np.full(4, 0.25),
+        spacing=0.5,
+        material=MATERIAL,
+    )
+
+
+ABOVE, BELOW = square(4.0, 4.5), square(4.0, 3.5)
+CONTACT = BodyContact(body=0, base=1)
+
+
+def test_bodies_that_touch_are_accepted() -> None:
+    BodyScene(grid=GRID, bodies=(ABOVE, BELOW), contacts=(CONTACT,))
+
+
+@pytest.mark.parametrize(
+    ("declare", "message"),
+    [
+        (lambda: BodyScene(grid=GRID, bodies=()), "bodies: there is none"),
+        (
+            lambda: BodyScene(grid=GRID, bodies=(ABOVE, square(4.0, 4.2))),
+            "bodies 0 and 1 overlap at",
+        ),
+        (lambda: BodyScene(grid=GRID, bodies=(square(9.0, 4.0),)), "body 0: 4 particles, one at"),
+        (lambda: BodyScene(grid=GRID, bodies=(square(0.6, 4.0),)), "body 0: 2 particles, one at"),
+        (
+            lambda: BodyScene(
+                grid=GRID,
+                bodies=(ABOVE, BELOW),
+                contacts=(replace(CONTACT, friction=-0.1),),
+            ),
+            "contact 0: friction = -0.1 must be >= 0",
+        ),
+        (
+            lambda: BodyScene(
+                grid=GRID,
+                bodies=(ABOVE, BELOW),
+                contacts=(replace(CONTACT, adhesion=float("nan")),),
+            ),
+            "contact 0: adhesion = nan must be >= 0",
+        ),
+        (
+            lambda: BodyScene(
+                grid=GRID, bodies=(ABOVE,), contacts=(replace(CONTACT, adhesion=1.0),)
+            ),
+            "contact 0: base = 1, but the scene has 1 bodies",
+        ),
+        (
+            lambda: BodyScene(
+                grid=GRID, bodies=(ABOVE, BELOW), contacts=(BodyContact(body=1, base=1),)
+            ),
+            "contact 0: body 1 can not touch itself",
+        ),
+        (
+            lambda: BodyScene(grid=GRID, bodies=(ABOVE,), time_step_fraction=0.0),
+            "time_step_fraction = 0 must be > 0",
+        ),
+        (
+            lambda: BodyScene(grid=GRID, bodies=(replace(ABOVE, retardation_time=-1.0),)),
+            "body 0: retardation_time = -1 s must be > 0",
+        ),
+        (
+            lambda: BodyScene(
+                grid=GRID,
+                bodies=(
+                    replace(
+                        ABOVE, loads=(Load(forces=np.zeros((4, 2)), start=0.0, rise_time=0.0),)
+                    ),
+                ),
+            ),
+            "body 0: load with start = 0 s, rise_time = 0 s",
+        ),
+        (
+            lambda: UniformGrid(lower=(0.0, 0.0), cell_size=0.0, cell_counts=(8, 8)),
+            "grid: cell_size = 0 m must be > 0",
+        ),
+        (
+            lambda: UniformGrid(lower=(0.0, 0.0), cell_size=1.0, cell_counts=(2, 8)),
+            "grid: cell_counts",
+        ),
+        (
+            lambda: UniformGrid(
+                lower=(-1.0, 0.0), cell_size=1.0, cell_counts=(8, 8), axisymmetric=True
+            ),
+            "grid: lower r = -1 m must be >= 0",
+        ),
+    ],
+)
+def test_what_can_not_be_run_is_refused_in_one_line(
+    declare: Callable[[], object], message: str
+) -> None:
+    with pytest.raises(SceneError) as refusal:
+        declare()
+    assert message in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "key"),
+    [
+        ({"friction": -0.1}, "friction"),
+        ({"slope": 0.0}, "drive"),
+        ({"gravity": 0.0, "drive": 1.0}, "normal_pressure"),
+        ({"height_ratio": 0.2}, "height_ratio"),
+        ({"height_ratio": 1.0, "friction": 0.8}, "height_ratio"),
+        ({"interface_radius": 2.0}, "friction"),
+        ({"interface_radius": 2.0, "friction": 0.0, "grid_angle": 5.0}, "grid_angle"),
+        ({"interface_radius": 0.5, "friction": 0.0}, "interface_radius"),
+    ],
+)
+def test_sliding_block_without_its_exact_solution_is_refused(
+    parameters: dict[str, Value], key: str
+) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        SlidingBlock(**parameters)  # type: ignore[arg-type]
+    assert refusal.value.key == key
+    assert key in str(refusal.value)
+
+
+def test_a_body_that_leaves_the_grid_ends_the_run_by_name() -> None:
+    scene = BodyScene(grid=GRID, bodies=(ABOVE,))
+    loop = TimeLoop(make_body_plan(scene))
+    loop.array("particle.velocity")[:, 0] = 0.5 * MATERIAL.pressure_wave_speed
+    with pytest.raises(SimulationDiverged, match=r"position of particle.*outside|wider grid"):
+        loop.advance(500)

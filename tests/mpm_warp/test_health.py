@@ -1,0 +1,149 @@
+"""The watch: a fault planted in a sound run is noticed within 500 steps, and named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mpm_warp import health
+from mpm_warp.materials import PerfectlyPlastic, Tresca, VonMises
+from mpm_warp.planning import make_plan
+from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.simulation import CHECK_INTERVAL, Simulation, TimeLoop
+
+NOTICED_WITHIN = 500
+GRID_SCENES = [name for name in scene_names() if scene_class(name)().plan() is not None]
+SOIL_SCENES = [name for name in GRID_SCENES if scene_class(name)().simulated_scene() is not None]
+
+
+def started(name: str) -> TimeLoop:
+    """A scene at its defaults, a few steps on."""
+    scene = scene_class(name)()
+    soil = scene.simulated_scene()
+    plan = scene.plan()
+    assert plan is not None
+    loop = TimeLoop(plan) if soil is None else Simulation(soil)
+    loop.advance(3)
+    return loop
+
+
+def particle_in(loop: TimeLoop) -> int:
+    return loop.plan.particle_count // 2
+
+
+def plant(loop: TimeLoop, array: str, particle: int, value: float) -> None:
+    """Give a particle a value, its first component only: above a window soil leaves by right."""
+    values = loop.array(array)
+    values.reshape(len(values), -1)[particle, 0] = value
+
+
+def test_watch_looks_often_enough() -> None:
+    assert CHECK_INTERVAL <= NOTICED_WITHIN
+
+
+@pytest.mark.parametrize("name", SOIL_SCENES)
+@pytest.mark.parametrize(
+    ("array", "value", "named"),
+    [
+        ("particle.stress", np.nan, "stress"),
+        ("particle.velocity", 1e30, "velocity"),
+        ("particle.position", 1e6, "position"),
+        ("particle.mass", 0.0, "mass"),
+    ],
+)
+def test_planted_fault_is_noticed_and_its_particle_named(
+    name: str, array: str, value: float, named: str
+) -> None:
+    loop = started(name)
+    particle = particle_in(loop)
+    plant(loop, array, particle, value)
+    with pytest.raises(health.SimulationDiverged) as noticed:
+        loop.advance(NOTICED_WITHIN)
+    message = str(noticed.value)
+    assert f"{named} of particle {particle} at" in message
+    assert "healthy at step 0" in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("array", "value"),
+    [
+        ("particle.stress", np.nan),
+        ("particle.velocity", 1e30),
+        ("particle.position", 1e6),
+        ("particle.mass", 0.0),
+    ],
+)
+def test_planted_fault_in_a_body_is_noticed(array: str, value: float) -> None:
+    loop = started("sliding_block")
+    plant(loop, array, 0, value)
+    with pytest.raises(health.SimulationDiverged, match=r"of particle \d+ at"):
+        loop.advance(NOTICED_WITHIN)
+
+
+@pytest.mark.parametrize("name", GRID_SCENES)
+def test_doubled_time_step_is_noticed_in_every_scene(name: str) -> None:
+    loop = started(name)
+    loop.plan.time_step *= 2.0
+    with pytest.raises(health.SimulationDiverged, match="time step of"):
+        loop.advance(NOTICED_WITHIN)
+
+
+def test_run_at_twice_the_stable_step_ends_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the check of the step itself: what it does to the soil is noticed too."""
+    monkeypatch.setattr("mpm_warp.simulation.check_time_step", lambda **_: None)
+    soil = ConePenetration(cells_per_radius=2.0).simulated_scene()
+    simulation = Simulation(replace(soil, time_step_fraction=2.5))
+    with pytest.raises(health.SimulationDiverged):
+        simulation.advance(4 * NOTICED_WITHIN)
+
+
+def test_stress_outside_the_yield_surface_is_noticed() -> None:
+    simulation = Simulation(ConePenetration(cells_per_radius=2.0).simulated_scene())
+    simulation.advance(10)
+    simulation.array("particle.stress")[7, 2] = 1.001 * 20e3
+    with pytest.raises(health.SimulationDiverged, match=r"stress of particle 7 .*yield surface"):
+        simulation.check()
+
+
+def test_cell_that_holds_more_soil_than_it_can_is_noticed() -> None:
+    simulation = Simulation(ConePenetration(cells_per_radius=2.0).simulated_scene())
+    simulation.array("particle.cell")[:200] = [3, 2]
+    with pytest.raises(health.SimulationDiverged, match="soil in cell"):
+        simulation.check()
+
+
+def test_a_sound_run_is_left_alone_and_its_energy_error_recorded() -> None:
+    result = ConePenetration(cells_per_radius=2.0, penetration=2.0).run()
+    # The transfers dissipate noise and create nothing.
+    assert -0.05 < float(result.energy_error) < 0.0
+
+
+def test_energy_audit_is_a_sample_of_what_the_transfers_do() -> None:
+    """Against the kinetic energy of every step, by hand."""
+    soil = ConePenetration(cells_per_radius=2.0).simulated_scene()
+    simulation = Simulation(soil)
+    created, left = 0.0, 0.0
+    for _ in range(800):
+        simulation.advance(1)
+        mass, motion = simulation.array("node.mass"), simulation.array("node.motion")
+        created += 0.5 * float(mass @ np.sum(motion[:, 2:] ** 2, axis=1)) - left
+        left = 0.5 * float(mass @ np.sum(motion[:, :2] ** 2, axis=1))
+    assert simulation.transfer_energy == pytest.approx(created, rel=0.1)
+
+
+def test_audit_costs_nothing_where_it_is_not_asked_for() -> None:
+    soil = ConePenetration(cells_per_radius=2.0).simulated_scene()
+    plan = make_plan(replace(soil, energy_audit=False))
+    assert plan.audited_step == []
+    assert "transfer.energy" not in plan.arrays
+
+
+@pytest.mark.parametrize("criterion", [Tresca, VonMises])
+def test_yield_excess(criterion: type[PerfectlyPlastic]) -> None:
+    material = criterion(shear_modulus=1.0, poissons_ratio=0.3, density=1.0, strength=2.0)
+    shear = np.array([[5.0, 5.0, 2.0, 5.0], [5.0, 5.0, 3.0, 5.0], [1.0, 1.0, 0.0, 1.0]])
+    np.testing.assert_allclose(health.yield_excess(shear, material), [0.0, 0.5, -1.0], atol=1e-12)
