@@ -134,6 +134,16 @@ def _parser() -> argparse.ArgumentParser:
     compare = commands.add_parser("compare", help="compare a result with the references")
     compare.set_defaults(command=_compare)
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
+    compare.add_argument(
+        "other", type=Path, nargs="?", metavar="OTHER", help="a result to set beside it"
+    )
+    compare.add_argument(
+        "--tolerance",
+        type=_tolerance,
+        default=0.0,
+        metavar="X",
+        help="relative difference allowed between FILE and OTHER; default: none",
+    )
 
     plot = commands.add_parser("plot", help="draw the pictures of a result")
     plot.set_defaults(command=_plot)
@@ -166,6 +176,16 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def _tolerance(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 <= number < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number >= 0")
+    return number
+
+
 def _worker_count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
@@ -189,7 +209,8 @@ def _run(options: argparse.Namespace) -> int:
     dataset = run_study(study, options.out, run, fresh=options.fresh)
     _show(dataset, options.out)
     print(result_file(options.out, study))
-    return _list_incomplete(cases, dataset)
+    incomplete = _list_incomplete(cases, dataset)
+    return _list_misses(dataset) or incomplete
 
 
 def _show(dataset: xr.Dataset, folder: Path) -> None:
@@ -203,6 +224,15 @@ def _show(dataset: xr.Dataset, folder: Path) -> None:
             print(picture)
     except (NothingToCompareError, NothingToDrawError) as error:
         _tell(str(error))
+
+
+def _list_misses(dataset: xr.Dataset) -> int:
+    from harness.gate import misses
+
+    lines = misses(dataset)
+    for line in lines:
+        _tell(f"tolerance missed: {line}")
+    return INCOMPLETE if lines else DONE
 
 
 def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
@@ -344,11 +374,22 @@ def _compare(options: argparse.Namespace) -> int:
     from harness.compare import NothingToCompareError, table
 
     dataset = read_study(options.file)
+    if options.other is not None:
+        return _compare_two(dataset, read_study(options.other), options.tolerance)
     try:
         print(table(dataset))
     except NothingToCompareError as error:
-        raise HarnessError(f"{options.file}: {error}") from None
-    return DONE
+        if "tolerances" not in dataset.attrs:
+            raise HarnessError(f"{options.file}: {error}") from None
+    return _list_misses(dataset)
+
+
+def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
+    from harness.gate import difference_rows, differences
+
+    found, lonely = differences(first, second)
+    print(*difference_rows(found, tolerance), *lonely, sep="\n")
+    return INCOMPLETE if lonely or any(it.size > tolerance for it in found) else DONE
 
 
 def _plot(options: argparse.Namespace) -> int:

@@ -103,9 +103,13 @@ def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
 
 def varied_names(dataset: xr.Dataset) -> list[str]:
     """The parameters that vary: dims of the cone factor, or coordinates along the dim `case`."""
-    dims = [str(dim) for dim in _cone_factor(dataset).dims]
-    if dims != ["case"]:
-        return dims
+    return varied_along(dataset, _cone_factor(dataset).dims)
+
+
+def varied_along(dataset: xr.Dataset, dims: Sequence[Hashable]) -> list[str]:
+    """The parameters that vary along the dims of cases."""
+    if tuple(dims) != ("case",):
+        return [str(dim) for dim in dims]
     along = (str(name) for name, array in dataset.coords.items() if array.dims == ("case",))
     return [name for name in along if name not in ("case", "scene_version")]
 

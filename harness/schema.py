@@ -50,7 +50,12 @@ def study_schema() -> Schema:
                     "type": "array",
                     "items": {"enum": list(reference_ids())},
                     "uniqueItems": True,
-                }
+                },
+                "tolerance": {
+                    "type": "object",
+                    "description": "largest deviation from a reference, or size of a result",
+                    "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
+                },
             },
             **_closed(),
         },

@@ -94,6 +94,7 @@ class Study:
         parts: one for each scene.
         design: how the varied values are combined.
         references: literature references to compare with.
+        tolerances: largest deviation from a reference, or largest size of a result, by name.
         timing_repeats: times to run each case again, alone on the machine, to measure its run
             time; 0 where a study does not ask for it.
         source: the definition's file.
@@ -104,6 +105,7 @@ class Study:
     parts: tuple[ScenePart, ...]
     design: Design
     references: tuple[str, ...]
+    tolerances: Mapping[str, float]
     timing_repeats: int
     source: Path
 
@@ -153,6 +155,7 @@ def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]
         parts=tuple(parts),
         design=design,
         references=_references(document),
+        tolerances=_tolerances(document),
         timing_repeats=_timing_repeats(document),
         source=path,
     )
@@ -336,7 +339,7 @@ def _timing_repeats(document: Table) -> int:
 
 def _references(document: Table) -> tuple[str, ...]:
     table = document.table("compare")
-    table.allow("references")
+    table.allow("references", "tolerance")
     ids = table.list("references")
     for reference in ids:
         if not isinstance(reference, str) or reference not in reference_ids():
@@ -345,3 +348,12 @@ def _references(document: Table) -> tuple[str, ...]:
     if len(set(ids)) < len(ids):
         raise table.refuse("references", "names a reference twice")
     return tuple(ids)
+
+
+def _tolerances(document: Table) -> dict[str, float]:
+    table = document.table("compare").table("tolerance")
+    unused = set(reference_ids()) - set(_references(document))
+    for name in table.values:
+        if name in unused:
+            raise table.refuse(name, "is not among the references of [compare]")
+    return {name: table.positive(name) for name in table.values}
