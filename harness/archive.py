@@ -154,19 +154,24 @@ def _gathered(
     gathered: dict[Hashable, xr.Variable] = {}
     for result in completed.values():
         for dim in result.dims:
-            if dim not in axes or not np.array_equal(axes[dim], result[dim]):
-                axes[dim] = np.union1d(axes.get(dim, result[dim]), result[dim])
-                gathered[dim] = xr.Variable(dim, axes[dim], result[dim].attrs)
+            axis = result.variables[dim]
+            if dim not in axes or not np.array_equal(axes[dim], axis.values):
+                axes[dim] = np.union1d(axes.get(dim, axis.values), axis.values)
+                gathered[dim] = xr.Variable(dim, axes[dim], axis.attrs)
     count = math.prod(grid.values())
-    arrays: dict[Hashable, tuple[xr.DataArray, np.ndarray]] = {}
+    arrays: dict[Hashable, tuple[xr.Variable, np.ndarray]] = {}
     for place, result in completed.items():
-        places = {dim: np.searchsorted(axes[dim], result[dim]) for dim in result.dims}
-        for name, array in result.reset_coords().data_vars.items():
+        places = {
+            dim: np.searchsorted(axes[dim], result.variables[dim].values) for dim in result.dims
+        }
+        for name, array in result.variables.items():
+            if name in places:
+                continue
             if name not in arrays:
                 shape = (count, *(axes[dim].size for dim in array.dims))
                 arrays[name] = array, np.full(shape, np.nan)
             cell: tuple[Any, ...] = (place, *np.ix_(*(places[dim] for dim in array.dims)))
-            arrays[name][1][cell] = array
+            arrays[name][1][cell] = array.values
     for name, (array, values) in arrays.items():
         shape = (*grid.values(), *values.shape[1:])
         gathered[name] = xr.Variable((*grid, *array.dims), values.reshape(shape), array.attrs)

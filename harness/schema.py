@@ -81,7 +81,7 @@ def study_schema() -> Schema:
 def _of_scene(name: str) -> Schema:
     """The tables that depend on the scene."""
     parameters = parameters_of(scene_class(name)).values()
-    values = {it.name: _value(it) for it in parameters}
+    values = {it.name: value_schema(it) for it in parameters}
     fixed = {"properties": values, **_closed()}
     varied = {it.name: _variation(it) for it in parameters}
     names = {it.name: _expression(it.meaning) for it in parameters}
@@ -97,7 +97,8 @@ def _of_scene(name: str) -> Schema:
     }
 
 
-def _value(parameter: Parameter) -> Schema:
+def value_schema(parameter: Parameter) -> Schema:
+    """The schema of a parameter's value."""
     unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
     schema: Schema = {
         "type": TYPES[parameter.kind],
@@ -113,7 +114,7 @@ def _value(parameter: Parameter) -> Schema:
 
 
 def _variation(parameter: Parameter) -> Schema:
-    value = _value(parameter)
+    value = value_schema(parameter)
     several = {"type": "array", "items": value, "minItems": 1, "uniqueItems": True}
     if parameter.kind not in (int, float) or parameter.choices is not None:
         return several

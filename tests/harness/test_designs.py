@@ -46,7 +46,10 @@ def test_one_at_a_time_begins_with_the_fixed_values(tmp_path: Path) -> None:
     text += "adhesion_factor = [0, 1]\nrigidity_index = [50, 200]\n"
     cases = cases_of(study(tmp_path, HEAD + text))
     # 0 and 50 are the fixed values themselves: such a case is there once.
-    assert values(cases, "adhesion_factor", "rigidity_index") == [(0, 50), (1, 50), (0, 200)]
+    expected = [(0, 50), (1, 50), (0, 200)]
+    assert values(cases, "adhesion_factor", "rigidity_index") == expected
+    others = cases_of(study(tmp_path, HEAD + text.replace("[0, 1]", "[1]").replace("[50, ", "[")))
+    assert values(others, "adhesion_factor", "rigidity_index") == expected
 
 
 def test_a_list_of_cases(tmp_path: Path) -> None:

@@ -67,6 +67,12 @@ def test_the_bound_of_a_deviation(tmp_path: Path) -> None:
 def test_a_reference_is_not_asked_outside_its_validity(tmp_path: Path) -> None:
     dataset = collected(tmp_path, settings=("rigidity_index=5",))
     assert missed(dataset, lu_2004=0.001) == ["lu_2004: applies to no case"]
+    dataset = collected(tmp_path, settings=("adhesion_factor=0", "rigidity_index=[5, 100, 200]"))
+    lines = missed(dataset, lu_2004=0.001)
+    assert [line.split(":")[1] for line in lines] == [
+        " rigidity_index=100.0",
+        " rigidity_index=200.0",
+    ]
 
 
 def test_what_failed_is_missed(tmp_path: Path) -> None:

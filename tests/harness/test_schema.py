@@ -10,7 +10,8 @@ from jsonschema import Draft202012Validator
 
 from harness.cli import main
 from harness.definition import studies_folder, study_names
-from harness.schema import study_schema
+from harness.schema import study_schema, value_schema
+from mpm_warp.parameters import Parameter
 from mpm_warp.scenes import scene_names
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
@@ -68,6 +69,20 @@ def test_what_is_refused(what: str) -> None:
 def test_what_must_be_there(text: str) -> None:
     assert not SCHEMA.is_valid(tomllib.loads(text))
     assert SCHEMA.is_valid(tomllib.loads(f'base = "adhesion_factor"\n{text}'))
+
+
+def test_every_bound_of_a_parameter_is_there() -> None:
+    bounds = {"minimum": 1.0, "maximum": 9.0, "above": 0.0, "below": 10.0}
+    made = Parameter(name="a", kind=float, default=2.0, unit="m", meaning="length", **bounds)
+    assert value_schema(made) == {
+        "type": "number",
+        "description": f"length [m]; {made.allowed}",
+        "minimum": 1.0,
+        "maximum": 9.0,
+        "exclusiveMinimum": 0.0,
+        "exclusiveMaximum": 10.0,
+        "default": 2.0,
+    }
 
 
 def test_the_command_prints_it(capsys: pytest.CaptureFixture[str]) -> None:
