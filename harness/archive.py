@@ -53,7 +53,8 @@ def collect(study: Study, cases: Sequence[Case], folder: Path) -> xr.Dataset:
     all cases. Every parameter is there by name: what varies is a coordinate, what is the same in
     all cases a scalar, not a number where the scene derives it or has no such parameter. A
     parameter that shares its name with a result is called ``<name>_parameter``. A case that did
-    not complete is not a number; its `status` and `message` say why.
+    not complete is not a number; its `status` and `message` say why. A result whose name a scene
+    before has used over other dims is called ``<scene>_<name>``.
 
     Raises:
         ArchiveError: a case file is damaged.
@@ -167,6 +168,8 @@ def _gathered(
         for name, array in result.variables.items():
             if name in places:
                 continue
+            if name in arrays and arrays[name][0].dims != array.dims:
+                name = f"{result.attrs['scene']}_{name}"  # noqa: PLW2901 - another scene has it too
             if name not in arrays:
                 shape = (count, *(axes[dim].size for dim in array.dims))
                 arrays[name] = array, np.full(shape, np.nan)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.definition import StudyError
-from harness.designs import Combination, combination_count, combinations
+from harness.designs import Combination, combination_count, combinations, rounded
 from harness.expressions import ExpressionError
 from harness.study import LARGEST_STUDY, ScenePart, Study
 from mpm_warp.parameters import ParameterError, Value, from_mapping, parameters_of
@@ -100,7 +100,8 @@ def _case(study: Study, part: ScenePart, values: Combination) -> Case | None:
     given: dict[str, Value] = {**part.fixed, **values}
     try:
         for name, expression in part.derived.items():
-            given[name] = expression.value(dataclasses.asdict(scene(**given)))
+            value = expression.value(dataclasses.asdict(scene(**given)))
+            given[name] = rounded(value) if isinstance(value, float) else value
         complete = dataclasses.asdict(from_mapping(scene, given))
         excluded = any(condition.is_true(complete) for condition in part.excluded)
     except (ParameterError, ExpressionError) as error:

@@ -26,6 +26,11 @@ Combination = Mapping[str, Value]
 """The values that a case has of its own, by name."""
 
 
+def rounded(number: float) -> float:
+    """12 digits: the last ones are not the same on every machine, and they would name the case."""
+    return float(f"{number:.12g}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Range:
     """Numbers from one end to the other, both included.
@@ -47,8 +52,7 @@ class Range:
             number = self.start * (self.stop / self.start) ** fraction
         else:
             number = self.start + (self.stop - self.start) * fraction
-        # The last digits are rounding, which is not the same everywhere; they would name the case.
-        return float(f"{number:.12g}")
+        return rounded(number)
 
     def values(self, count: int) -> tuple[float, ...]:
         """`count` numbers, 2 or more."""

@@ -119,9 +119,11 @@ def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
     """The case as its own file had it: without padding, each number in its own type."""
     variables = {}
     for name, array in again.variables.items():
-        if name in cell.variables:
+        of_scene = f"{cell.attrs['scene']}_{name}"
+        stored = of_scene if of_scene in cell.variables else name
+        if stored in cell.variables:
             places = {dim: again[dim] for dim in array.dims if dim in cell.indexes}
-            variables[name] = cell[name].sel(places).variable.astype(array.dtype)
+            variables[name] = cell[stored].sel(places).variable.astype(array.dtype)
     return xr.Dataset(variables)
 
 

@@ -15,7 +15,7 @@ from harness.cases import COMPLETED, Case, cases_of
 from harness.compare import table
 from harness.definition import StudyError
 from harness.plots import draw
-from harness.rerun import read_for_rerun
+from harness.rerun import read_for_rerun, verdict
 from harness.study import Study, load_study
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
@@ -223,6 +223,25 @@ def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     assert dataset["domain_radius"].sel(rigidity_index=100).values.tolist() == [60, 60]
     assert table(dataset)
     assert draw(dataset, tmp_path)
+
+
+def test_results_of_one_name_over_other_dims_are_told_apart(tmp_path: Path) -> None:
+    text = 'title = "t"\nscene = ["strip_footing", "material_point"]\n'
+    made = study(tmp_path, text)
+    folder = case_folder(tmp_path, made)
+    prepare(folder)
+    cases = cases_of(made)
+    results = [
+        xr.Dataset({"stress": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]}),
+        xr.Dataset({"stress": (("x", "y"), [[3.0], [4.0]])}, {"x": [0.0, 1.0], "y": [0.0]}),
+    ]
+    for case, result in zip(cases, results, strict=True):
+        write_case(folder, case, result, COMPLETED)
+    write_study(tmp_path / "s.nc", collect(made, cases, folder))
+    for case, result in zip(cases, results, strict=True):
+        _, before = read_for_rerun(tmp_path / "s.nc", case.key)
+        again = result.assign_attrs(status=COMPLETED)
+        assert verdict(before, again) == (True, "bit-identical")
 
 
 def test_a_case_of_several_scenes_is_found_again(tmp_path: Path) -> None:
