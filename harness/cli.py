@@ -227,11 +227,13 @@ def _show(dataset: xr.Dataset, folder: Path) -> None:
 
 
 def _list_misses(dataset: xr.Dataset) -> int:
-    from harness.gate import misses
+    from harness.gate import ATTRIBUTE, misses
 
     lines = misses(dataset)
     for line in lines:
         _tell(f"tolerance missed: {line}")
+    if not lines and ATTRIBUTE in dataset.attrs:
+        _tell("all tolerances are kept")
     return INCOMPLETE if lines else DONE
 
 
@@ -372,6 +374,7 @@ def _verify(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace) -> int:
     from harness.archive import read_study
     from harness.compare import NothingToCompareError, table
+    from harness.gate import ATTRIBUTE
 
     dataset = read_study(options.file)
     if options.other is not None:
@@ -379,7 +382,7 @@ def _compare(options: argparse.Namespace) -> int:
     try:
         print(table(dataset))
     except NothingToCompareError as error:
-        if "tolerances" not in dataset.attrs:
+        if ATTRIBUTE not in dataset.attrs:
             raise HarnessError(f"{options.file}: {error}") from None
     return _list_misses(dataset)
 

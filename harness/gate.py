@@ -188,7 +188,11 @@ def _labels(dataset: xr.Dataset) -> list[str]:
     if not columns:
         return [str(dataset.attrs["scene"])] * dataset["status"].size
     return [
-        ", ".join(f"{name}={value}" for name, value in zip(names, row, strict=True))
+        ", ".join(
+            f"{name}={value}"
+            for name, value in zip(names, row, strict=True)
+            if value not in ("", None) and str(value) != "nan"  # of another scene
+        )
         for row in zip(*columns, strict=True)
     ]
 
