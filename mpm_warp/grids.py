@@ -180,6 +180,22 @@ class Grid:
         return cell_lengths(self.gradient_integrals, self.cell_volumes)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GroundGrid(Grid):
+    """A grid with soil up to a level only.
+
+    Attributes:
+        ground_level: height of the surface of the ground before anything moves [m].
+    """
+
+    ground_level: float
+
+    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
+        """See `Grid`."""
+        below: NDArray[np.bool_] = position[:, 1] < self.ground_level
+        return below
+
+
 def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
     """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
 

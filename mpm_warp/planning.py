@@ -169,10 +169,13 @@ def _add_cell_stress(plan: Plan) -> None:
         values = plan.scene.bulk_viscosity * impedance * grid.cell_lengths
         viscosity = plan.add_array("cell.viscosity", "real", values)
         dilation_rate = plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
+    full_mass = None
+    if plan.scene.free_surface:
+        full_mass = plan.add_array("cell.full_mass", "real", material.density * grid.cell_volumes)
     plan.add_launch(
-        make_cell_stress(viscosity is not None, plan.precision),
+        make_cell_stress(viscosity is not None, full_mass is not None, plan.precision),
         grid.cell_count,
-        *("cell.stress_sum", "cell.mass", dilation_rate, viscosity, "cell.stress"),
+        *("cell.stress_sum", "cell.mass", dilation_rate, viscosity, full_mass, "cell.stress"),
     )
 
 

@@ -15,10 +15,10 @@ from mpm_warp.window import Window
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """Soil that fills a grid, and what acts on it. SI units; stress is the excess over in-situ.
+    """Soil in a grid, and what acts on it. SI units; stress is the excess over in-situ.
 
     Attributes:
-        grid: the background grid; every cell is full of soil.
+        grid: the background grid; every cell that it says holds soil is full of it.
         material: the soil's constitutive model.
         particles_per_side: particles along each side of a cell, >= 1.
         time_step_fraction: time step over the critical one, dimensionless, > 0.
@@ -35,6 +35,8 @@ class Scene:
         contact: contact with a rigid body, or none.
         moving_wall: inner wall that moves and takes the grid along, or none.
         window: travel of the grid through the soil, or none.
+        free_surface: whether the surface of the ground passes through cells: their stress then acts
+            as far as they are filled.
         energy_audit: whether to sample what energy the transfers create or dissipate.
     """
 
@@ -52,4 +54,5 @@ class Scene:
     contact: SurfaceContact | None = None
     moving_wall: MovingWall | None = None
     window: Window | None = None
+    free_surface: bool = False
     energy_audit: bool = False

@@ -21,12 +21,19 @@ from mpm_warp.kernels.precision import Precision
 
 
 @functools.cache
-def make_cell_stress(viscous: bool, precision: Precision) -> Any:
-    """Mean stress of each cell from the particles' sums, which it clears; launched over cells."""
-    real, vec4 = precision.real, precision.vec4
-    zero = wp.constant(real(0.0))
+def make_cell_stress(viscous: bool, partly_filled: bool, precision: Precision) -> Any:
+    """Mean stress of each cell from the particles' sums, which it clears; launched over cells.
 
-    key = f"{'viscous' if viscous else 'inviscid'}.{precision.numpy_name}"
+    Args:
+        viscous: whether there is a bulk viscosity.
+        partly_filled: whether cells may hold less soil than fills them, by which stress is scaled.
+        precision: floating point types.
+    """
+    real, vec4 = precision.real, precision.vec4
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+
+    key = f"{'viscous' if viscous else 'inviscid'}.{'partly' if partly_filled else 'full'}"
+    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
     def cell_stress(
@@ -34,6 +41,7 @@ def make_cell_stress(viscous: bool, precision: Precision) -> Any:
         mass: wp.array(dtype=real),
         dilation_rate: wp.array(dtype=real),
         viscosity: wp.array(dtype=real),
+        full_mass: wp.array(dtype=real),
         stress: wp.array(dtype=vec4),
     ):
         c = wp.tid()
@@ -45,7 +53,11 @@ def make_cell_stress(viscous: bool, precision: Precision) -> Any:
             if wp.static(viscous):
                 q = viscosity[c] * dilation_rate[c]
                 mean += vec4(q, q, zero, q)
+            if wp.static(partly_filled):
+                mean *= wp.min(mass[c] / full_mass[c], one)
             stress[c] = mean
+        elif wp.static(partly_filled):
+            stress[c] = vec4()
         stress_sum[c] = vec4()
         mass[c] = zero
 

@@ -19,8 +19,8 @@ class Location:
 
     Attributes:
         natural: (position, column, row, outer radius) -> (xi, eta, dr/dxi, dr/deta).
-        offset: (position, the same, column, row, outer radius, xi_i, eta_i) -> offset of node i,
-            which stands at the natural coordinates xi_i, eta_i.
+        offset: (those four, column, row, outer radius, xi_i, eta_i) -> offset of node i, which
+            stands at the natural coordinates xi_i, eta_i.
         settle: (position, cell, columns, rows, outer radius, cell counts) -> cell after a move.
         outside_surface: (position, row) -> position, moved out of the surface where it was within.
     """
@@ -60,7 +60,7 @@ def make_location(polar: bool, precision: Precision) -> Location:
 
     @wp.func
     def offset_in_rows(
-        x: vec2, where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
+        where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
     ) -> vec2:
         # The left and right edge of a cell are straight lines.
         lean = row[4] * (one - column[0] - xi_i * column[1])
@@ -68,13 +68,19 @@ def make_location(polar: bool, precision: Precision) -> Location:
         return vec2((xi_i - where[0]) * where[2] + up * lean, up * row[1])
 
     @wp.func
+    def on_rays(column: vec3, row: vec5, outer_radius: real, xi: real, eta: real) -> vec2:
+        surface = row[3] + eta * row[4]
+        distance = surface + (outer_radius - surface) * (column[0] + xi * column[1])
+        angle = row[0] + eta * row[1]
+        return distance * vec2(wp.sin(angle), wp.cos(angle))
+
+    @wp.func
     def offset_on_rays(
-        x: vec2, where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
+        where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
     ) -> vec2:
-        surface = row[3] + eta_i * row[4]
-        distance = surface + (outer_radius - surface) * (column[0] + xi_i * column[1])
-        angle = row[0] + eta_i * row[1]
-        return distance * vec2(wp.sin(angle), wp.cos(angle)) - x
+        # From where the natural coordinates are, which is in the cell wherever the particle is.
+        node = on_rays(column, row, outer_radius, xi_i, eta_i)
+        return node - on_rays(column, row, outer_radius, where[0], where[1])
 
     @wp.func
     def settle(

@@ -65,8 +65,7 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
                 return
         column = columns[i]
         row = rows[j]
-        x = position[p]
-        where = natural(x, column, row, outer_radius)
+        where = natural(position[p], column, row, outer_radius)
         xi, eta = where[0], where[1]
         m = mass[p]
 
@@ -77,13 +76,13 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         v, L = velocity[p], cell_gradient[c]
         node = j * (column_count + 1) + i
         upper = node + column_count + 1
-        d = offset(x, where, column, row, outer_radius, zero, zero)
+        d = offset(where, column, row, outer_radius, zero, zero)
         wp.atomic_add(node_momentum, node, share((one - xi) * (one - eta), m, v, L, d))
-        d = offset(x, where, column, row, outer_radius, one, zero)
+        d = offset(where, column, row, outer_radius, one, zero)
         wp.atomic_add(node_momentum, node + 1, share(xi * (one - eta), m, v, L, d))
-        d = offset(x, where, column, row, outer_radius, zero, one)
+        d = offset(where, column, row, outer_radius, zero, one)
         wp.atomic_add(node_momentum, upper, share((one - xi) * eta, m, v, L, d))
-        d = offset(x, where, column, row, outer_radius, one, one)
+        d = offset(where, column, row, outer_radius, one, one)
         wp.atomic_add(node_momentum, upper + 1, share(xi * eta, m, v, L, d))
 
     return particles_to_grid

@@ -31,10 +31,10 @@ def place(
     w = natural(x, column, row, outer)
     where[0] = w
     zero, one = wp.float64(0.0), wp.float64(1.0)
-    nodes[0] = x + offset(x, w, column, row, outer, zero, zero)
-    nodes[1] = x + offset(x, w, column, row, outer, one, zero)
-    nodes[2] = x + offset(x, w, column, row, outer, zero, one)
-    nodes[3] = x + offset(x, w, column, row, outer, one, one)
+    nodes[0] = x + offset(w, column, row, outer, zero, zero)
+    nodes[1] = x + offset(w, column, row, outer, one, zero)
+    nodes[2] = x + offset(w, column, row, outer, zero, one)
+    nodes[3] = x + offset(w, column, row, outer, one, one)
 
 
 def polar(*, planar: bool, rows: int = 6, last: float = 0.5 * np.pi) -> PolarGrid:

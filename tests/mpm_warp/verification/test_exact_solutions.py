@@ -13,6 +13,7 @@ from mpm_warp.footing import Footing
 from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.scenes.circular_footing import CircularFooting
 from mpm_warp.scenes.cone_bearing import ConeBearing
+from mpm_warp.scenes.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
 from mpm_warp.scenes.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.gravity_column import GravityColumn
@@ -139,3 +140,11 @@ def test_pressure_of_a_spherical_cavity() -> None:
     # The wall cell stands for the soil half a cell away: 4 su times the strain over it.
     assert error(result) <= (0.018 + 4 / (2 * cells) / 4) / limit
     assert float(result.departure) <= 1 / cells**2
+
+
+def test_load_of_a_cone_from_first_touch() -> None:
+    """The depth is known to a cell at worst, of the cells that the cone is in on average."""
+    cells = 10
+    scene = ConeSelfSimilar(cells_per_radius=cells)
+    mean_depth = 0.4 * cells * math.sqrt(3.0)
+    assert error(scene.run()) <= 2.0 / mean_depth
