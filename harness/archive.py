@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import xarray as xr
 
 from harness.case_files import FORMAT_VERSION, ArchiveError, read_case, read_netcdf, write_whole
 from harness.cases import COMPLETED, MISSING, Case
+from harness.designs import Range
 from harness.provenance import provenance
 from harness.study import Study
 from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
@@ -45,55 +47,91 @@ def read_study(path: Path) -> xr.Dataset:
 def collect(study: Study, cases: Sequence[Case], folder: Path) -> xr.Dataset:
     """Gather the cases of a study in one dataset.
 
-    Its dims are the varied parameters, in the study's order, then the scene's own, which are the
-    union over all cases. Every parameter of the scene is there by name: what varies is a
-    coordinate, what is fixed is a scalar variable, not a number where the scene derives it. A
+    The dims of a full design are the varied parameters, in the study's order. Any other study,
+    and one of several scenes or with exclusions, has the dim `case`, along which what varies
+    stands as coordinates, `scene` too. Then come the scene's own dims, which are the union over
+    all cases. Every parameter is there by name: what varies is a coordinate, what is the same in
+    all cases a scalar, not a number where the scene derives it or has no such parameter. A
     parameter that shares its name with a result is called ``<name>_parameter``. A case that did
-    not complete is not a number; its `status` and `message` say why.
+    not complete is not a number; its `status` and `message` say why. A result whose name a scene
+    before has used over other dims is called ``<scene>_<name>``.
 
     Raises:
         ArchiveError: a case file is damaged.
     """
     results = [read_case(folder, case) for case in cases]
     completed = {
-        case.index: result
-        for case, result in zip(cases, results, strict=True)
+        place: result
+        for place, result in enumerate(results)
         if result is not None and result.attrs["status"] == COMPLETED
     }
-    definitions = parameters_of(scene_class(study.scene))
+    definitions = {
+        name: definition
+        for part in study.parts
+        for name, definition in parameters_of(scene_class(part.scene)).items()
+    }
     taken = {name for result in completed.values() for name in (*result.variables, *result.dims)}
     names = {name: f"{name}_parameter" if name in taken else name for name in definitions}
-    grid = {names[name]: len(values) for name, values in study.varied.items()}
+    axes: dict[str, Sequence[Value]] = {"case": range(len(cases))}
+    if study.is_grid:
+        varied = study.parts[0].varied
+        axes = {names[name]: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
+    grid = {name: len(values) for name, values in axes.items()}
 
-    coordinates = {
-        names[name]: xr.Variable(names[name], list(values), _attributes(definitions[name]))
-        for name, values in study.varied.items()
+    per_case: dict[Hashable, xr.Variable] = {
+        name: _over_grid(grid, np.array(values), {"long_name": meaning})
+        for name, (meaning, values) in {
+            "status": ("outcome of the case", [_attribute(r, "status", MISSING) for r in results]),
+            "message": (
+                "why the case did not complete",
+                [_attribute(r, "message") for r in results],
+            ),
+            "case_key": ("name of the case's file", [case.key for case in cases]),
+        }.items()
     }
-    fixed = {
-        names[name]: _scalar(definition, cases[0].parameters[name])
-        for name, definition in definitions.items()
-        if name not in study.varied
-    }
-    per_case = {
-        "status": ("outcome of the case", [_attribute(r, "status", MISSING) for r in results]),
-        "message": ("why the case did not complete", [_attribute(r, "message") for r in results]),
-        "case_key": ("name of the case's file", [case.key for case in cases]),
-    }
-    about_cases = {
-        name: xr.Variable(
-            grid, np.array(values).reshape(tuple(grid.values())), {"long_name": meaning}
-        )
-        for name, (meaning, values) in per_case.items()
-    }
+    coordinates: dict[Hashable, xr.Variable] = {}
+    for name, definition in definitions.items():
+        values, labels = [case.parameters.get(name) for case in cases], _attributes(definition)
+        if names[name] in axes:
+            coordinates[names[name]] = xr.Variable(names[name], list(axes[names[name]]), labels)
+        elif len(set(values)) == 1:
+            per_case[names[name]] = xr.Variable((), _filled(values, definition)[0], labels)
+        else:
+            coordinates[names[name]] = _over_grid(grid, _filled(values, definition), labels)
+    if "case" in axes:
+        coordinates["case"] = xr.Variable("case", np.arange(len(cases)), {"long_name": "case"})
+    if len(study.parts) > 1:
+        scenes = {
+            "scene": [c.scene for c in cases],
+            "scene_version": [c.scene_version for c in cases],
+        }
+        coordinates |= {
+            name: xr.Variable("case", values, {"long_name": name.replace("_", " ")})
+            for name, values in scenes.items()
+        }
     attributes = {
         "title": study.title,
         "study": study.name,
-        "scene": study.scene,
+        "design": study.design.kind,
+        "scene": " ".join(part.scene for part in study.parts),
         "scene_version": cases[0].scene_version,
         "format_version": FORMAT_VERSION,
     }
-    results_of_cases = _gathered(grid, completed)
-    return xr.Dataset(results_of_cases | about_cases | fixed, coordinates, attributes)
+    return xr.Dataset(_gathered(grid, completed) | per_case, coordinates, attributes)
+
+
+def _over_grid(
+    grid: Mapping[str, int], values: np.ndarray, labels: Mapping[str, str]
+) -> xr.Variable:
+    """Values of all cases, over the dims of the study."""
+    shape = (*grid.values(), *values.shape[1:])
+    return xr.Variable(tuple(grid), values.reshape(shape), labels)
+
+
+def _filled(values: Sequence[Value | None], definition: Parameter) -> np.ndarray:
+    """Values of a parameter; not a number, or an empty text, where there is none."""
+    nothing = "" if definition.kind is str else np.nan
+    return np.array([nothing if value is None else value for value in values])
 
 
 def _attributes(definition: Parameter) -> dict[str, str]:
@@ -105,31 +143,39 @@ def _attributes(definition: Parameter) -> dict[str, str]:
     return attributes if definition.kind is str else {"units": definition.unit} | attributes
 
 
-def _scalar(definition: Parameter, value: Value | None) -> xr.Variable:
-    return xr.Variable((), np.nan if value is None else value, _attributes(definition))
-
-
 def _attribute(result: xr.Dataset | None, name: str, otherwise: str = "") -> str:
     return otherwise if result is None else str(result.attrs[name])
 
 
 def _gathered(
-    grid: Mapping[str, int], completed: Mapping[tuple[int, ...], xr.Dataset]
+    grid: Mapping[str, int], completed: Mapping[int, xr.Dataset]
 ) -> dict[Hashable, xr.Variable]:
     """The scene's own variables, one array each over the grid, padded with not a number."""
     axes: dict[Hashable, np.ndarray] = {}
     gathered: dict[Hashable, xr.Variable] = {}
     for result in completed.values():
         for dim in result.dims:
-            axes[dim] = np.union1d(axes.get(dim, result[dim]), result[dim])
-            gathered[dim] = xr.Variable(dim, axes[dim], result[dim].attrs)
-    for index, result in completed.items():
-        cell: tuple[Any, ...] = (*index, ...)
-        for name, array in result.reset_coords().data_vars.items():
-            if name not in gathered:
-                shape = (*grid.values(), *(axes[dim].size for dim in array.dims))
-                empty = np.full(shape, np.nan)
-                gathered[name] = xr.Variable((*grid, *array.dims), empty, array.attrs)
-            places = np.ix_(*(np.searchsorted(axes[dim], result[dim]) for dim in array.dims))
-            gathered[name].values[cell][places] = array
+            axis = result.variables[dim]
+            if dim not in axes or not np.array_equal(axes[dim], axis.values):
+                axes[dim] = np.union1d(axes.get(dim, axis.values), axis.values)
+                gathered[dim] = xr.Variable(dim, axes[dim], axis.attrs)
+    count = math.prod(grid.values())
+    arrays: dict[Hashable, tuple[xr.Variable, np.ndarray]] = {}
+    for place, result in completed.items():
+        places = {
+            dim: np.searchsorted(axes[dim], result.variables[dim].values) for dim in result.dims
+        }
+        for name, array in result.variables.items():
+            if name in places:
+                continue
+            if name in arrays and arrays[name][0].dims != array.dims:
+                name = f"{result.attrs['scene']}_{name}"  # noqa: PLW2901 - another scene has it too
+            if name not in arrays:
+                shape = (count, *(axes[dim].size for dim in array.dims))
+                arrays[name] = array, np.full(shape, np.nan)
+            cell: tuple[Any, ...] = (place, *np.ix_(*(places[dim] for dim in array.dims)))
+            arrays[name][1][cell] = array.values
+    for name, (array, values) in arrays.items():
+        shape = (*grid.values(), *values.shape[1:])
+        gathered[name] = xr.Variable((*grid, *array.dims), values.reshape(shape), array.attrs)
     return gathered

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import itertools
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.study import Study, StudyError
-from mpm_warp.parameters import ParameterError, Value, from_mapping
+from harness.definition import StudyError
+from harness.designs import Combination, combination_count, combinations, rounded
+from harness.expressions import ExpressionError
+from harness.study import LARGEST_STUDY, ScenePart, Study
+from mpm_warp.parameters import ParameterError, Value, from_mapping, parameters_of
 from mpm_warp.scenes import scene_class
 
 COMPLETED = "completed"
@@ -21,23 +22,18 @@ TIMED_OUT = "timed_out"
 DAMAGED = "damaged"
 UNTIMED = "untimed"
 
-LARGEST_STUDY = 100_000
-"""Cases that a study may have; one with more is a slip in a list, not a plan."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
     """One run of a scene.
 
     Attributes:
-        index: position in the grid of the varied parameters; () where none varies.
         scene: name of the scene.
         scene_version: version of the scene that the parameters are meant for.
         parameters: all parameters of the scene; None is what the scene derives.
         label: the varied values, for people.
     """
 
-    index: tuple[int, ...]
     scene: str
     scene_version: int
     parameters: Mapping[str, Value | None]
@@ -73,31 +69,43 @@ class Outcome:
 
 
 def cases_of(study: Study) -> list[Case]:
-    """All combinations of the varied values, the last parameter varying fastest.
+    """All cases of a study, each once, scene by scene in the order of its design.
 
     Raises:
-        StudyError: the scene does not allow a combination, or there are too many.
+        StudyError: the scene does not allow a combination, or there are too many, or none.
     """
-    count = math.prod(len(values) for values in study.varied.values())
-    if count > LARGEST_STUDY:
+    counts = [combination_count(study.design, it.varied, it.listed) for it in study.parts]
+    if sum(counts) > LARGEST_STUDY:
         raise StudyError(
-            f"{study.source}: [vary] gives {count} cases; a study has at most {LARGEST_STUDY}"
+            f"{study.source}: gives {sum(counts)} cases; a study has at most {LARGEST_STUDY}"
         )
-    scene = scene_class(study.scene)
-    cases = []
-    for choice in itertools.product(*map(enumerate, study.varied.values())):
-        values = dict(zip(study.varied, (value for _, value in choice), strict=True))
-        label = ", ".join(f"{name}={value}" for name, value in values.items())
-        try:
-            complete = from_mapping(scene, {**study.fixed, **values})
-        except ParameterError as error:
-            raise StudyError(f"{study.source}: {label or study.scene}: {error}") from None
-        case = Case(
-            index=tuple(position for position, _ in choice),
-            scene=study.scene,
-            scene_version=scene.version,
-            parameters=dataclasses.asdict(complete),
-            label=label or study.scene,
-        )
-        cases.append(case)
-    return cases
+    cases: dict[str, Case] = {}
+    for part in study.parts:
+        definitions = parameters_of(scene_class(part.scene))
+        for values in combinations(study.design, part.varied, part.listed, definitions):
+            case = _case(study, part, values)
+            if case is not None:
+                cases.setdefault(case.key, case)
+    if not cases:
+        raise StudyError(f"{study.source}: exclude: leaves no case")
+    return list(cases.values())
+
+
+def _case(study: Study, part: ScenePart, values: Combination) -> Case | None:
+    """The case of one combination; None where the study excludes it."""
+    scene = scene_class(part.scene)
+    text = ", ".join(f"{name}={value}" for name, value in values.items())
+    of_many = [part.scene] if len(study.parts) > 1 else []
+    label = ", ".join([*of_many, *([text] if text else [])]) or part.scene
+    given: dict[str, Value] = {**part.fixed, **values}
+    try:
+        for name, expression in part.derived.items():
+            value = expression.value(dataclasses.asdict(scene(**given)))
+            given[name] = rounded(value) if isinstance(value, float) else value
+        complete = dataclasses.asdict(from_mapping(scene, given))
+        excluded = any(condition.is_true(complete) for condition in part.excluded)
+    except (ParameterError, ExpressionError) as error:
+        raise StudyError(f"{study.source}: {label}: {error}") from None
+    if excluded:
+        return None
+    return Case(scene=part.scene, scene_version=scene.version, parameters=complete, label=label)

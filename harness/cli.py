@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, NoReturn
 
 from harness import HarnessError
 from harness.cases import COMPLETED, Case, cases_of
+from harness.definition import study_names
 from harness.progress import tell as _tell
-from harness.study import load_study, study_names
+from harness.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
@@ -116,6 +117,9 @@ def _parser() -> argparse.ArgumentParser:
     describe.set_defaults(command=_describe)
     describe.add_argument("scene", metavar="SCENE")
 
+    schema = commands.add_parser("schema", help="print a JSON schema of studies, for editors")
+    schema.set_defaults(command=_schema)
+
     plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")
     plan.set_defaults(command=_plan)
     plan.add_argument("scene", metavar="SCENE")
@@ -130,6 +134,16 @@ def _parser() -> argparse.ArgumentParser:
     compare = commands.add_parser("compare", help="compare a result with the references")
     compare.set_defaults(command=_compare)
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
+    compare.add_argument(
+        "other", type=Path, nargs="?", metavar="OTHER", help="a result to set beside it"
+    )
+    compare.add_argument(
+        "--tolerance",
+        type=_tolerance,
+        default=0.0,
+        metavar="X",
+        help="relative difference allowed between FILE and OTHER; default: none",
+    )
 
     plot = commands.add_parser("plot", help="draw the pictures of a result")
     plot.set_defaults(command=_plot)
@@ -162,6 +176,16 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def _tolerance(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 <= number < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number >= 0")
+    return number
+
+
 def _worker_count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
@@ -185,7 +209,8 @@ def _run(options: argparse.Namespace) -> int:
     dataset = run_study(study, options.out, run, fresh=options.fresh)
     _show(dataset, options.out)
     print(result_file(options.out, study))
-    return _list_incomplete(cases, dataset)
+    incomplete = _list_incomplete(cases, dataset)
+    return _list_misses(dataset) or incomplete
 
 
 def _show(dataset: xr.Dataset, folder: Path) -> None:
@@ -199,6 +224,17 @@ def _show(dataset: xr.Dataset, folder: Path) -> None:
             print(picture)
     except (NothingToCompareError, NothingToDrawError) as error:
         _tell(str(error))
+
+
+def _list_misses(dataset: xr.Dataset) -> int:
+    from harness.gate import ATTRIBUTE, misses
+
+    lines = misses(dataset)
+    for line in lines:
+        _tell(f"tolerance missed: {line}")
+    if not lines and ATTRIBUTE in dataset.attrs:
+        _tell("all tolerances are kept")
+    return INCOMPLETE if lines else DONE
 
 
 def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
@@ -289,6 +325,15 @@ def _describe(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _schema(options: argparse.Namespace) -> int:
+    import json
+
+    from harness.schema import study_schema
+
+    print(json.dumps(study_schema(), indent=2))
+    return DONE
+
+
 def _plan(options: argparse.Namespace) -> int:
     from harness.plan_text import plan_text
     from harness.worker import start_warp_in_silence
@@ -329,13 +374,25 @@ def _verify(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace) -> int:
     from harness.archive import read_study
     from harness.compare import NothingToCompareError, table
+    from harness.gate import ATTRIBUTE
 
     dataset = read_study(options.file)
+    if options.other is not None:
+        return _compare_two(dataset, read_study(options.other), options.tolerance)
     try:
         print(table(dataset))
     except NothingToCompareError as error:
-        raise HarnessError(f"{options.file}: {error}") from None
-    return DONE
+        if ATTRIBUTE not in dataset.attrs:
+            raise HarnessError(f"{options.file}: {error}") from None
+    return _list_misses(dataset)
+
+
+def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
+    from harness.gate import difference_rows, differences
+
+    found, lonely = differences(first, second)
+    print(*difference_rows(found, tolerance), *lonely, sep="\n")
+    return INCOMPLETE if lonely or any(it.size > tolerance for it in found) else DONE
 
 
 def _plot(options: argparse.Namespace) -> int:

@@ -101,6 +101,19 @@ def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
     )
 
 
+def varied_names(dataset: xr.Dataset) -> list[str]:
+    """The parameters that vary: dims of the cone factor, or coordinates along the dim `case`."""
+    return varied_along(dataset, _cone_factor(dataset).dims)
+
+
+def varied_along(dataset: xr.Dataset, dims: Sequence[Hashable]) -> list[str]:
+    """The parameters that vary along the dims of cases."""
+    if tuple(dims) != ("case",):
+        return [str(dim) for dim in dims]
+    along = (str(name) for name, array in dataset.coords.items() if array.dims == ("case",))
+    return [name for name in along if name not in ("case", "scene_version")]
+
+
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
     """Shear part of the cone factor by statics: adhesion factor / tan(half the apex angle).
 
@@ -154,10 +167,9 @@ def _justified(row: Iterable[str], columns: Iterable[_Column]) -> list[str]:
 
 
 def _parameter_columns(dataset: xr.Dataset) -> list[_Column]:
-    computed = _cone_factor(dataset)
     return [
-        _Column(_heading(str(dim)), [_text(value) for value in _flat(dataset, dataset[dim])])
-        for dim in computed.dims
+        _Column(_heading(name), [_text(value) for value in _flat(dataset, dataset[name])])
+        for name in varied_names(dataset)
     ]
 
 

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, LogLocator, NullLocator, StrMethodFormatter
 
 from harness import HarnessError
-from harness.compare import conditions_of, stored_references
+from harness.compare import conditions_of, stored_references, varied_names
 from harness.references.cone_factors import CONE_FACTORS, Quantity, envelope, envelope_applies
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
@@ -30,6 +30,8 @@ MARKERS = "osD^v<>p"
 FAILED = "#B00020"
 SIZE = (6.4, 4.2)
 ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
+MOST_LABELS = 20
+"""Curves whose labels find room beside a picture."""
 FINE = 400
 """Points of a literature curve."""
 
@@ -75,12 +77,20 @@ def cone_factor_figure(dataset: xr.Dataset) -> Figure:
 
     A second varied parameter, and any further one, makes series. The literature's curves are
     solid where they apply and dashed outside; where they depend on what makes the series, they
-    take its colour.
+    take its colour. Cases that form no grid are points without the literature's curves, each of
+    which would hold for one of them.
     """
     dataset = dataset.sortby(list(dataset["cone_factor"].dims))
     computed = dataset["cone_factor"]
     abscissa = _Abscissa.of(dataset)
     figure, axes = _figure()
+    if computed.dims == ("case",):
+        axes.plot(abscissa.positions, computed, "o", color="black", label="computed", markersize=4)
+        _mark_failures(axes, abscissa.positions[~np.isfinite(computed.values)])
+        abscissa.dress(axes)
+        axes.set_ylabel(_label(computed))
+        _legend(axes, _fixed(dataset))
+        return figure
     series = _series(dataset, [dim for dim in computed.dims if dim != abscissa.name])
     conditions = vars(conditions_of(dataset)).values()
     shared = not any(set(c.dims) & set(computed.dims) - {abscissa.name} for c in conditions)
@@ -120,7 +130,8 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     axes.set_ylabel("resistance / undrained shear strength [-]")
     axes.set_xlim(0, float(dataset["penetration"].max()))
     axes.set_ylim(bottom=0)
-    _label_ends(axes, ends)
+    if len(ends) <= MOST_LABELS:
+        _label_ends(axes, ends)
     notes = [_fixed(dataset), *(["failed: " + "; ".join(failed)] if failed else [])]
     axes.set_title("\n".join(filter(None, notes)), loc="left", fontsize=8)
     return figure
@@ -137,10 +148,10 @@ class _Abscissa:
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> _Abscissa:
-        dims = [str(dim) for dim in dataset["cone_factor"].dims]
-        numbers = [dim for dim in dims if dataset[dim].dtype.kind in "iuf"]
+        varied = varied_names(dataset)
+        numbers = [name for name in varied if dataset[name].dtype.kind in "iuf"]
         # A study of one case varies nothing: it is shown as a point of the adhesion's axis.
-        name = (numbers or dims or ["adhesion_factor"])[0]
+        name = (numbers or varied or ["adhesion_factor"])[0]
         values = np.atleast_1d(dataset[name].values)
         if values.dtype.kind in "iuf":
             return cls(name, _label(dataset[name]), values.astype(float))

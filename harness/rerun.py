@@ -45,7 +45,6 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
     else:
         raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
     case = Case(
-        index=(),
         scene=str(dataset.attrs["scene"]),
         scene_version=int(dataset.attrs["scene_version"]),
         parameters=parameters,
@@ -99,7 +98,11 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
         raise ArchiveError(
             f"{path}: {'no case is named' if key is None else f'no case {key}'}{known}"
         )
-    return dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+    cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+    if "scene" in cell.coords:  # of several
+        of_case = {name: cell[name].item() for name in ("scene", "scene_version")}
+        return cell.assign_attrs(of_case)
+    return cell
 
 
 def _parameters(cell: xr.Dataset) -> dict[str, Value | None]:
@@ -116,9 +119,11 @@ def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
     """The case as its own file had it: without padding, each number in its own type."""
     variables = {}
     for name, array in again.variables.items():
-        if name in cell.variables:
+        of_scene = f"{cell.attrs['scene']}_{name}"
+        stored = of_scene if of_scene in cell.variables else name
+        if stored in cell.variables:
             places = {dim: again[dim] for dim in array.dims if dim in cell.indexes}
-            variables[name] = cell[name].sel(places).variable.astype(array.dtype)
+            variables[name] = cell[stored].sel(places).variable.astype(array.dtype)
     return xr.Dataset(variables)
 
 

@@ -1,4 +1,4 @@
-"""A study definition: read from TOML, changed by ``--set``, validated before anything runs.
+"""A study: what to run and what to compare it with, read from TOML and changed by ``--set``.
 
 A definition is data, nothing in it is executed::
 
@@ -16,37 +16,72 @@ A definition is data, nothing in it is executed::
 
     [timing]
     repeats = 5
+
+The README has all keys.
 """
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness import HarnessError
+from harness.definition import (
+    KnownParameters,
+    StudyError,
+    Table,
+    find_study,
+    joined,
+    lineage,
+    parse_setting,
+    shown,
+)
+from harness.designs import (
+    DESIGNS,
+    FULL,
+    LATIN_HYPERCUBE,
+    LIST,
+    SPACINGS,
+    Combination,
+    Design,
+    Range,
+)
+from harness.expressions import Expression, ExpressionError
 from harness.references import reference_ids
-from mpm_warp.parameters import Parameter, ParameterError, Value, nearest_name, parameters_of
+from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
-LARGEST_FILE = 1_000_000
-"""Bytes that a definition may have; what is larger is not a study but a mistake."""
-LONGEST_MESSAGE = 400
 MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
+LARGEST_STUDY = 100_000
+"""Cases that a study may have; one with more is a slip in a list, not a plan."""
+LARGEST_SEED = 2**32 - 1
+
+OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
+OF_SCENE = ("fixed", "vary", "derived", "exclude", "case")
+"""Keys that may stand under [scenes.NAME] as well, for that scene alone."""
 
 
-class StudyError(HarnessError):
-    """A study definition is wrong; the message is one printable line of bounded length."""
+@dataclass(frozen=True, kw_only=True)
+class ScenePart:
+    """What a study does with one scene; every name and value is valid.
 
-    def __init__(self, message: str) -> None:
-        line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message[:10_000])
-        half = LONGEST_MESSAGE // 2
-        # The end names the remedy, so what is cut from a long message is its middle.
-        super().__init__(line if len(line) <= 2 * half else f"{line[:half]} ... {line[-half:]}")
+    Attributes:
+        scene: name of the scene.
+        fixed: parameters that are the same in every case, or where nothing varies them.
+        varied: values of the parameters that vary; a range in a Latin hypercube alone.
+        listed: the cases of the design ``list``.
+        derived: parameters worked out from the others, in this order.
+        excluded: conditions on cases that are not run.
+    """
+
+    scene: str
+    fixed: Mapping[str, Value]
+    varied: Mapping[str, tuple[Value, ...] | Range]
+    listed: tuple[Combination, ...]
+    derived: Mapping[str, Expression]
+    excluded: tuple[Expression, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +91,10 @@ class Study:
     Attributes:
         name: stem of the definition's file; names the results.
         title: one line on what the study shows.
-        scene: name of the scene.
-        fixed: parameters that are the same in every case.
-        varied: values of the parameters that vary; all combinations are run.
+        parts: one for each scene.
+        design: how the varied values are combined.
         references: literature references to compare with.
+        tolerances: largest deviation from a reference, or largest size of a result, by name.
         timing_repeats: times to run each case again, alone on the machine, to measure its run
             time; 0 where a study does not ask for it.
         source: the definition's file.
@@ -67,224 +102,258 @@ class Study:
 
     name: str
     title: str
-    scene: str
-    fixed: Mapping[str, Value]
-    varied: Mapping[str, tuple[Value, ...]]
+    parts: tuple[ScenePart, ...]
+    design: Design
     references: tuple[str, ...]
+    tolerances: Mapping[str, float]
     timing_repeats: int
     source: Path
 
-
-def studies_folder() -> Path:
-    """Folder of the studies that ship: inside an installed package, or beside it in a checkout."""
-    package = Path(__file__).parent
-    packaged = package / "studies"
-    return packaged if packaged.is_dir() else package.parent / "studies"
-
-
-def study_names() -> tuple[str, ...]:
-    """Names of the studies that ship, sorted."""
-    return tuple(sorted(path.stem for path in studies_folder().glob("*.toml")))
+    @property
+    def is_grid(self) -> bool:
+        """Whether each varied parameter is a dimension of the result, instead of the case."""
+        return self.design.kind == FULL and len(self.parts) == 1 and not self.parts[0].excluded
 
 
 def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     """Read the study called `study`, or in the file `study`, and apply ``key=value`` settings.
 
-    A setting's value is a TOML value, or a bare word for a text. A list varies the parameter, a
-    scalar fixes it, whatever the file says; of two settings of one key the last holds.
+    A setting's value is a TOML value, or a bare word for a text. A list or a range varies the
+    parameter, a scalar fixes it, whatever the file says; of two settings of one key the last holds.
 
     Raises:
         StudyError: the file is missing or not a study, or a setting is malformed.
     """
-    path = _path_of(study)
-    document = _Table(f"{path}:", _read(path))
-    document.allow("title", "scene", "fixed", "vary", "compare", "timing")
-    scene = document.text("scene", nearest_name("", scene_names()))
-    try:
-        known = parameters_of(scene_class(scene))
-    except UnknownSceneError as error:
-        raise StudyError(f"{path}: scene = {scene!r}: {error}") from None
+    path = find_study(study)
+    assignments = [parse_setting(setting) for setting in settings]
+    *bases, (_, own) = lineage(path)
+    values: dict[str, Any] = {}
+    for base, its_own in bases:
+        values = joined(values, its_own)
+        _read(base, values, [])  # what is wrong there is to be told of that file
+    return _read(path, joined(values, own), assignments)
 
-    fixed: dict[str, Value] = {}
-    varied: dict[str, tuple[Value, ...]] = {}
-    for key, value in document.table("fixed").items():
-        fixed[key] = _checked(known, f"{path}: [fixed]", key, value)
-    for key, value in document.table("vary").items():
-        if key in fixed:
-            raise StudyError(f"{path}: [vary] {key}: is under [fixed] as well; keep one of them")
-        varied[key] = _checked_list(known, f"{path}: [vary]", key, value)
-    for setting in settings:
-        key, value = _parse_setting(setting)
-        if isinstance(value, list):
-            varied[key] = _checked_list(known, "--set", key, value)
-            fixed.pop(key, None)
-        else:
-            fixed[key] = _checked(known, "--set", key, value)
-            varied.pop(key, None)
 
+def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]) -> Study:
+    document = Table(f"{path}:", values)
+    document.allow(*OF_STUDY, *OF_SCENE)
+    design = _design(document)
+    scenes = _scenes(document)
+    own = document.table("scenes")
+    own.allow(*scenes)
+    shared = {key: value for key, value in values.items() if key in OF_SCENE}
+    parts = []
+    for scene in scenes:
+        of_scene = own.table(scene)
+        of_scene.allow(*OF_SCENE)
+        where = of_scene.where if of_scene.values else document.where
+        _check_assignments(document, of_scene)
+        parts.append(_part(scene, Table(where, joined(shared, of_scene.values)), design, settings))
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
-        scene=scene,
-        fixed=fixed,
-        varied=varied,
+        parts=tuple(parts),
+        design=design,
         references=_references(document),
+        tolerances=_tolerances(document),
         timing_repeats=_timing_repeats(document),
         source=path,
     )
 
 
-def _path_of(study: str) -> Path:
-    path = Path(study)
-    is_name = path.suffix != ".toml" and path.name == study
-    if is_name:
-        path = studies_folder() / f"{study}.toml"
-    try:
-        found = path.is_file()
-    except OSError as error:
-        raise StudyError(f"{study}: {error.strerror}") from None
-    if not found:
-        problem = "no such study" if is_name else "not a file" if path.exists() else "no such file"
-        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}")
-    if path.suffix != ".toml" or not re.fullmatch(r"\w[\w.-]*", path.stem):
+def _scenes(document: Table) -> tuple[str, ...]:
+    given = document.values.get("scene")
+    names = (
+        given if isinstance(given, list) and given else [document.text("scene", _known_scenes())]
+    )
+    for name in names:
+        try:
+            scene_class(name if isinstance(name, str) else shown(name))
+        except UnknownSceneError as error:
+            raise StudyError(f"{document.where} scene = {shown(given)}: {error}") from None
+    if len(set(names)) < len(names):
+        raise document.refuse("scene", "names a scene twice")
+    return tuple(names)
+
+
+def _known_scenes() -> str:
+    return nearest_name("", scene_names())
+
+
+def _design(document: Table) -> Design:
+    kind = document.word("design", DESIGNS)
+    if kind != LATIN_HYPERCUBE:
+        for key in ("samples", "seed"):
+            if key in document.values:
+                raise document.refuse(key, f'goes with design = "{LATIN_HYPERCUBE}" alone')
+        return Design(kind=kind)
+    return Design(
+        kind=kind,
+        samples=document.integer("samples", 1, LARGEST_STUDY),
+        seed=document.integer("seed", 0, LARGEST_SEED),
+    )
+
+
+def _check_assignments(*tables: Table) -> None:
+    """Refuse a parameter that one and the same table both derives and fixes or varies."""
+    for table in tables:
+        derived = table.table("derived")
+        for name in ("fixed", "vary"):
+            for key in table.table(name).values:
+                if key in derived.values:
+                    raise derived.refuse(key, f"is under [{name}] as well; keep one of them")
+
+
+def _part(scene: str, table: Table, design: Design, settings: list[tuple[str, Any]]) -> ScenePart:
+    known = parameters_of(scene_class(scene))
+    fixed_table, vary_table = table.table("fixed"), table.table("vary")
+    fixed = _fixed(known, fixed_table)
+    varied = _varied(known, vary_table, design)
+    derived = _derived(known, table.table("derived"))
+    if design.kind in (FULL, LATIN_HYPERCUBE):
+        for key in varied:
+            if key in fixed:
+                raise vary_table.refuse(key, "is under [fixed] as well; keep one of them")
+    for key, value in settings:
+        derived.pop(key, None)
+        if isinstance(value, (list, dict)):
+            varied[key] = _variation(KnownParameters(known, "--set"), key, value, design)
+            fixed.pop(key, None)
+        else:
+            fixed[key] = KnownParameters(known, "--set").value(key, value)
+            varied.pop(key, None)
+    listed = _listed(known, table, design)
+    if design.kind == LIST and varied:
+        raise vary_table.refuse(next(iter(varied)), f'does not go with design = "{LIST}"')
+    if design.kind == LATIN_HYPERCUBE and not varied:
+        raise StudyError(f"{vary_table.where}: is missing or empty; there is nothing to sample")
+    return ScenePart(
+        scene=scene,
+        fixed=fixed,
+        varied=varied,
+        listed=listed,
+        derived=derived,
+        excluded=_excluded(known, table),
+    )
+
+
+def _fixed(known: Mapping[str, Parameter], table: Table) -> dict[str, Value]:
+    parameters = KnownParameters(known, table.where)
+    return {key: parameters.value(key, value) for key, value in table.values.items()}
+
+
+def _varied(
+    known: Mapping[str, Parameter], table: Table, design: Design
+) -> dict[str, tuple[Value, ...] | Range]:
+    parameters = KnownParameters(known, table.where)
+    return {key: _variation(parameters, key, value, design) for key, value in table.values.items()}
+
+
+def _variation(
+    parameters: KnownParameters, key: str, value: object, design: Design
+) -> tuple[Value, ...] | Range:
+    """A list of values, or a range such as ``{from = 1, to = 100, count = 5}``."""
+    if not isinstance(value, dict):
+        return parameters.values(key, value)
+    definition = parameters.definition(key, value)
+    table = Table(f"{parameters.where} {key}:", value)
+    if definition.kind not in (int, float) or definition.choices is not None:
         raise StudyError(
-            f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"
+            f"{parameters.where} {key} = {shown(value)}: has no ranges; must be a list of values, "
+            f"each {definition.allowed}"
         )
-    return path
+    sampled = design.kind == LATIN_HYPERCUBE
+    table.allow("from", "to", "spacing", *([] if sampled else ["count"]))
+    for end in ("from", "to"):
+        if end not in value:
+            raise StudyError(f"{table.where} {end}: is missing; a range has from and to")
+        KnownParameters({end: replace(definition, name=end)}, table.where).value(end, value[end])
+    start, stop = float(value["from"]), float(value["to"])
+    logarithmic = table.word("spacing", SPACINGS) == "logarithmic"
+    if logarithmic and min(start, stop) <= 0:
+        raise table.refuse("spacing", "from and to must be > 0")
+    span = Range(start=start, stop=stop, logarithmic=logarithmic)
+    if sampled:
+        if start >= stop:
+            raise table.refuse("to", f"must be > {start:g}")
+        return span
+    numbers = span.values(table.integer("count", 2, LARGEST_STUDY))
+    return parameters.values(key, list(numbers))
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _derived(known: Mapping[str, Parameter], table: Table) -> dict[str, Expression]:
+    derived: dict[str, Expression] = {}
+    for key, value in table.values.items():
+        KnownParameters(known, table.where).definition(key, value)
+        later = [name for name in table.values if name not in derived]
+        derived[key] = _expression(known, f"{table.where} {key} = {shown(value)}", value, later)
+    return derived
+
+
+def _excluded(known: Mapping[str, Parameter], table: Table) -> tuple[Expression, ...]:
+    return tuple(
+        _expression(known, f"{table.where} exclude = {shown(text)}", text, [])
+        for text in table.list("exclude")
+    )
+
+
+def _expression(
+    known: Mapping[str, Parameter], where: str, text: object, later: list[str]
+) -> Expression:
     try:
-        size = path.stat().st_size
-        content = path.read_bytes() if size <= LARGEST_FILE else b""
-    except OSError as error:
-        raise StudyError(f"{path}: cannot be read: {error.strerror}") from None
-    if size > LARGEST_FILE:
-        raise StudyError(f"{path}: has {size} bytes; a study has at most {LARGEST_FILE}")
-    try:
-        return tomllib.loads(content.decode())
-    except UnicodeDecodeError as error:
-        raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
-    except RecursionError:
-        raise StudyError(f"{path}: not valid TOML: nested too deeply") from None
-    except ValueError as error:  # not only TOMLDecodeError: an integer may have too many digits
-        raise StudyError(f"{path}: not valid TOML: {error}") from None
+        expression = Expression.parsed(text)
+    except ExpressionError as error:
+        raise StudyError(f"{where}: {error}") from None
+    for name in sorted(expression.names):
+        if name not in known:
+            raise StudyError(f"{where}: unknown parameter {name!r}{nearest_name(name, known)}")
+        if name in later:
+            raise StudyError(f"{where}: {name} is derived itself, and not before")
+    return expression
 
 
-class _Table:
-    """A TOML table with the place it stands at, for messages."""
-
-    def __init__(self, where: str, values: dict[str, Any]) -> None:
-        self.where = where
-        self.values = values
-
-    def items(self) -> Iterable[tuple[str, Any]]:
-        return self.values.items()
-
-    def allow(self, *keys: str) -> None:
-        for key, value in self.values.items():
-            if key not in keys:
-                raise StudyError(
-                    f"{self.where} {key} = {_shown(value)}: unknown key{nearest_name(key, keys)}"
-                )
-
-    def table(self, key: str) -> _Table:
-        value = self.values.get(key, {})
-        if not isinstance(value, dict):
-            raise StudyError(f"{self.where} {key} = {_shown(value)}: must be a table [{key}]")
-        return _Table(f"{self.where} [{key}]", value)
-
-    def text(self, key: str, remedy: str) -> str:
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing{remedy}")
-        value = self.values[key]
-        if not (isinstance(value, str) and value.strip() and value.isprintable()):
-            raise StudyError(f"{self.where} {key} = {_shown(value)}: must be a text of one line")
-        return value
+def _listed(
+    known: Mapping[str, Parameter], table: Table, design: Design
+) -> tuple[Combination, ...]:
+    if design.kind != LIST:
+        if "case" in table.values:
+            raise table.refuse("case", f'goes with design = "{LIST}" alone')
+        return ()
+    cases = table.list("case")
+    if not cases:
+        raise StudyError(f"{table.where} case: is missing; each case is a table [[case]]")
+    for number, case in enumerate(cases, 1):
+        if not isinstance(case, dict):
+            raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
+    return tuple(
+        _fixed(known, Table(f"{table.where} [[case]] {number}:", case))
+        for number, case in enumerate(cases, 1)
+    )
 
 
-def _references(document: _Table) -> tuple[str, ...]:
+def _timing_repeats(document: Table) -> int:
+    table = document.table("timing")
+    table.allow("repeats")
+    return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
+
+
+def _references(document: Table) -> tuple[str, ...]:
     table = document.table("compare")
-    table.allow("references")
-    ids = table.values.get("references", [])
-    where = f"{table.where} references = {_shown(ids)}:"
-    if not isinstance(ids, list):
-        raise StudyError(f"{where} must be a list")
+    table.allow("references", "tolerance")
+    ids = table.list("references")
     for reference in ids:
-        if reference not in reference_ids():
-            nearest = nearest_name(str(reference), reference_ids())
-            raise StudyError(f"{where} unknown reference {_shown(reference)}{nearest}")
+        if not isinstance(reference, str) or reference not in reference_ids():
+            nearest = nearest_name(shown(reference), reference_ids())
+            raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
     if len(set(ids)) < len(ids):
-        raise StudyError(f"{where} names a reference twice")
+        raise table.refuse("references", "names a reference twice")
     return tuple(ids)
 
 
-def _timing_repeats(document: _Table) -> int:
-    table = document.table("timing")
-    table.allow("repeats")
-    if "repeats" not in table.values:
-        return 0
-    repeats = table.values["repeats"]
-    if type(repeats) is not int or not 1 <= repeats <= MOST_REPEATS:
-        raise StudyError(
-            f"{table.where} repeats = {_shown(repeats)}: must be an integer, 1 to {MOST_REPEATS}"
-        )
-    return repeats
-
-
-def _parse_setting(setting: str) -> tuple[str, Any]:
-    key, equals, text = (part.strip() for part in setting.partition("="))
-    if not (key and equals and text):
-        raise StudyError(f"--set {setting}: must be key=value")
-    if re.fullmatch(r"[A-Za-z_]\w*", text) and text not in ("true", "false", "inf", "nan"):
-        return key, text
-    try:
-        parsed = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        parsed = {}
-    if parsed.keys() != {"value"}:
-        raise StudyError(f"--set {setting}: {text} is not a TOML value: a number, a text or a list")
-    return key, parsed["value"]
-
-
-def _checked(known: Mapping[str, Parameter], where: str, key: str, value: object) -> Value:
-    definition = _definition(known, where, key, value)
-    shown = f"{where} {key} = {_shown(value)}"
-    if isinstance(value, list):
-        raise StudyError(f"{shown}: is a list; what varies belongs under [vary]")
-    if not isinstance(value, Value) or (isinstance(value, int) and abs(value) >= 2**63):
-        raise StudyError(f"{shown} is not allowed: must be {definition.allowed}")
-    try:
-        checked = definition.checked(value)
-    except ParameterError as error:
-        raise StudyError(f"{where} {error}") from None
-    assert checked is not None  # only None itself is checked to None
-    return checked
-
-
-def _checked_list(
-    known: Mapping[str, Parameter], where: str, key: str, values: object
-) -> tuple[Value, ...]:
-    _definition(known, where, key, values)
-    if not isinstance(values, list) or not values:
-        raise StudyError(f"{where} {key} = {_shown(values)}: must be a list of one value or more")
-    checked = tuple(_checked(known, where, key, value) for value in values)
-    if len(set(checked)) < len(checked):
-        twice = next(value for value in checked if checked.count(value) > 1)
-        raise StudyError(f"{where} {key} = {_shown(values)}: {twice!r} is there twice")
-    return checked
-
-
-def _definition(known: Mapping[str, Parameter], where: str, key: str, value: object) -> Parameter:
-    if key not in known:
-        nearest = nearest_name(key, known)
-        raise StudyError(f"{where} {key} = {_shown(value)}: unknown parameter {key!r}{nearest}")
-    return known[key]
-
-
-def _shown(value: object) -> str:
-    """A value for a message; huge integers and deeply dotted tables have no text."""
-    try:
-        return repr(value)
-    except (ValueError, RecursionError):
-        return "(too long to show)"
+def _tolerances(document: Table) -> dict[str, float]:
+    table = document.table("compare").table("tolerance")
+    unused = set(reference_ids()) - set(_references(document))
+    for name in table.values:
+        if name in unused:
+            raise table.refuse(name, "is not among the references of [compare]")
+    return {name: table.positive(name) for name in table.values}

@@ -141,18 +141,24 @@ def parameter(
     return dataclasses.field(default=default, metadata=definition)
 
 
-def parameters_of(scene: type) -> dict[str, Parameter]:
+_DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
+"""By scene: type hints take long to work out, and a study has thousands of cases."""
+
+
+def parameters_of(scene: type) -> Mapping[str, Parameter]:
     """All parameters of a scene class, by name, in the order of their declaration."""
-    kinds = typing.get_type_hints(scene)
-    return {
-        field.name: Parameter(
-            name=field.name,
-            kind=_bare_type(kinds[field.name]),
-            default=typing.cast(Value | None, field.default),
-            **field.metadata,
-        )
-        for field in dataclasses.fields(scene)
-    }
+    if scene not in _DEFINITIONS:
+        kinds = typing.get_type_hints(scene)
+        _DEFINITIONS[scene] = {
+            field.name: Parameter(
+                name=field.name,
+                kind=_bare_type(kinds[field.name]),
+                default=typing.cast(Value | None, field.default),
+                **field.metadata,
+            )
+            for field in dataclasses.fields(scene)
+        }
+    return _DEFINITIONS[scene]
 
 
 def check_parameters(scene: object) -> None:

@@ -6,19 +6,18 @@ from pathlib import Path
 import pytest
 
 from harness.cases import Case, cases_of
-from harness.study import Study, StudyError, load_study
+from harness.definition import StudyError
+from harness.study import Study, load_study
 
 
 def test_all_combinations_in_the_order_of_the_study(small_file: Path) -> None:
     cases = cases_of(load_study(str(small_file), ["rigidity_index=[200, 100]"]))
     values = [(c.parameters["adhesion_factor"], c.parameters["rigidity_index"]) for c in cases]
     assert values == [(0, 200), (0, 100), (0.5, 200), (0.5, 100), (1, 200), (1, 100)]
-    assert [case.index for case in cases] == [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)]
 
 
 def test_a_study_that_varies_nothing_is_one_case(small_file: Path) -> None:
     (case,) = cases_of(load_study(str(small_file), ["adhesion_factor=0"]))
-    assert case.index == ()
     assert case.label == "cone_penetration"
 
 
@@ -41,14 +40,12 @@ def test_the_key_tells_parameters_scene_and_version_apart(small: Study) -> None:
 def test_the_key_depends_on_nothing_else(small: Study) -> None:
     case = cases_of(small)[0]
     order = dict(reversed(case.parameters.items()))
-    assert dataclasses.replace(case, index=(7,), label="", parameters=order).key == case.key
+    assert dataclasses.replace(case, label="", parameters=order).key == case.key
 
 
 def test_the_key_is_that_of_earlier_archives() -> None:
     parameters = {"adhesion_factor": 0.5, "shaft_adhesion_factor": None, "material": "tresca"}
-    case = Case(
-        index=(), scene="cone_penetration", scene_version=1, parameters=parameters, label=""
-    )
+    case = Case(scene="cone_penetration", scene_version=1, parameters=parameters, label="")
     assert case.key == "74da9a8e7f348ce3"
 
 

@@ -16,7 +16,8 @@ import xarray as xr
 from harness import archive, case_files
 from harness.cases import COMPLETED, cases_of
 from harness.cli import main
-from harness.study import load_study, study_names
+from harness.definition import study_names
+from harness.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.cone_penetration import ConePenetration
@@ -59,8 +60,8 @@ MALFORMED: dict[str, tuple[str | bytes, str]] = {
     "a value twice": (GOOD + "[vary]\ndensity = [1, 2, 1.0]", "1.0 is there twice"),
     "nested list": (GOOD + "[vary]\ndensity = [[1]]", "density = [1]"),
     "fixed and varied": (GOOD + "[fixed]\ndensity = 1\n[vary]\ndensity = [1]", "as well"),
-    "unknown table": (GOOD + "[varied]\ndensity = [1]", "unknown key; did you mean 'vary'?"),
-    "unknown key": (GOOD + "scenes = 1", "unknown key; did you mean 'scene'?"),
+    "unknown table": (GOOD + "[varry]\ndensity = [1]", "unknown key; did you mean 'vary'?"),
+    "unknown key": (GOOD + "scenne = 1", "unknown key; did you mean 'scene'?"),
     "unknown key to compare": (GOOD + "[compare]\nreference = []", "did you mean 'references'?"),
     "unknown reference": (GOOD + '[compare]\nreferences = ["lu_2005"]', "did you mean 'lu_2004'?"),
     "reference of wrong type": (GOOD + "[compare]\nreferences = [{}]", "unknown reference {}"),

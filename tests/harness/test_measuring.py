@@ -27,7 +27,7 @@ MIB = 2**20
 def case_of(scene: str, **parameters: Value) -> Case:
     values = dataclasses.asdict(scene_class(scene)(**parameters))
     version = scene_class(scene).version
-    return Case(index=(), scene=scene, scene_version=version, parameters=values, label=scene)
+    return Case(scene=scene, scene_version=version, parameters=values, label=scene)
 
 
 CHEAP: dict[str, dict[str, Value]] = {

@@ -4,14 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from harness.study import LONGEST_MESSAGE, Study, StudyError, load_study, study_names
+from harness.definition import LONGEST_MESSAGE, StudyError, study_names
+from harness.study import Study, load_study
 
 
 @pytest.mark.parametrize("name", study_names())
 def test_a_study_that_ships_is_valid(name: str) -> None:
     study = load_study(name)
     assert study.name == name
-    assert study.varied
+    assert study.parts[0].varied
 
 
 def test_studies_that_ship() -> None:
@@ -19,32 +20,35 @@ def test_studies_that_ship() -> None:
 
 
 def test_values_have_the_type_of_the_parameter(small: Study) -> None:
-    assert small.varied == {"adhesion_factor": (0.0, 0.5, 1.0)}
-    assert all(type(value) is float for value in small.varied["adhesion_factor"])
-    assert type(small.fixed["penetration"]) is float
-    assert type(small.fixed["particles_per_cell"]) is int
+    assert small.parts[0].varied == {"adhesion_factor": (0.0, 0.5, 1.0)}
+    assert all(type(value) is float for value in small.parts[0].varied["adhesion_factor"])
+    assert type(small.parts[0].fixed["penetration"]) is float
+    assert type(small.parts[0].fixed["particles_per_cell"]) is int
 
 
 def test_a_list_varies_what_was_fixed(small_file: Path) -> None:
     study = load_study(str(small_file), ["cells_per_radius=[1, 2]"])
-    assert study.varied == {"adhesion_factor": (0, 0.5, 1), "cells_per_radius": (1, 2)}
-    assert "cells_per_radius" not in study.fixed
+    assert study.parts[0].varied == {"adhesion_factor": (0, 0.5, 1), "cells_per_radius": (1, 2)}
+    assert "cells_per_radius" not in study.parts[0].fixed
 
 
 def test_a_scalar_fixes_what_varied(small_file: Path) -> None:
     study = load_study(str(small_file), ["adhesion_factor = 0.25"])
-    assert study.varied == {}
-    assert study.fixed["adhesion_factor"] == 0.25
+    assert study.parts[0].varied == {}
+    assert study.parts[0].fixed["adhesion_factor"] == 0.25
 
 
 def test_a_bare_word_is_a_text(small_file: Path) -> None:
-    assert load_study(str(small_file), ["material=von_mises"]).fixed["material"] == "von_mises"
+    assert (
+        load_study(str(small_file), ["material=von_mises"]).parts[0].fixed["material"]
+        == "von_mises"
+    )
 
 
 def test_of_two_settings_of_one_key_the_last_holds(small_file: Path) -> None:
     study = load_study(str(small_file), ["poissons_ratio=[0.3,0.4]", "poissons_ratio=0.2"])
-    assert study.fixed["poissons_ratio"] == 0.2
-    assert "poissons_ratio" not in study.varied
+    assert study.parts[0].fixed["poissons_ratio"] == 0.2
+    assert "poissons_ratio" not in study.parts[0].varied
 
 
 def test_a_misspelt_parameter_is_answered_with_file_key_value_and_nearest(tmp_path: Path) -> None:

@@ -97,7 +97,6 @@ def leftovers(folder: Path, half_done: list[Case]) -> set[Path]:
     """One of each kind of file that belongs to no case."""
     case = half_done[0]
     stranger = Case(
-        index=(),
         scene=case.scene,
         scene_version=case.scene_version,
         parameters={**case.parameters, "rigidity_index": 50.0},

@@ -1,0 +1,143 @@
+"""Which combinations of values a study runs.
+
+====================  ===========================================================================
+``full``              all combinations of the varied values, the last parameter fastest
+``one_at_a_time``     the fixed values alone, then each varied value in turn, all others fixed
+``list``              each ``[[case]]`` as it stands
+``latin_hypercube``   `samples` cases, spread evenly over the ranges: of as many equal shares of
+                      each range every one is sampled once
+====================  ===========================================================================
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from mpm_warp.parameters import Parameter, Value
+
+FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
+DESIGNS = (FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE)
+SPACINGS = ("linear", "logarithmic")
+
+Combination = Mapping[str, Value]
+"""The values that a case has of its own, by name."""
+
+
+def rounded(number: float) -> float:
+    """12 digits: the last ones are not the same on every machine, and they would name the case."""
+    return float(f"{number:.12g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Range:
+    """Numbers from one end to the other, both included.
+
+    Attributes:
+        start, stop: the ends; above 0 where the spacing is logarithmic.
+        logarithmic: whether ratios are equal instead of differences.
+    """
+
+    start: float
+    stop: float
+    logarithmic: bool
+
+    def at(self, fraction: float) -> float:
+        """The number at `fraction` of the way, 0 to 1, to 12 digits."""
+        if fraction in (0.0, 1.0):
+            return self.stop if fraction else self.start
+        if self.logarithmic:
+            number = self.start * (self.stop / self.start) ** fraction
+        else:
+            number = self.start + (self.stop - self.start) * fraction
+        return rounded(number)
+
+    def values(self, count: int) -> tuple[float, ...]:
+        """`count` numbers, 2 or more."""
+        return tuple(self.at(i / (count - 1)) for i in range(count))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """How values are combined.
+
+    Attributes:
+        kind: one of `DESIGNS`.
+        samples: cases of a Latin hypercube, 0 of another design.
+        seed: of its random numbers.
+    """
+
+    kind: str
+    samples: int = 0
+    seed: int = 0
+
+
+Variations = Mapping[str, tuple[Value, ...] | Range]
+
+
+def combination_count(design: Design, varied: Variations, listed: Sequence[Combination]) -> int:
+    """How many combinations :func:`combinations` gives."""
+    sizes = [len(values) for values in varied.values() if not isinstance(values, Range)]
+    counts = {
+        FULL: math.prod(sizes),
+        ONE_AT_A_TIME: 1 + sum(sizes),
+        LIST: len(listed),
+        LATIN_HYPERCUBE: design.samples,
+    }
+    return counts[design.kind]
+
+
+def combinations(
+    design: Design,
+    varied: Variations,
+    listed: Sequence[Combination],
+    known: Mapping[str, Parameter],
+) -> Iterator[Combination]:
+    """The combinations of a design, in order.
+
+    Args:
+        design: how values are combined.
+        varied: values of the parameters that vary; a range is there in a Latin hypercube alone.
+        listed: the combinations of the design ``list``.
+        known: definitions of the parameters.
+    """
+    if design.kind == LIST:
+        yield from listed
+    elif design.kind == LATIN_HYPERCUBE:
+        yield from _latin_hypercube(design, varied, known)
+    else:
+        values = {name: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
+        if design.kind == FULL:
+            for choice in itertools.product(*values.values()):
+                yield dict(zip(values, choice, strict=True))
+        else:
+            yield {}
+            for name, several in values.items():
+                for value in several:
+                    yield {name: value}
+
+
+def _latin_hypercube(
+    design: Design, varied: Variations, known: Mapping[str, Parameter]
+) -> Iterator[Combination]:
+    # SciPy takes half a second to load, which no other design is to wait for.
+    from scipy.stats.qmc import LatinHypercube
+
+    points = LatinHypercube(len(varied), rng=design.seed).random(design.samples)
+    for point in points.tolist():
+        yield {
+            name: _sampled(values, fraction, known[name].kind)
+            for (name, values), fraction in zip(varied.items(), point, strict=True)
+        }
+
+
+def _sampled(values: tuple[Value, ...] | Range, fraction: float, kind: type) -> Value:
+    if not isinstance(values, Range):
+        return values[int(fraction * len(values))]
+    if kind is not int:
+        return values.at(fraction)
+    # Every integer has the same share, those at the ends too.
+    wide = Range(start=values.start - 0.5, stop=values.stop + 0.5, logarithmic=values.logarithmic)
+    return min(max(round(wide.at(fraction)), round(values.start)), round(values.stop))
