@@ -149,6 +149,21 @@ def _parser() -> argparse.ArgumentParser:
     plot.set_defaults(command=_plot)
     plot.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     plot.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
+
+    report = commands.add_parser("report", help="write one page of HTML on results")
+    report.set_defaults(command=_report)
+    report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
+    report.add_argument("-o", "--out", type=Path, default=Path("report.html"), metavar="HTML")
+
+    recommend = commands.add_parser("recommend", help="name the cheapest settings for an error")
+    recommend.set_defaults(command=_recommend)
+    recommend.add_argument("scene", metavar="SCENE")
+    recommend.add_argument(
+        "--error", type=_share, required=True, metavar="X", help="largest error, as 1%% or 0.01"
+    )
+    recommend.add_argument(
+        "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"
+    )
     return parser
 
 
@@ -184,6 +199,16 @@ def _tolerance(text: str) -> float:
     if not 0 <= number < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number >= 0")
     return number
+
+
+def _share(text: str) -> float:
+    try:
+        share = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        share = math.nan
+    if not 0 < share < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 1% or 0.01")
+    return share
 
 
 def _worker_count(text: str) -> int:
@@ -408,6 +433,27 @@ def _plot(options: argparse.Namespace) -> int:
     except NothingToDrawError as error:
         raise HarnessError(f"{options.file}: {error}") from None
     print(*pictures, sep="\n")
+    return DONE
+
+
+def _report(options: argparse.Namespace) -> int:
+    from harness.archive import read_study
+    from harness.report import write_report
+
+    write_report([read_study(file) for file in options.file], options.out)
+    print(options.out)
+    return DONE
+
+
+def _recommend(options: argparse.Namespace) -> int:
+    from harness.recommend import recommend
+
+    scene_class(options.scene)
+    found = recommend(options.scene, options.error, sorted(options.results.glob("*.nc")))
+    if found is None:
+        print(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
+        return INCOMPLETE
+    print(f"{options.scene}: {found}")
     return DONE
 
 

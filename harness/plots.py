@@ -22,6 +22,7 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullLocator, StrMethodFo
 from harness import HarnessError
 from harness.compare import conditions_of, stored_references, varied_names
 from harness.references.cone_factors import CONE_FACTORS, Quantity, envelope, envelope_applies
+from harness.work_precision import has_work_precision, study_figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
 """Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
@@ -50,26 +51,39 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
         folder: where the pictures go; made where it does not exist.
 
     Returns:
-        Paths of the pictures: `<study>_cone_factor.png` and `<study>_resistance.png`, as far
-        as the dataset holds what they show.
+        Paths of the pictures: `<study>_cone_factor.png`, `<study>_resistance.png` and
+        `<study>_work_precision.png`, as far as the dataset holds what they show.
 
     Raises:
-        NothingToDrawError: it holds neither.
+        NothingToDrawError: it holds nothing of it.
         harness.compare.NothingToCompareError: it holds cone factors, but not their parameters.
         OSError: a file cannot be written.
     """
-    pictures = {"cone_factor": cone_factor_figure, "penetration_resistance": resistance_figure}
-    shown = [name for name in pictures if name in dataset]
+    shown = figures(dataset)
     if not shown:
         raise NothingToDrawError(
-            f"nothing to draw: the dataset has neither {' nor '.join(pictures)}"
+            "nothing to draw: the dataset has neither cone_factor nor penetration_resistance, nor "
+            "an error and a run_time"
         )
     folder.mkdir(parents=True, exist_ok=True)
     stem = folder / dataset.attrs["study"]
-    return [
-        _write(pictures[name](dataset), Path(f"{stem}_{name.removeprefix('penetration_')}.png"))
-        for name in shown
-    ]
+    return [_write(figure, Path(f"{stem}_{name}.png")) for name, figure in shown.items()]
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+    """The pictures of a study's result, by name, as far as it holds what they show.
+
+    Raises:
+        harness.compare.NothingToCompareError: it holds cone factors, but not their parameters.
+    """
+    shown = {}
+    if "cone_factor" in dataset:
+        shown["cone_factor"] = cone_factor_figure(dataset)
+    if "penetration_resistance" in dataset:
+        shown["resistance"] = resistance_figure(dataset)
+    if has_work_precision(dataset):
+        shown["work_precision"] = study_figure(dataset)
+    return shown
 
 
 def cone_factor_figure(dataset: xr.Dataset) -> Figure:

@@ -15,6 +15,7 @@ from harness.archive import collect, write_study
 from harness.case_files import abandoned, case_file, case_folder, read_outcome
 from harness.cases import COMPLETED, DAMAGED, UNTIMED, Case, Outcome
 from harness.compare import NothingToCompareError, with_references
+from harness.errors import with_errors
 from harness.gate import with_tolerances
 from harness.progress import tell
 from harness.study import Study
@@ -31,7 +32,8 @@ def collect_and_write(study: Study, cases: Sequence[Case], out: Path) -> xr.Data
     Raises:
         harness.case_files.ArchiveError: a case file is damaged, or the dataset cannot be written.
     """
-    dataset = with_tolerances(collect(study, cases, case_folder(out, study)), study.tolerances)
+    dataset = with_errors(collect(study, cases, case_folder(out, study)))
+    dataset = with_tolerances(dataset, study.tolerances)
     try:
         dataset = with_references(dataset, study.references)
     except NothingToCompareError as error:

@@ -1,4 +1,4 @@
-"""The work-precision picture: error against run time, a curve for each check."""
+"""Work-precision pictures: error against run time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,14 @@ import xarray as xr
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from harness.cases import COMPLETED
+from harness.errors import error_name
+from mpm_warp.scenes import scene_class, scene_names
+
 MARKERS = "osD^v<>pX*"
+FAILED = "#B00020"
+MOST_LABELS = 12
+"""Settings on the Pareto front that find room in a picture."""
 
 
 def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
@@ -52,3 +59,66 @@ def work_precision_figure(dataset: xr.Dataset) -> Figure:
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
     return figure
+
+
+def has_work_precision(dataset: xr.Dataset) -> bool:
+    """Whether a study's result holds errors and run times."""
+    return error_name(dataset) is not None and "run_time" in dataset
+
+
+def study_figure(dataset: xr.Dataset) -> Figure:
+    """Error against run time of a study's cases, and the front of those that no other beats.
+
+    A case that did not complete has no error: it stands on the upper edge, at the time it took.
+    """
+    name = error_name(dataset)
+    assert name is not None, "the dataset has no errors"
+    error = dataset[name]
+    errors = error.values.ravel()
+    seconds = dataset["run_time"].broadcast_like(error).values.ravel()
+    figure = Figure(figsize=(6.4, 4.8), dpi=200)
+    axes = figure.add_subplot()
+    sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
+    axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
+    front = _pareto(seconds, errors, np.flatnonzero(sound))
+    axes.loglog(seconds[front], errors[front], "o-", color="#0072B2", label="Pareto front")
+    varied = [str(it) for it in dataset.coords if dataset[it].dims and it in _method(dataset)]
+    for case in front[:MOST_LABELS] if varied else ():
+        values = (dataset[it].broadcast_like(error).values.ravel()[case] for it in varied)
+        text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
+        place = (float(seconds[case]), float(errors[case]))
+        axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
+    if "status" in dataset and "case_time" in dataset:
+        failed = (dataset["status"].broadcast_like(error) != COMPLETED).values.ravel()
+        times = dataset["case_time"].broadcast_like(error).values.ravel()
+        if failed.any():
+            axes.plot(
+                times[failed],
+                np.ones(failed.sum()),
+                "x",
+                color=FAILED,
+                transform=axes.get_xaxis_transform(),
+                clip_on=False,
+                label="failed",
+            )
+    axes.set_xlabel("run time [s]")
+    axes.set_ylabel(f"{error.attrs.get('long_name', name)} [-]")
+    axes.set_title(" / ".join(it.replace("_", " ") for it in varied), size=8, loc="right")
+    axes.grid(color="0.9", lw=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, fontsize=7, frameon=False)
+    return figure
+
+
+def _pareto(seconds: np.ndarray, errors: np.ndarray, cases: np.ndarray) -> np.ndarray:
+    """The cases that no other is both faster and better than, the fastest first."""
+    ordered = cases[np.lexsort((errors[cases], seconds[cases]))]
+    best = np.minimum.accumulate(errors[ordered]) if ordered.size else errors[ordered]
+    before = np.concatenate([[np.inf], best[:-1]])
+    front: np.ndarray = ordered[errors[ordered] < before[: ordered.size]]
+    return front
+
+
+def _method(dataset: xr.Dataset) -> tuple[str, ...]:
+    name = dataset.attrs.get("scene")
+    return scene_class(name).method if name in scene_names() else ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene
@@ -36,6 +36,13 @@ class Bearing(ReadyScene):
     What a limit load does not depend on is chosen such that it comes soon: displacements stay far
     below a cell, where the free surface is as sharp as the grid.
     """
+
+    method: ClassVar[tuple[str, ...]] = (
+        "cells_per_radius",
+        "rigidity_index",
+        "displacement",
+        "speed_ratio",
+    )
 
     cells_per_radius: int = parameter(
         8, unit="1", meaning="cells per radius of the body", minimum=1, maximum=40

@@ -38,6 +38,7 @@ class Cavity(ReadyScene):
     (Hill 1950); nothing is corrected for that.
     """
 
+    method: ClassVar[tuple[str, ...]] = ("cells_per_radius", "particles_per_cell", "speed_ratio")
     exponent: ClassVar[int]
     """m: 2 for the cylinder, 3 for the sphere."""
     factor: ClassVar[float]

@@ -24,6 +24,16 @@ class SimulationDiverged(RuntimeError):
     status = "diverged"
 
 
+class InaccurateRun(RuntimeError):
+    """The run came to its end, but not to a result to be relied on; the message is one line.
+
+    Attributes:
+        status: how a harness files the case.
+    """
+
+    status = "inaccurate"
+
+
 class WindowOverfull(RuntimeError):
     """More soil stays in the travelling window than it has places for; the message is one line."""
 

@@ -50,6 +50,10 @@ class ReadyScene(ABC):
     """One line on what the scene simulates."""
     version: ClassVar[int]
     """Raised whenever the same parameters no longer give the same numbers."""
+    headline: ClassVar[str] = "error"
+    """The scalar result that the scene is run for."""
+    method: ClassVar[tuple[str, ...]] = ()
+    """Parameters of the method alone: without its error, the headline would not depend on them."""
     verifications: ClassVar[tuple[Verification, ...]] = ()
     """Comparisons with the exact solution, where there is one: its results hold `error`."""
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 SAMPLE_SPACING = 0.1
 """Penetration between two samples of the curves, in cone radii."""
+LARGEST_ENERGY_ERROR = 0.05
+"""Share of the penetrometer's work that the method itself may create or dissipate."""
 STEADY_SAMPLES = 20
 """Samples whose mean is the steady value: two radii."""
 
@@ -33,6 +35,20 @@ class ConePenetration(ReadyScene):
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
     version: ClassVar[int] = 2
+    headline: ClassVar[str] = "cone_factor"
+    method: ClassVar[tuple[str, ...]] = (
+        "contact_surface",
+        "cells_per_radius",
+        "cell_growth",
+        "particles_per_cell",
+        "time_step_fraction",
+        "speed_ratio",
+        "penetration",
+        "steady_tolerance",
+        "domain_radius",
+        "domain_above",
+        "domain_below",
+    )
 
     rigidity_index: float = parameter(
         100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
@@ -195,6 +211,7 @@ class ConePenetration(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
+        from mpm_warp.health import InaccurateRun
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
         from mpm_warp.steady_state import is_steady
@@ -220,15 +237,24 @@ class ConePenetration(ReadyScene):
         travelled = np.diff(places, prepend=0.0)
         upward = [force.face_normal + force.face_shear + force.shaft_shear for force in forces]
         work = float(np.array(upward) @ travelled)
-        energy_error = variable(
-            simulation.transfer_energy / work,
-            unit="1",
-            meaning="energy error",
-            description="kinetic energy that the transfers between material points and grid "
-            "created, dissipated if < 0, over the work of the penetrometer",
-        )
+        energy_error = simulation.transfer_energy / work
+        if not abs(energy_error) <= LARGEST_ENERGY_ERROR:
+            raise InaccurateRun(
+                f"the transfers between material points and grid took {-energy_error:.1%} of the "
+                f"penetrometer's work, more than {LARGEST_ENERGY_ERROR:.0%}: try a lower "
+                "speed_ratio, more cells_per_radius or a longer penetration"
+            )
         return self._dataset(forces, surface.shaft_area).assign(
-            {"energy_error": energy_error, **cost(simulation, run_time=run_time)}
+            {
+                "energy_error": variable(
+                    energy_error,
+                    unit="1",
+                    meaning="energy error",
+                    description="kinetic energy that the transfers between material points and "
+                    "grid created, dissipated if < 0, over the work of the penetrometer",
+                ),
+                **cost(simulation, run_time=run_time),
+            }
         )
 
     def _dataset(self, forces: list[PenetrometerForces], shaft_area: float) -> xarray.Dataset:

@@ -43,6 +43,12 @@ class SlidingBlock(ReadyScene):
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
     version: ClassVar[int] = 1
+    method: ClassVar[tuple[str, ...]] = (
+        "cells_per_length",
+        "particles_per_cell",
+        "time_step_fraction",
+        "damping_ratio",
+    )
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(resolution="cells_per_length", resolutions=(10, 20), bounds={"error": 0.01}),
         Verification(

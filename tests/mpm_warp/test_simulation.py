@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from mpm_warp.boundaries import FarField, Fixed
-from mpm_warp.grids import Floats, Grid
+from mpm_warp.grids import Floats, Grid, GroundGrid
 from mpm_warp.health import SimulationDiverged
 from mpm_warp.materials import LinearElastic, Tresca
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone_self_similar import ConeSelfSimilar
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 from mpm_warp.travel import Travel
 
@@ -260,3 +261,20 @@ def test_strength_bounds_the_stress_of_every_particle() -> None:
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
     principal = np.stack([centre - radius, centre + radius, stress[:, 3]])
     assert np.ptp(principal, axis=0).max() <= 2.0 * scene.material.strength * (1.0 + 1e-9)
+
+
+def test_a_cell_at_the_surface_of_the_ground_bears_stress_as_far_as_it_is_filled() -> None:
+    scene = ConeSelfSimilar(cells_per_radius=4).simulated_scene()
+    assert isinstance(scene.grid, GroundGrid)
+    row = int(np.searchsorted(scene.grid.rows, -1.0))
+    half_up = 0.5 * (scene.grid.rows[row] + scene.grid.rows[row + 1])
+    ground = dataclasses.replace(scene.grid, ground_level=half_up)
+    simulation = Simulation(dataclasses.replace(scene, grid=ground, bulk_viscosity=None))
+    simulation.array("particle.stress")[:] = [-3.0, -2.0, 1.0, -2.5]
+    simulation.advance(1)
+    stress = simulation.array("cell.stress").reshape(ground.row_count, -1, 4)
+    whole, half, none = (stress[it, ground.column_count // 2] for it in (row - 1, row, row + 1))
+    np.testing.assert_allclose(whole, [-3.0, -2.0, 1.0, -2.5], rtol=1e-12)
+    # The lower half of a cell with vertical sides is half of its volume.
+    np.testing.assert_allclose(half, 0.5 * whole, rtol=1e-9)
+    np.testing.assert_array_equal(none, 0.0)
