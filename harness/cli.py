@@ -23,6 +23,8 @@ from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 if TYPE_CHECKING:
     import xarray as xr
 
+    _Commands = argparse._SubParsersAction["_Parser"]
+
 DONE, INCOMPLETE, BAD_INPUT = 0, 1, 2
 
 
@@ -131,6 +133,12 @@ def _parser() -> argparse.ArgumentParser:
         "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
     )
 
+    _add_results(commands)
+    return parser
+
+
+def _add_results(commands: _Commands) -> None:
+    """The commands that take results of studies."""
     compare = commands.add_parser("compare", help="compare a result with the references")
     compare.set_defaults(command=_compare)
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
@@ -164,7 +172,6 @@ def _parser() -> argparse.ArgumentParser:
     recommend.add_argument(
         "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"
     )
-    return parser
 
 
 def _add_study(command: argparse.ArgumentParser) -> None:

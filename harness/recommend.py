@@ -11,6 +11,7 @@ import numpy as np
 from harness import HarnessError
 from harness.archive import read_study
 from harness.cases import COMPLETED
+from harness.compare import varied_along
 from harness.errors import error_name
 from mpm_warp.scenes import scene_class
 
@@ -67,7 +68,7 @@ def _measured(scene: str, file: Path) -> list[Recommendation]:
     if dataset.attrs.get("scene") != scene or name is None or "run_time" not in dataset:
         return []
     error = dataset[name]
-    method = [it for it in scene_class(scene).method if it in dataset.coords]
+    method = [it for it in varied_along(dataset, error.dims) if it in scene_class(scene).method]
     columns = [dataset[it].broadcast_like(error).values.ravel().tolist() for it in method]
     seconds = dataset["run_time"].broadcast_like(error).values.ravel()
     done = (dataset["status"].broadcast_like(error) == COMPLETED).values.ravel()

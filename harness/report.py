@@ -104,10 +104,9 @@ def _fixed(dataset: xr.Dataset) -> Iterable[tuple[str, str, str]]:
 
 
 def _table(heading: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    lines = [f"<tr>{''.join(f'<th>{_text(name)}</th>' for name in heading)}</tr>"]
-    for row in rows:
-        lines.append(f"<tr>{''.join(f'<td>{_text(value)}</td>' for value in row)}</tr>")
-    return f"<table>{''.join(lines)}</table>"
+    first = "".join(f"<th>{_text(name)}</th>" for name in heading)
+    rest = "".join(f"<tr>{''.join(f'<td>{_text(it)}</td>' for it in row)}</tr>" for row in rows)
+    return f"<table><tr>{first}</tr>{rest}</table>"
 
 
 def _picture(name: str, figure: Figure) -> str:

@@ -11,6 +11,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from harness.cases import COMPLETED
+from harness.compare import varied_along
 from harness.errors import error_name
 from mpm_warp.scenes import scene_class, scene_names
 
@@ -81,8 +82,10 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
     axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
     front = _pareto(seconds, errors, np.flatnonzero(sound))
-    axes.loglog(seconds[front], errors[front], "o-", color="#0072B2", label="Pareto front")
-    varied = [str(it) for it in dataset.coords if dataset[it].dims and it in _method(dataset)]
+    varied = [it for it in varied_along(dataset, error.dims) if it in _method(dataset)]
+    settings = " / ".join(it.replace("_", " ") for it in varied)
+    label = f"Pareto front: {settings}" if settings else "Pareto front"
+    axes.loglog(seconds[front], errors[front], "o-", color="#0072B2", label=label)
     for case in front[:MOST_LABELS] if varied else ():
         values = (dataset[it].broadcast_like(error).values.ravel()[case] for it in varied)
         text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
@@ -103,7 +106,6 @@ def study_figure(dataset: xr.Dataset) -> Figure:
             )
     axes.set_xlabel("run time [s]")
     axes.set_ylabel(f"{error.attrs.get('long_name', name)} [-]")
-    axes.set_title(" / ".join(it.replace("_", " ") for it in varied), size=8, loc="right")
     axes.grid(color="0.9", lw=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, fontsize=7, frameon=False)

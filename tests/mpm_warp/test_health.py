@@ -147,3 +147,12 @@ def test_yield_excess(criterion: type[PerfectlyPlastic]) -> None:
     material = criterion(shear_modulus=1.0, poissons_ratio=0.3, density=1.0, strength=2.0)
     shear = np.array([[5.0, 5.0, 2.0, 5.0], [5.0, 5.0, 3.0, 5.0], [1.0, 1.0, 0.0, 1.0]])
     np.testing.assert_allclose(health.yield_excess(shear, material), [0.0, 0.5, -1.0], atol=1e-12)
+
+
+def test_run_whose_transfers_dissipate_much_is_no_result() -> None:
+    """Stiff soil in coarse cells at a third of the shear wave speed."""
+    fast = ConePenetration(
+        rigidity_index=3000.0, speed_ratio=0.3, cells_per_radius=1.0, penetration=3.0
+    )
+    with pytest.raises(health.InaccurateRun, match=r"took \d+\.\d% of the penetrometer's work"):
+        fast.run()
