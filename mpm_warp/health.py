@@ -10,7 +10,7 @@ from mpm_warp.materials import PerfectlyPlastic, Tresca
 
 YIELD_TOLERANCE = 1e-5
 """Stress beyond the yield surface that is rounding yet, over the strength (in single precision)."""
-OVERFULL = 8
+OVERFULL = 20
 """Soil in a cell, over that of a full one, that no compression of soil could explain."""
 
 
@@ -106,18 +106,25 @@ def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
     return excess
 
 
-def check_cells(*, cell: Integers, mass: Floats, full_mass: Floats) -> None:
-    """Check that no cell holds more soil than could be pressed into it.
+def check_cells(
+    *, cell: Integers, mass: Floats, full_mass: Floats, particles_per_cell: int
+) -> None:
+    """Check that no cell holds more soil than could be pressed into it, by mass and by number.
+
+    Of a cell that a surface cuts, little may be open, which one particle then fills many times.
 
     Args:
         cell: flat index of each particle's cell, shape [particle_count].
         mass: of the particles [kg], shape [particle_count].
         full_mass: of each cell when it is full [kg], shape [cell_count].
+        particles_per_cell: particles that fill a cell.
 
     Raises:
         Fault: one does.
     """
-    filling = np.bincount(cell, weights=mass, minlength=len(full_mass)) / full_mass
+    by_mass = np.bincount(cell, weights=mass, minlength=len(full_mass)) / full_mass
+    by_number = np.bincount(cell, minlength=len(full_mass)) / particles_per_cell
+    filling = np.minimum(by_mass, by_number)
     worst = int(np.argmax(filling))
     if not filling[worst] < OVERFULL:
         raise Fault(f"soil in cell {worst} is {filling[worst]:.3g} times that of a full one")

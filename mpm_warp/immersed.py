@@ -54,7 +54,7 @@ class ImmersedGrid(Grid):
             height_above: extent of the grid above the shoulder [m], >= 0.
         """
         radius = penetrometer.radius
-        inner_count = max(1, round(radius / cell_size - 0.5))
+        inner_count = max(1, round(radius / cell_size))
         size = radius / (inner_count + 0.5)
         inner = size * np.arange(inner_count + 2)
         growth = 1.0 + cell_growth * size / radius

@@ -171,6 +171,7 @@ class Simulation(TimeLoop):
             cell=row * grid.column_count + column,
             mass=self.array("particle.mass")[present],
             full_mass=material.density * volume,
+            particles_per_cell=self.scene.particles_per_side**2,
         )
         if self.scene.moving_wall is not None:
             shortest = float(cell_lengths(self.array("cell.integrals"), volume).min())
