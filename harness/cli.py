@@ -252,8 +252,10 @@ def _show(dataset: xr.Dataset, folder: Path) -> None:
 
     try:
         print(table(dataset))
-        for picture in draw(dataset, folder):
-            print(picture)
+    except NothingToCompareError as error:
+        _tell(str(error))
+    try:
+        print(*draw(dataset, folder), sep="\n")
     except (NothingToCompareError, NothingToDrawError) as error:
         _tell(str(error))
 

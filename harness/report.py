@@ -69,11 +69,9 @@ def _section(dataset: xr.Dataset) -> str:
     parts += [f'<p class="bad">{_text(line)}</p>' for line in missed]
     try:
         parts.append(f"<pre>{_text(table(dataset))}</pre>")
-        pictures = figures(dataset)
     except NothingToCompareError as error:
         parts.append(f"<p>{_text(error)}</p>")
-        pictures = {}
-    parts += [_picture(name, figure) for name, figure in pictures.items()]
+    parts += [_picture(name, figure) for name, figure in figures(dataset).items()]
     parts += ["<h3>Cases</h3>", _cases(dataset)]
     parts += ["<h3>Fixed parameters</h3>", _table(("parameter", "value", "unit"), _fixed(dataset))]
     attributes = ((name, value) for name, value in dataset.attrs.items())

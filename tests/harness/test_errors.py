@@ -134,3 +134,9 @@ def test_every_case_is_on_the_page() -> None:
     text = page([with_errors(result())])
     assert text.count("<td>completed</td>") == 5
     assert text.count('<tr class="bad">') == 1
+
+
+def test_a_result_without_cone_factors_has_its_picture_on_the_page() -> None:
+    exact = result().drop_vars("cone_factor").assign_attrs(scene="thick_cylinder")
+    exact["error"] = exact["run_time"] * 0.01
+    assert page([exact]).count("<img") == 1
