@@ -70,7 +70,8 @@ def has_work_precision(dataset: xr.Dataset) -> bool:
 def study_figure(dataset: xr.Dataset) -> Figure:
     """Error against run time of a study's cases, and the front of those that no other beats.
 
-    A case that did not complete has no error: it stands on the upper edge, at the time it took.
+    Each scene of several has a front of its own. A case that did not complete has no error: it
+    stands on the upper edge, at the time it took.
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
@@ -81,16 +82,24 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
     axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
-    front = _pareto(seconds, errors, np.flatnonzero(sound))
-    varied = [it for it in varied_along(dataset, error.dims) if it in _method(dataset)]
-    settings = " / ".join(it.replace("_", " ") for it in varied)
-    label = f"Pareto front: {settings}" if settings else "Pareto front"
-    axes.loglog(seconds[front], errors[front], "o-", color="#0072B2", label=label)
-    for case in front[:MOST_LABELS] if varied else ():
-        values = (dataset[it].broadcast_like(error).values.ravel()[case] for it in varied)
-        text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
-        place = (float(seconds[case]), float(errors[case]))
-        axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
+    scenes = _scenes(dataset, error)
+    names = list(dict.fromkeys(scenes.tolist()))
+    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(names)))
+    for scene, colour in zip(names, colours, strict=True):
+        front = _pareto(seconds, errors, np.flatnonzero(sound & (scenes == scene)))
+        method = scene_class(scene).method if scene in scene_names() else ()
+        varied = [it for it in varied_along(dataset, error.dims) if it in method]
+        varied = [
+            it for it in varied if _varies(dataset[it].broadcast_like(error), scenes == scene)
+        ]
+        settings = " / ".join(it.replace("_", " ") for it in varied)
+        label = f"{scene}, Pareto front: {settings}".removesuffix(": ")
+        axes.loglog(seconds[front], errors[front], "o-", color=colour, label=label)
+        for case in front[:MOST_LABELS] if varied else ():
+            values = (dataset[it].broadcast_like(error).values.ravel()[case] for it in varied)
+            text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
+            place = (float(seconds[case]), float(errors[case]))
+            axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
     if "status" in dataset and "case_time" in dataset:
         failed = (dataset["status"].broadcast_like(error) != COMPLETED).values.ravel()
         times = dataset["case_time"].broadcast_like(error).values.ravel()
@@ -105,10 +114,11 @@ def study_figure(dataset: xr.Dataset) -> Figure:
                 label="failed",
             )
     axes.set_xlabel("run time [s]")
-    axes.set_ylabel(f"{error.attrs.get('long_name', name)} [-]")
+    meaning = error.attrs.get("long_name", name) if len(names) == 1 else name
+    axes.set_ylabel(f"{meaning} [-]")
     axes.grid(color="0.9", lw=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, fontsize=7, frameon=False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
     return figure
 
 
@@ -121,6 +131,12 @@ def _pareto(seconds: np.ndarray, errors: np.ndarray, cases: np.ndarray) -> np.nd
     return front
 
 
-def _method(dataset: xr.Dataset) -> tuple[str, ...]:
-    name = dataset.attrs.get("scene")
-    return scene_class(name).method if name in scene_names() else ()
+def _scenes(dataset: xr.Dataset, error: xr.DataArray) -> np.ndarray:
+    """The scene of each case."""
+    if "scene" in dataset.coords:
+        return dataset["scene"].broadcast_like(error).values.ravel()
+    return np.full(error.size, str(dataset.attrs.get("scene", "")))
+
+
+def _varies(values: xr.DataArray, cases: np.ndarray) -> bool:
+    return len(set(values.values.ravel()[cases].tolist())) > 1

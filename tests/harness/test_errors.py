@@ -110,7 +110,7 @@ def test_recommend_from_the_command_line(
 def test_picture_marks_the_front_and_the_failure() -> None:
     (axes,) = study_figure(with_errors(result())).axes
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert labels == ["cases", "Pareto front: cells per radius", "failed"]
+    assert labels == ["cases", "cone_penetration, Pareto front: cells per radius", "failed"]
     front = axes.lines[1].get_xydata()
     np.testing.assert_allclose(front, [[1.0, 11.0 / 10.1 - 1.0], [2.0, 0.02]], rtol=1e-12)
 
@@ -140,3 +140,20 @@ def test_a_result_without_cone_factors_has_its_picture_on_the_page() -> None:
     exact = result().drop_vars("cone_factor").assign_attrs(scene="thick_cylinder")
     exact["error"] = exact["run_time"] * 0.01
     assert page([exact]).count("<img") == 1
+
+
+def test_each_scene_of_several_has_its_own_front() -> None:
+    dataset = xr.Dataset(
+        {
+            "error": ("case", [0.1, 0.01, 0.5, 0.3]),
+            "run_time": ("case", [1.0, 2.0, 1.5, 3.0]),
+        },
+        coords={
+            "case": range(4),
+            "scene": ("case", ["thick_cylinder"] * 2 + ["cavity_sphere"] * 2),
+            "cells_per_radius": ("case", [np.nan, np.nan, 4.0, 8.0]),
+        },
+    )
+    (axes,) = study_figure(dataset).axes
+    fronts = [line.get_xydata() for line in axes.lines[1:]]
+    np.testing.assert_allclose(fronts, [[[1, 0.1], [2, 0.01]], [[1.5, 0.5], [3, 0.3]]])
