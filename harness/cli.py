@@ -13,6 +13,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
 from harness import HarnessError
+from harness.arguments import BAD_INPUT, make_parser
 from harness.cases import COMPLETED, Case, cases_of
 from harness.definition import study_names
 from harness.progress import tell as _tell
@@ -23,20 +24,12 @@ from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 if TYPE_CHECKING:
     import xarray as xr
 
-    _Commands = argparse._SubParsersAction["_Parser"]
 
-DONE, INCOMPLETE, BAD_INPUT = 0, 1, 2
+DONE, INCOMPLETE = 0, 1
 
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM has come; ends a run as Ctrl-C does."""
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, like all others."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,9 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         2 bad input or unusable files, 130 Ctrl-C, 141 the reader of its output has gone,
         143 SIGTERM.
     """
-    options = _parser().parse_args(arguments)
+    options = make_parser().parse_args(arguments)
     try:
-        code: int = options.command(options)
+        code = COMMANDS[options.command](options)
     except BrokenPipeError:
         # Whoever read the output has gone, as in `harness run ... | head`: nobody is to be told.
         null = os.open(os.devnull, os.O_WRONLY)
@@ -67,161 +60,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
     return code
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="harness", description="Parametric studies of the material point method.")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
-    run.set_defaults(command=_run)
-    _add_study(run)
-    where = run.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers",
-        type=_worker_count,
-        metavar="N",
-        help="processes, each with a case at a time; default: one for each core",
-    )
-    where.add_argument(
-        "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
-    )
-    run.add_argument("--fresh", action="store_true", help="run what is done already again")
-    run.add_argument(
-        "--case-timeout",
-        type=_seconds,
-        default=math.inf,
-        metavar="SECONDS",
-        help="end a case that takes longer; default: none is ended",
-    )
-
-    status = commands.add_parser("status", help="list how the cases of a study stand")
-    status.set_defaults(command=_status)
-    _add_study(status)
-
-    collect = commands.add_parser("collect", help="write the dataset of what is done of a study")
-    collect.set_defaults(command=_collect)
-    _add_study(collect)
-
-    clean = commands.add_parser("clean", help="remove files that are no results of a study")
-    clean.set_defaults(command=_clean)
-    _add_study(clean)
-    clean.add_argument("--yes", action="store_true", help="remove without asking")
-
-    rerun = commands.add_parser("rerun", help="run a case again and compare every bit")
-    rerun.set_defaults(command=_rerun)
-    rerun.add_argument("file", type=Path, metavar="FILE", help="of a case, or result of a study")
-    rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
-
-    commands.add_parser("list", help="list studies and scenes").set_defaults(command=_list)
-
-    describe = commands.add_parser("describe", help="list the parameters of a scene")
-    describe.set_defaults(command=_describe)
-    describe.add_argument("scene", metavar="SCENE")
-
-    schema = commands.add_parser("schema", help="print a JSON schema of studies, for editors")
-    schema.set_defaults(command=_schema)
-
-    plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")
-    plan.set_defaults(command=_plan)
-    plan.add_argument("scene", metavar="SCENE")
-
-    verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
-    verify.set_defaults(command=_verify)
-    verify.add_argument("--scene", nargs="+", default=[], metavar="NAME", help="default: all")
-    verify.add_argument(
-        "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
-    )
-
-    _add_results(commands)
-    return parser
-
-
-def _add_results(commands: _Commands) -> None:
-    """The commands that take results of studies."""
-    compare = commands.add_parser("compare", help="compare a result with the references")
-    compare.set_defaults(command=_compare)
-    compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
-    compare.add_argument(
-        "other", type=Path, nargs="?", metavar="OTHER", help="a result to set beside it"
-    )
-    compare.add_argument(
-        "--tolerance",
-        type=_tolerance,
-        default=0.0,
-        metavar="X",
-        help="relative difference allowed between FILE and OTHER; default: none",
-    )
-
-    plot = commands.add_parser("plot", help="draw the pictures of a result")
-    plot.set_defaults(command=_plot)
-    plot.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
-    plot.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
-
-    report = commands.add_parser("report", help="write one page of HTML on results")
-    report.set_defaults(command=_report)
-    report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
-    report.add_argument("-o", "--out", type=Path, default=Path("report.html"), metavar="HTML")
-
-    recommend = commands.add_parser("recommend", help="name the cheapest settings for an error")
-    recommend.set_defaults(command=_recommend)
-    recommend.add_argument("scene", metavar="SCENE")
-    recommend.add_argument(
-        "--error", type=_share, required=True, metavar="X", help="largest error, as 1%% or 0.01"
-    )
-    recommend.add_argument(
-        "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"
-    )
-
-
-def _add_study(command: argparse.ArgumentParser) -> None:
-    command.add_argument("study", metavar="STUDY", help="name of a study, or a TOML file")
-    command.add_argument(
-        "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
-    )
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="set a parameter; a list, as in KEY=[1,2], varies it; repeatable",
-    )
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not 0 < seconds < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number > 0")
-    return seconds
-
-
-def _tolerance(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 <= number < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number >= 0")
-    return number
-
-
-def _share(text: str) -> float:
-    try:
-        share = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
-    except ValueError:
-        share = math.nan
-    if not 0 < share < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 1% or 0.01")
-    return share
-
-
-def _worker_count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
-    return int(text)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -468,3 +306,22 @@ def _recommend(options: argparse.Namespace) -> int:
 
 def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
     raise Terminated
+
+
+COMMANDS = {
+    "run": _run,
+    "status": _status,
+    "collect": _collect,
+    "clean": _clean,
+    "rerun": _rerun,
+    "list": _list,
+    "describe": _describe,
+    "schema": _schema,
+    "plan": _plan,
+    "verify": _verify,
+    "compare": _compare,
+    "plot": _plot,
+    "report": _report,
+    "recommend": _recommend,
+}
+"""What each command does; it returns the exit code."""

@@ -240,7 +240,7 @@ def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFix
 
 def test_help_loads_nothing_that_computes() -> None:
     script = (
-        "import sys, harness.cli as cli; cli._parser().format_help(); cli.main(['list'])\n"
+        "import sys, harness.cli as cli; cli.make_parser().format_help(); cli.main(['list'])\n"
         "sys.exit(str({'numpy', 'xarray', 'warp', 'matplotlib'} & sys.modules.keys()))"
     )
     result = subprocess.run(
