@@ -327,8 +327,14 @@ def _add_grid_to_particles(plan: Plan) -> None:
 
 
 def _advance_window(plan: Plan, window: Window) -> None:
-    kernel = make_advance_window(plan.precision)
-    plan.add_launch(kernel, 1, plan.time_step, window.speed, window.ramp_time, "window.motion")
+    approach = window.approach
+    falling = (0.0, 0.0) if approach is None else (approach.travel, approach.slowing_travel)
+    plan.add_launch(
+        make_advance_window(approach is not None, plan.precision),
+        1,
+        *(plan.time_step, window.first_speed, window.ramp_time, window.speed, *falling),
+        "window.motion",
+    )
 
 
 def _move_wall(plan: Plan, wall: MovingWall) -> None:

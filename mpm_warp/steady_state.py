@@ -14,11 +14,11 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
     to the next, has tolerance q / (1 - q) to go: about as much where a span halves it.
 
     Args:
-        values: the curve so far, at even distances.
-        span: how many of them a mean is over, >= 1; never steady before three spans.
+        values: the curve so far, at even distances, from where it may be steady at all.
+        span: how many of them a mean is over, >= 1; never steady before two spans.
         tolerance: difference of the two means over the last one, dimensionless; never steady at 0.
     """
-    if len(values) < 3 * span:
+    if len(values) < 2 * span:
         return False
     before = float(np.mean(values[-2 * span : -span]))
     last = float(np.mean(values[-span:]))

@@ -27,7 +27,7 @@ class Travel:
         self._layer_size = plan.arrays["layer.mass"].shape[0]
         self._layers_per_row = scene.particles_per_side
         self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
-        self._travel_per_step = scene.window.speed * plan.time_step
+        self._window = scene.window
         self._layer_count = 0
 
     @property
@@ -45,8 +45,9 @@ class Travel:
         while (now := self.distance) < distance:
             next_layer = (self._layer_count + 0.5) * self._layer_height
             remaining = min(distance, next_layer) - now
-            # While the speed still rises this falls short, and the loop goes round again.
-            self._simulation.advance(max(1, math.floor(remaining / self._travel_per_step)))
+            # Where the speed rises or falls this falls short, and the loop goes round again.
+            per_step = self._window.highest_speed_from(now) * self._simulation.plan.time_step
+            self._simulation.advance(max(1, math.floor(remaining / per_step)))
             if (now := self.distance) >= next_layer:
                 self._admit_layer(lift=now - next_layer)
 

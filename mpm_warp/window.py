@@ -6,6 +6,24 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)
+class Approach:
+    """The window hurries to where it matters, then falls to its final speed.
+
+    What the soil remembers of the way is its stress, which hardly depends on the speed; what it
+    owes to inertia is gone when the soil around has been replaced.
+
+    Attributes:
+        speed: of the grid on the way [m/s], above the final one.
+        travel: where it has fallen to the final speed [m], > `slowing_travel`.
+        slowing_travel: travel over which it falls, linearly [m], > 0.
+    """
+
+    speed: float
+    travel: float
+    slowing_travel: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Window:
     """The grid moves down through the soil; velocities stay those relative to undisturbed soil.
 
@@ -15,15 +33,27 @@ class Window:
     Attributes:
         speed: final speed of the grid [m/s], > 0.
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
+        approach: a hurried start, or none.
         spare_fraction: places for particles beyond those of the full grid, over their number,
             because soil beside a rough shaft leaves late; dimensionless, > 0.
     """
 
     speed: float
     ramp_travel: float
+    approach: Approach | None = None
     spare_fraction: float = 0.1
 
     @property
+    def first_speed(self) -> float:
+        """The speed after the ramp [m/s]."""
+        return self.speed if self.approach is None else self.approach.speed
+
+    @property
     def ramp_time(self) -> float:
-        """Time until the final speed is reached [s]."""
-        return 2.0 * self.ramp_travel / self.speed
+        """Time until the speed after the ramp is reached [s]."""
+        return 2.0 * self.ramp_travel / self.first_speed
+
+    def highest_speed_from(self, travel: float) -> float:
+        """The highest speed that the grid has beyond some travel [m/s]."""
+        hurries = self.approach is not None and travel < self.approach.travel
+        return self.first_speed if hurries else self.speed

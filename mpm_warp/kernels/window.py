@@ -13,15 +13,35 @@ from mpm_warp.kernels.precision import Precision
 
 
 @functools.cache
-def make_advance_window(precision: Precision) -> Any:
-    """One step of the motion, the speed rising linearly to its final value; launched once."""
-    real = precision.real
+def make_advance_window(hurried: bool, precision: Precision) -> Any:
+    """One step of the motion, the speed rising linearly in time; launched once.
 
-    @wp.kernel(module=f"mpm_warp.advance_window.{precision.numpy_name}", enable_backward=False)
-    def advance_window(time_step: real, speed: real, ramp_time: real, window: wp.array(dtype=real)):
+    Args:
+        hurried: whether it falls again at the end of an approach, linearly in travel.
+        precision: floating point types.
+    """
+    real = precision.real
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+    key = f"{'hurried' if hurried else 'steady'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.advance_window.{key}", enable_backward=False)
+    def advance_window(
+        time_step: real,
+        speed: real,
+        ramp_time: real,
+        final_speed: real,
+        approach_travel: real,
+        slowing_travel: real,
+        window: wp.array(dtype=real),
+    ):
         window[2] += time_step * window[1]
         window[0] += time_step
-        window[1] = speed * wp.min(window[0] / ramp_time, real(1.0))
+        risen = speed * wp.min(window[0] / ramp_time, one)
+        if wp.static(hurried):
+            left = wp.clamp((approach_travel - window[2]) / slowing_travel, zero, one)
+            window[1] = wp.min(risen, final_speed + left * (speed - final_speed))
+        else:
+            window[1] = risen
 
     return advance_window
 

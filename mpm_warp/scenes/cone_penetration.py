@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mpm_warp.execution import Execution
     from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
     from mpm_warp.scene import Scene
+    from mpm_warp.window import Approach, Window
 
 SAMPLE_SPACING = 0.1
 """Penetration between two samples of the curves, in cone radii."""
@@ -24,6 +25,12 @@ LARGEST_ENERGY_ERROR = 0.05
 """Share of the penetrometer's work that the method itself may create or dissipate."""
 STEADY_SAMPLES = 20
 """Samples whose mean is the steady value: two radii."""
+STEADY_PENETRATION = 5.0
+"""Penetration at the final speed, at least, in cone radii: two such means, and one to forget."""
+SLOWING = 0.5
+"""Penetration in which the speed falls to the final one, in cone radii."""
+LARGEST_INERTIA = 7.0
+"""What rho V^2 / su may be on the way by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +51,8 @@ class ConePenetration(ReadyScene):
         "particles_per_cell",
         "time_step_fraction",
         "speed_ratio",
+        "approach",
+        "approach_speed_ratio",
         "penetration",
         "steady_tolerance",
         "domain_radius",
@@ -95,6 +104,20 @@ class ConePenetration(ReadyScene):
     )
     penetration: float = parameter(
         30.0, unit="1", meaning="greatest penetration over cone radius", minimum=1, maximum=200
+    )
+    approach: float = parameter(
+        8.0,
+        unit="1",
+        meaning="penetration at the approach speed over cone radius; ends 5 before the greatest",
+        minimum=0,
+        maximum=200,
+    )
+    approach_speed_ratio: float | None = parameter(
+        None,
+        unit="1",
+        meaning="approach speed over shear wave speed (default: 4 speed_ratio or sqrt(7 / Ir))",
+        above=0,
+        maximum=0.5,
     )
     steady_tolerance: float = parameter(
         0.003,
@@ -207,11 +230,32 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(speed=speed, ramp_travel=radius),
+            window=Window(speed=speed, ramp_travel=radius, approach=self._approach(speed)),
             energy_audit=True,
             precision=self.precision,
         )
         return scene, surface
+
+    def _approach(self, speed: float) -> Approach | None:
+        from mpm_warp.window import Approach
+
+        ratio = self.approach_speed_ratio
+        if ratio is None:
+            ratio = min(4 * self.speed_ratio, math.sqrt(LARGEST_INERTIA / self.rigidity_index))
+        travel = min(self.approach, self.penetration - STEADY_PENETRATION)
+        if travel <= SLOWING or ratio <= self.speed_ratio:
+            return None
+        return Approach(
+            speed=speed * ratio / self.speed_ratio,
+            travel=travel * self.cone_radius,
+            slowing_travel=SLOWING * self.cone_radius,
+        )
+
+    def _unsteady_samples(self, window: Window | None) -> int:
+        """Samples of the ramp, or of the approach and the radius after it."""
+        if window is None or window.approach is None:
+            return STEADY_SAMPLES
+        return math.ceil((window.approach.travel / self.cone_radius + 1.0) / SAMPLE_SPACING)
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -234,6 +278,7 @@ class ConePenetration(ReadyScene):
         travel = Travel(simulation)
         start = time.perf_counter()
         sample_count = round(self.penetration / SAMPLE_SPACING)
+        unsteady = self._unsteady_samples(scene.window)
         forces, places = [], []
         for sample in range(1, sample_count + 1):
             travel.advance_to(sample * SAMPLE_SPACING * self.cone_radius)
@@ -241,7 +286,7 @@ class ConePenetration(ReadyScene):
             places.append(travel.distance)
             if progress is not None:
                 progress(sample / sample_count)
-            resistance = [force.face_normal + force.face_shear for force in forces]
+            resistance = [force.face_normal + force.face_shear for force in forces[unsteady:]]
             if is_steady(resistance, STEADY_SAMPLES, self.steady_tolerance):
                 break
         simulation.check()

@@ -64,7 +64,9 @@ class StepCost(ReadyScene):
 
         cells_per_radius = 2.0
         for _ in range(4):
-            cone = ConePenetration(cells_per_radius=cells_per_radius, precision=self.precision)
+            cone = ConePenetration(
+                cells_per_radius=cells_per_radius, precision=self.precision, approach=0.0
+            )
             scene = cone.build()[0]
             count = scene.grid.cell_count * scene.particles_per_side**2
             cells_per_radius = max(1.0, cells_per_radius * math.sqrt(self.size / count))
