@@ -90,6 +90,11 @@ def make_parser() -> argparse.ArgumentParser:
         "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
     )
 
+    bench = commands.add_parser("bench", help="measure what a step costs on this machine")
+    bench.set_defaults(command="bench")
+    _add_settings(bench)
+    _add_device(bench)
+
     _add_results(commands)
     return parser
 
@@ -133,6 +138,10 @@ def _add_results(commands: _Commands) -> None:
 
 def _add_study(command: argparse.ArgumentParser) -> None:
     command.add_argument("study", metavar="STUDY", help="name of a study, or a TOML file")
+    _add_settings(command)
+
+
+def _add_settings(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
     )
@@ -153,6 +162,10 @@ def _add_execution(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="threads of a case, 1, 2 or 4, which do not change it; default: those that are idle",
     )
+    _add_device(command)
+
+
+def _add_device(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--device", default="cpu", metavar="NAME", help="cpu, the default, or a GPU: cuda:0, ..."
     )

@@ -253,6 +253,21 @@ def _verify(options: argparse.Namespace) -> int:
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE
 
 
+def _bench(options: argparse.Namespace) -> int:
+    from harness.bench import bench_rows
+    from harness.run_study import on_this_machine, run_study
+    from harness.upkeep import result_file
+
+    signal.signal(signal.SIGTERM, _raise_terminated)
+    study = load_study("bench", options.set)
+    cases = cases_of(study)
+    run = on_this_machine(study, 1, math.inf, device=options.device)
+    dataset = run_study(study, options.out, run, fresh=True)
+    print(*bench_rows(dataset), sep="\n")
+    print(result_file(options.out, study))
+    return _list_incomplete(cases, dataset)
+
+
 def _compare(options: argparse.Namespace) -> int:
     from harness.archive import read_study
     from harness.compare import NothingToCompareError, table
@@ -329,6 +344,7 @@ COMMANDS = {
     "schema": _schema,
     "plan": _plan,
     "verify": _verify,
+    "bench": _bench,
     "compare": _compare,
     "plot": _plot,
     "report": _report,

@@ -23,6 +23,12 @@ MEASURED = frozenset(
         "compile_time",
         "case_time",
         "peak_memory",
+        "update_rate",
+        "update_rate_lowest",
+        "update_rate_highest",
+        "stage_time",
+        "streaming_rate",
+        "arithmetic_rate",
     }
 )
 """Variables of a result that are measurements of the run itself."""

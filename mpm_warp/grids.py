@@ -125,7 +125,7 @@ class Grid:
         height = np.broadcast_to(self.rows[:, None], radius.shape)
         return np.stack([radius, height], axis=-1).reshape(-1, 2)
 
-    @cached_property
+    @property
     def cell_nodes(self) -> Integers:
         """The nodes of each cell at (xi, eta) = 00, 10, 01, 11, shape [cell_count, 4]."""
         row, column = np.divmod(np.arange(self.cell_count), self.column_count)
@@ -133,7 +133,7 @@ class Grid:
         stride = self.column_count + 1
         return np.stack([first, first + 1, first + stride, first + stride + 1], axis=-1)
 
-    @cached_property
+    @property
     def gradient_integrals(self) -> Floats:
         """Integrals over each cell of (dN/dr r, dN/dz r, N), N the shape function of each node.
 
@@ -145,14 +145,17 @@ class Grid:
         radius, height = np.moveaxis(self.node_positions[self.cell_nodes], -1, 0)
         r, r_xi, r_eta = (radius @ function for function in (shape, d_xi, d_eta))
         z_eta = height @ d_eta
+        area = 0.25 * r_xi * z_eta
+        volume = self.weight(r) * area
         # Rows are horizontal, so z does not depend on xi.
         d_r = d_xi / r_xi[:, None, :]
-        d_z = (d_eta - d_xi * (r_eta / r_xi)[:, None, :]) / z_eta[:, None, :]
-        area = (0.25 * r_xi * z_eta)[:, None, :]
-        w = self.weight(r)[:, None, :]
-        hoop = np.zeros_like(d_r) if self.planar else np.broadcast_to(shape, d_r.shape)
-        parts = (d_r * w, d_z * w, hoop)
-        return np.stack([np.sum(part * area, axis=-1) for part in parts], axis=-1)
+        integrals = np.zeros((self.cell_count, 4, 3))
+        integrals[..., 0] = np.einsum("cnp,cp->cn", d_r, volume)
+        d_z = (d_eta - d_r * r_eta[:, None, :]) / z_eta[:, None, :]
+        integrals[..., 1] = np.einsum("cnp,cp->cn", d_z, volume)
+        if not self.planar:
+            integrals[..., 2] = area @ shape.T
+        return integrals
 
     @cached_property
     def cell_volumes(self) -> Floats:

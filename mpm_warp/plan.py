@@ -31,10 +31,14 @@ class Array:
         return math.prod(self.shape) * int(wp.types.type_size_in_bytes(self.dtype))
 
     def allocate(self, device: str) -> wp.array[Any]:
-        """The array, filled, on a device."""
+        """The array, filled, on a device; on the processor it is the memory of `initial` itself."""
         if self.initial is None:
             return wp.zeros(self.shape, dtype=self.dtype, device=device)
-        return wp.array(self.initial, dtype=self.dtype, device=device)
+        return wp.array(self.initial, dtype=self.dtype, device=device, copy=False)
+
+
+WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
+"""Types of whole numbers, which do not depend on the precision."""
 
 
 class First:
@@ -132,7 +136,8 @@ class StepPlan:
         dtype = self._dtype(kind)
         components = getattr(dtype, "_shape_", ())
         shape = values.shape[: values.ndim - len(components)]
-        initial = np.ascontiguousarray(values)
+        scalar = np.int32 if kind in WHOLE else self.precision.numpy_name
+        initial = np.array(values, dtype=scalar, order="C")
         self.arrays[name] = Array(dtype=dtype, shape=shape, initial=initial)
         return name
 
@@ -146,8 +151,7 @@ class StepPlan:
         self.step.append(Launch(kernel=kernel, dim=_tuple(dim), arguments=arguments))
 
     def _dtype(self, kind: str) -> Any:
-        whole = {"int": wp.int32, "vec2i": wp.vec2i}
-        return whole[kind] if kind in whole else getattr(self.precision, kind)
+        return WHOLE[kind] if kind in WHOLE else getattr(self.precision, kind)
 
 
 @dataclass(kw_only=True, eq=False)

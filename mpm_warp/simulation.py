@@ -23,6 +23,8 @@ from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.recording import AUDIT_INTERVAL, Player
 from mpm_warp.scene import Scene
 
+LOOKED_AT_ONCE = 50_000
+"""Particles that the watch looks at together."""
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
 
@@ -40,7 +42,7 @@ class TimeLoop:
     """
 
     def __init__(self, plan: StepPlan, execution: Execution | None = None) -> None:
-        """Fill the arrays of the plan and compile its kernels."""
+        """Fill the arrays of the plan, which is for this run alone, and compile its kernels."""
         execution = execution or Execution()
         self.plan = plan
         self.step_count = 0
@@ -111,19 +113,24 @@ class TimeLoop:
 
     def _look(self) -> None:
         check_time_step(time_step=self.plan.time_step, longest=self.plan.longest_time_step)
+        names = ("position", "velocity", "stress", "mass")
+        particles = {name: self.array(f"particle.{name}") for name in names}
         present = self._present()
+        # In parts, because what is compared is copied.
+        for first in range(0, len(present), LOOKED_AT_ONCE):
+            part = present[first : first + LOOKED_AT_ONCE]
+            self._look_at({name: values[part] for name, values in particles.items()})
+
+    def _look_at(self, particles: dict[str, Floats]) -> None:
         check_particles(
-            position=self.array("particle.position")[present],
-            velocity=self.array("particle.velocity")[present],
-            stress=self.array("particle.stress")[present],
-            mass=self.array("particle.mass")[present],
+            **particles,
             speed_limit=self.plan.speed_limit,
             bounds=self.plan.particle_bounds,
         )
 
-    def _present(self) -> slice | Integers:
+    def _present(self) -> Integers:
         """The places of particles that are in the grid."""
-        return slice(None)
+        return np.arange(self.plan.particle_count, dtype=np.int32)
 
 
 class Simulation(TimeLoop):
@@ -149,12 +156,6 @@ class Simulation(TimeLoop):
     def _look(self) -> None:
         super()._look()
         present, grid, material = self._present(), self.scene.grid, self.scene.material
-        if isinstance(material, PerfectlyPlastic):
-            check_yield(
-                position=self.array("particle.position")[present],
-                stress=self.array("particle.stress")[present],
-                material=material,
-            )
         volume = self.array("cell.volume")
         column, row = self.array("particle.cell")[present].T
         check_cells(
@@ -169,10 +170,20 @@ class Simulation(TimeLoop):
                 time_step=self.plan.time_step, longest=shortest / material.pressure_wave_speed
             )
 
-    def _present(self) -> slice | Integers:
+    def _look_at(self, particles: dict[str, Floats]) -> None:
+        super()._look_at(particles)
+        if isinstance(self.scene.material, PerfectlyPlastic):
+            check_yield(
+                position=particles["position"],
+                stress=particles["stress"],
+                material=self.scene.material,
+            )
+
+    def _present(self) -> Integers:
         if self.scene.window is None:
-            return slice(None)
-        return np.flatnonzero(self.array("particle.cell")[:, 0] >= 0)
+            return super()._present()
+        places = np.flatnonzero(self.array("particle.cell")[:, 0] >= 0)
+        return places.astype(np.int32)
 
     @property
     def particle_count(self) -> int:

@@ -80,11 +80,11 @@ def yardsticks() -> Yardsticks:
     x, y = (wp.zeros(count, dtype=wp.float64, device="cpu") for _ in range(2))
     streaming = _least_time(lambda: wp.launch(make_streaming(), count, [x, y], device="cpu"))
     chains, length = 1000, 1000
-    start = wp.zeros(chains, dtype=wp.vec4d, device="cpu")
+    start = wp.zeros(chains, dtype=wp.mat44d, device="cpu")
     arguments = [length, 0.5, 1.0, start]
     arithmetic = _least_time(lambda: wp.launch(make_arithmetic(), chains, arguments, device="cpu"))
     return Yardsticks(
-        streaming=3 * 8 * count / streaming, arithmetic=2 * 4 * chains * length / arithmetic
+        streaming=3 * 8 * count / streaming, arithmetic=2 * 16 * chains * length / arithmetic
     )
 
 

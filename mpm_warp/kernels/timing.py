@@ -49,13 +49,14 @@ def make_streaming() -> Any:
 
 @functools.cache
 def make_arithmetic() -> Any:
-    """The kernel x <- a x + b, so many times over, four at a time: hardly any memory."""
+    """The kernel x <- a x + b, so many times over, 16 at a time: hardly any memory."""
 
     @wp.kernel(module="mpm_warp.arithmetic", enable_backward=False)
-    def arithmetic(count: int, a: wp.float64, b: wp.float64, x: wp.array(dtype=wp.vec4d)):
+    def arithmetic(count: int, a: wp.float64, b: wp.float64, x: wp.array(dtype=wp.mat44d)):
         i = wp.tid()
         y = x[i]
-        shift = wp.vec4d(b, b, b, b)
+        row = wp.vec4d(b)
+        shift = wp.matrix_from_rows(row, row, row, row)
         for _ in range(count):
             y = a * y + shift
         x[i] = y

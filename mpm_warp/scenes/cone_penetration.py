@@ -131,7 +131,7 @@ class ConePenetration(ReadyScene):
         0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.5
     )
     cells_per_radius: float = parameter(
-        3.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=40
+        3.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=100
     )
     cell_growth: float = parameter(
         0.8,

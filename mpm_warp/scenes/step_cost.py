@@ -20,9 +20,12 @@ if TYPE_CHECKING:
     from mpm_warp.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
+    from mpm_warp.timing import Yardsticks
 
 LEAST_STEPS = 16
 """Steps of a sample, at least."""
+BLOCK = 10_000
+"""Material points after which the random stresses are the same again."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,8 +106,10 @@ class StepCost(ReadyScene):
         from mpm_warp.execution import Execution
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
+        from mpm_warp.timing import yardsticks
 
         device = "cpu" if execution is None else execution.device
+        machine = yardsticks() if device == "cpu" else None
         simulation = Simulation(self.build(), Execution(device=device, threads=self.threads))
         take = _stirred(simulation)
         begun = time.perf_counter()
@@ -141,7 +146,9 @@ class StepCost(ReadyScene):
                 **cost(simulation, run_time=time.perf_counter() - begun),
             }
         )
-        return result if device != "cpu" else result.assign(_stages(simulation, per_sample))
+        return (
+            result if machine is None else result.assign(_stages(simulation, machine, per_sample))
+        )
 
 
 def _stirred(simulation: Simulation) -> Callable[[int], None]:
@@ -152,9 +159,11 @@ def _stirred(simulation: Simulation) -> Callable[[int], None]:
 
     scene = simulation.scene
     strength = 0.01 * scene.material.shear_modulus
-    shape = simulation.array("particle.stress").shape
-    stress = np.random.default_rng(0).uniform(-strength, strength, shape)
-    simulation.arrays["particle.stress"].assign(stress)
+    block = np.random.default_rng(0).uniform(-strength, strength, (BLOCK, 4))
+    stress = simulation.arrays["particle.stress"]
+    for first in range(0, len(stress), BLOCK):
+        part = stress[first : min(first + BLOCK, len(stress))]
+        part.assign(block[: len(part)])
     if scene.window is None:
         return simulation.advance
     window, travel = scene.window, Travel(simulation)
@@ -171,17 +180,16 @@ def _timed(simulation: Simulation, take: Callable[[int], None], count: int) -> t
     return time.perf_counter() - start, simulation.particle_updates - before
 
 
-def _stages(simulation: Simulation, step_count: int) -> xarray.Dataset:
-    """Time and memory of each stage on one thread, and the yardsticks of the machine."""
+def _stages(simulation: Simulation, machine: Yardsticks, step_count: int) -> xarray.Dataset:
+    """Time and memory of each stage on one thread, beside the yardsticks of the machine."""
     import numpy as np
     import xarray as xr
 
     from mpm_warp.history import variable
-    from mpm_warp.timing import stage_bytes, stage_times, yardsticks
+    from mpm_warp.timing import stage_bytes, stage_times
 
     count = simulation.particle_count
     times, sizes = stage_times(simulation, step_count), stage_bytes(simulation)
-    machine = yardsticks()
     return xr.Dataset(
         {
             "stage_time": variable(
