@@ -43,7 +43,7 @@ def sliding_dataset(
     acceleration, exact_acceleration = (
         float(v[-1] - v[late]) / float(since[-1] - since[late]) for v in (velocity, exact_velocity)
     )
-    settled = np.flatnonzero(since <= settled_time)[-1]
+    settled = np.flatnonzero(since >= settled_time)[0]
     creep, acceleration_error = math.nan, math.nan
     if motion.slides:
         acceleration_error = abs(acceleration / exact_acceleration - 1.0)
