@@ -23,7 +23,7 @@ YOUNGS_MODULUS = 2e6
 DENSITY = 1000.0
 POINTS_PER_CELL = 2
 """Material points per cell along and across, at the end: further apart they would be no bar."""
-SLOWNESS = 10.0
+SLOWNESS = 6.0
 """Retardation time over that in which a wave runs along the bar that has been drawn out."""
 DURATION = 2.0
 """Duration over retardation time."""
@@ -51,7 +51,7 @@ class StretchedBar(ReadyScene):
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cell_count",
-            resolutions=(2,),
+            resolutions=(4,),
             bounds={"error": 0.01, "stress_error": 0.01},
             settings={"stretch": 20.0},
             extreme=True,
@@ -62,7 +62,7 @@ class StretchedBar(ReadyScene):
         4.0, unit="1", meaning="length at the end over that at rest", above=1, maximum=50
     )
     cell_count: int = parameter(
-        2, unit="1", meaning="cells along the bar at rest", minimum=2, maximum=20
+        4, unit="1", meaning="cells along the bar at rest", minimum=2, maximum=20
     )
 
     @property
