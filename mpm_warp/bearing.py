@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from mpm_warp.boundaries import Fixed
     from mpm_warp.contact import SurfaceContact
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import Floats, Grid
     from mpm_warp.materials import Tresca
     from mpm_warp.scene import Scene
@@ -121,14 +122,16 @@ class Bearing(ReadyScene):
             contact=self.contact(grid),
         )
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.history import cost
         from mpm_warp.limit_load import press
         from mpm_warp.simulation import Simulation
 
         scene = self.simulated_scene()
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         start = time.perf_counter()
         curve = press(
             simulation,

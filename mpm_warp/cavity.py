@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.boundaries import FarField, Fixed
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import Grid
     from mpm_warp.materials import Tresca
     from mpm_warp.scene import Scene
@@ -139,7 +140,9 @@ class Cavity(ReadyScene):
         pressure: np.ndarray = elastic + np.log(np.maximum(strain / yielding, 1.0))
         return self.factor * pressure
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -149,7 +152,7 @@ class Cavity(ReadyScene):
 
         scene = self.simulated_scene()
         assert scene.moving_wall is not None
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         travel = (self.expansion - 1.0) * RADIUS + scene.moving_wall.ramp_travel
         step_count = round(travel / scene.moving_wall.speed / simulation.plan.time_step)
         start = time.perf_counter()

@@ -37,18 +37,58 @@ class Array:
         return wp.array(self.initial, dtype=self.dtype, device=device)
 
 
+class First:
+    """The argument that tells a share of a launch where it begins."""
+
+
+@dataclass(frozen=True)
+class Own:
+    """The argument that gives each share of a launch a row of an array: that of its number."""
+
+    name: str
+    number: int = 0
+
+
+FIRST = First()
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Launch:
-    """One kernel launch over `dim` threads; texts among the arguments name arrays of the plan."""
+    """One kernel launch over `dim` threads; texts among the arguments name arrays of the plan.
+
+    One that has `FIRST` among its arguments may be split along its first axis into shares, which
+    may run at the same time: what they write does not overlap, or is their `Own`.
+    """
 
     kernel: Any
-    dim: int | tuple[int, ...]
+    dim: tuple[int, ...]
     arguments: tuple[Any, ...]
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether the launch may be split."""
+        return FIRST in self.arguments
+
+    @property
+    def adds_up(self) -> bool:
+        """Whether its result depends on how it is split, if only by rounding."""
+        return any(isinstance(item, Own) for item in self.arguments)
 
     @property
     def arrays(self) -> tuple[str, ...]:
         """Names of the arrays that the launch reads or writes."""
-        return tuple(name for name in self.arguments if isinstance(name, str))
+        names = (item.name if isinstance(item, Own) else item for item in self.arguments)
+        return tuple(name for name in names if isinstance(name, str))
+
+    def share(self, number: int, count: int) -> Launch:
+        """One of `count` shares of the launch, as even as can be."""
+        begin, end = (self.dim[0] * n // count for n in (number, number + 1))
+        arguments: list[Any] = []
+        for item in self.arguments:
+            own = Own(item.name, number) if isinstance(item, Own) else item
+            arguments.append(begin if item is FIRST else own)
+        dim = (end - begin, *self.dim[1:])
+        return Launch(kernel=self.kernel, dim=dim, arguments=tuple(arguments))
 
 
 @dataclass(kw_only=True, eq=False)
@@ -61,6 +101,8 @@ class StepPlan:
         longest_time_step: beyond which a run is not stable [s].
         speed_limit: speed of the fastest wave, which no particle exceeds in a sound run [m/s].
         particle_bounds: lowest and highest coordinates that particles may have [m].
+        share_count: into how many shares launches may be split: so many sums does a step add up,
+            in one order, whether the shares run one after the other or at the same time.
         remedy: what may help where a run diverges.
         particle_count: particles at the start.
         arrays: by name, "particle.mass" say; the first word tells over what they run.
@@ -73,6 +115,7 @@ class StepPlan:
     longest_time_step: float
     speed_limit: float
     particle_bounds: tuple[Floats, Floats]
+    share_count: int = 1
     remedy: str = "try a smaller time_step_fraction"
     particle_count: int = 0
     arrays: dict[str, Array] = field(default_factory=dict)
@@ -95,13 +138,12 @@ class StepPlan:
 
     def add_zeros(self, name: str, kind: str, shape: int | tuple[int, ...]) -> str:
         """Add an array that starts with zeros."""
-        shape = shape if isinstance(shape, tuple) else (shape,)
-        self.arrays[name] = Array(dtype=self._dtype(kind), shape=shape, initial=None)
+        self.arrays[name] = Array(dtype=self._dtype(kind), shape=_tuple(shape), initial=None)
         return name
 
     def add_launch(self, kernel: Any, dim: int | tuple[int, ...], *arguments: Any) -> None:
         """Add a launch to the end of the step."""
-        self.step.append(Launch(kernel=kernel, dim=dim, arguments=arguments))
+        self.step.append(Launch(kernel=kernel, dim=_tuple(dim), arguments=arguments))
 
     def _dtype(self, kind: str) -> Any:
         whole = {"int": wp.int32, "vec2i": wp.vec2i}
@@ -125,3 +167,7 @@ class Plan(StepPlan):
         """See `StepPlan`."""
         launches = super().launches
         return launches if self.admission is None else [*launches, self.admission]
+
+
+def _tuple(lengths: int | tuple[int, ...]) -> tuple[int, ...]:
+    return lengths if isinstance(lengths, tuple) else (lengths,)

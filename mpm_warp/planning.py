@@ -23,14 +23,14 @@ from mpm_warp.kernels.moving_wall import (
     make_refit_sectors,
 )
 from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
-from mpm_warp.kernels.precision import FLOAT64, Precision
+from mpm_warp.kernels.precision import PRECISIONS
 from mpm_warp.kernels.window import make_admit, make_advance_window
 from mpm_warp.kernels.yielding import make_yielding
 from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.moving_wall import MovingWall
 from mpm_warp.particles import seed_rows
-from mpm_warp.plan import Launch, Plan
+from mpm_warp.plan import FIRST, Launch, Own, Plan
 from mpm_warp.polar import PolarGrid
 from mpm_warp.scene import Scene
 from mpm_warp.window import Window
@@ -43,17 +43,25 @@ PARTICLE_STATE = (
     "particle.cell",
 )
 
+SHARE_COUNT = 4
+"""Shares of a launch on processors: as many threads may take part in a step."""
 ABSURD_SPEED = 100.0
 """Speed over that of the pressure wave beyond which a node is left out of the step."""
 
 
-def make_plan(scene: Scene, precision: Precision = FLOAT64) -> Plan:
-    """The plan of a run of `scene`, complete."""
+def make_plan(scene: Scene, share_count: int = SHARE_COUNT) -> Plan:
+    """The plan of a run of `scene`, complete.
+
+    Args:
+        scene: what to run.
+        share_count: into how many shares its launches are split, >= 1.
+    """
     wave_speed = scene.material.pressure_wave_speed
     critical_time_step = float(scene.grid.cell_lengths.min()) / wave_speed
     plan = Plan(
         scene=scene,
-        precision=precision,
+        precision=PRECISIONS[scene.precision],
+        share_count=share_count,
         time_step=scene.time_step_fraction * critical_time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=wave_speed,
@@ -119,20 +127,14 @@ def _add_admission(plan: Plan, window: Window) -> None:
     plan.add_array("layer.position", "vec2", position)
     plan.add_array("layer.mass", "real", scene.material.density * lowest.volume[:count])
     plan.add_array("layer.cell", "vec2i", lowest.cell[:count])
-    # The places of particles that left, a stack: the last in is the first out.
-    places = plan.arrays["particle.mass"].shape[0]
-    free = np.arange(plan.particle_count, places)
-    stack = np.concatenate([free, np.zeros(plan.particle_count, dtype=free.dtype)])
-    plan.add_array("free.slots", "int", stack.astype(np.int32))
-    plan.add_array("free.count", "int", np.array([len(free)], dtype=np.int32))
     plan.add_zeros("window.motion", "real", 3)
     plan.add_zeros("layer.lift", "real", 1)
+    plan.add_zeros("layer.places", "int", count)
     plan.admission = Launch(
         kernel=make_admit(plan.precision),
-        dim=count,
+        dim=(count,),
         arguments=(
-            *("layer.position", "layer.mass", "layer.cell", "layer.lift"),
-            *("free.slots", "free.count"),
+            *("layer.position", "layer.mass", "layer.cell", "layer.lift", "layer.places"),
             *PARTICLE_STATE,
         ),
     )
@@ -148,15 +150,16 @@ def _add_particles_to_grid(plan: Plan) -> None:
     plan.add_array("grid.columns", "vec3", columns)
     plan.add_array("grid.rows", "vec5", rows)
     plan.add_zeros("cell.gradient", "mat22", grid.cell_count)
-    plan.add_zeros("cell.stress_sum", "vec4", grid.cell_count)
-    plan.add_zeros("cell.mass", "real", grid.cell_count)
-    plan.add_zeros("node.momentum", "vec3", grid.node_count)
+    plan.add_zeros("cell.stress_sum", "vec4", (plan.share_count, grid.cell_count))
+    plan.add_zeros("cell.mass", "real", (plan.share_count, grid.cell_count))
+    plan.add_zeros("node.momentum", "vec3", (plan.share_count, grid.node_count))
     plan.add_launch(
         make_particles_to_grid(grid.polar, plan.scene.window is not None, plan.precision),
         plan.arrays["particle.mass"].shape,
+        FIRST,
         *PARTICLE_STATE,
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
-        *("cell.gradient", "node.momentum", "cell.stress_sum", "cell.mass"),
+        *("cell.gradient", Own("node.momentum"), Own("cell.stress_sum"), Own("cell.mass")),
     )
 
 
@@ -173,8 +176,11 @@ def _add_cell_stress(plan: Plan) -> None:
     if plan.scene.free_surface:
         full_mass = plan.add_array("cell.full_mass", "real", material.density * grid.cell_volumes)
     plan.add_launch(
-        make_cell_stress(viscosity is not None, full_mass is not None, plan.precision),
+        make_cell_stress(
+            plan.share_count, viscosity is not None, full_mass is not None, plan.precision
+        ),
         grid.cell_count,
+        FIRST,
         *("cell.stress_sum", "cell.mass", dilation_rate, viscosity, full_mass, "cell.stress"),
     )
 
@@ -187,8 +193,9 @@ def _add_node_update(plan: Plan) -> None:
     plan.add_zeros("node.mass", "real", grid.node_count)
     plan.add_zeros("node.motion", "vec4", grid.node_count)
     plan.add_launch(
-        make_node_update(plan.precision),
+        make_node_update(plan.share_count, plan.precision),
         (grid.row_count + 1, grid.column_count + 1),
+        FIRST,
         *("node.momentum", "cell.stress", "cell.integrals"),
         *(grid.column_count, grid.row_count, plan.time_step, "node.least_mass"),
         ABSURD_SPEED * plan.speed_limit,
@@ -209,12 +216,13 @@ def _add_load(plan: Plan, load: NodalLoad) -> None:
 def _add_gravity(plan: Plan, gravity: float) -> None:
     kernel = make_gravity(plan.precision)
     count = plan.scene.grid.node_count
-    plan.add_launch(kernel, count, gravity * plan.time_step, "node.mass", "node.motion")
+    plan.add_launch(kernel, count, FIRST, gravity * plan.time_step, "node.mass", "node.motion")
 
 
 def _add_damping(plan: Plan, damping: float) -> None:
     kernel = make_damping(plan.precision)
-    plan.add_launch(kernel, plan.scene.grid.node_count, damping * plan.time_step, "node.motion")
+    count = plan.scene.grid.node_count
+    plan.add_launch(kernel, count, FIRST, damping * plan.time_step, "node.motion")
 
 
 def _add_fixed(plan: Plan, fixed: Fixed) -> None:
@@ -285,6 +293,7 @@ def _add_cell_rates(plan: Plan) -> None:
     plan.add_launch(
         make_cell_rates(viscous, plan.precision),
         grid.cell_count,
+        FIRST,
         *("node.motion", "cell.integrals", "cell.volume", grid.column_count, plan.time_step),
         *(material.shear_modulus, material.bulk_modulus),
         *("cell.gradient", "cell.dilation_rate" if viscous else None, "cell.stress_step"),
@@ -295,11 +304,11 @@ def _add_grid_to_particles(plan: Plan) -> None:
     scene, grid = plan.scene, plan.scene.grid
     material = scene.material
     strength = material.strength if isinstance(material, PerfectlyPlastic) else 0.0
-    travelling: tuple[object, ...] = (None, 0.0, None, None)
+    travelling: tuple[object, ...] = (None, 0.0)
     if scene.window is not None:
         # Half a layer stays above the top, else the mass of the nodes there could vanish.
         top = grid.rows[-1] + 0.5 * (grid.rows[-1] - grid.rows[-2]) / scene.particles_per_side
-        travelling = ("window.motion", float(top), "free.slots", "free.count")
+        travelling = ("window.motion", float(top))
     plan.add_launch(
         make_grid_to_particles(
             grid.polar,
@@ -308,6 +317,7 @@ def _add_grid_to_particles(plan: Plan) -> None:
             plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
+        FIRST,
         *("node.motion", "cell.stress_step", "grid.columns", "grid.rows", grid.outer_radius),
         *((grid.column_count, grid.row_count), plan.time_step),
         *(plan.time_step / scene.velocity_memory, strength),
@@ -334,6 +344,7 @@ def _move_wall(plan: Plan, wall: MovingWall) -> None:
         plan.add_launch(
             make_refit_sectors(plan.precision),
             grid.cell_count,
+            FIRST,
             *geometry,
             plan.add_array("wall.angular", "vec5", angular),
             plan.add_array("wall.caps", "real", caps),
@@ -341,7 +352,7 @@ def _move_wall(plan: Plan, wall: MovingWall) -> None:
         )
     else:
         kernel = make_refit_cells(plan.precision)
-        plan.add_launch(kernel, grid.cell_count, *geometry, "cell.integrals", "cell.volume")
+        plan.add_launch(kernel, grid.cell_count, FIRST, *geometry, "cell.integrals", "cell.volume")
 
 
 def _add_energy_audit(plan: Plan) -> None:
@@ -350,7 +361,7 @@ def _add_energy_audit(plan: Plan) -> None:
     before, after = (
         Launch(
             kernel=make_kinetic_energy(when, plan.precision),
-            dim=grid.row_count + 1,
+            dim=(grid.row_count + 1,),
             arguments=(grid.column_count, "node.mass", "node.motion", energy),
         )
         for when in ("before", "after")

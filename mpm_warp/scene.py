@@ -38,6 +38,7 @@ class Scene:
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
         energy_audit: whether to sample what energy the transfers create or dissipate.
+        precision: floating point numbers of the run, "float64" or "float32".
     """
 
     grid: Grid
@@ -56,3 +57,4 @@ class Scene:
     window: Window | None = None
     free_surface: bool = False
     energy_audit: bool = False
+    precision: str = "float64"

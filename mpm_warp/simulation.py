@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 import warp as wp
 
+from mpm_warp.execution import Execution
 from mpm_warp.grids import Floats, Integers, cell_lengths
 from mpm_warp.health import (
     Fault,
@@ -19,13 +19,12 @@ from mpm_warp.health import (
 )
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.plan import Launch, Plan, StepPlan
-from mpm_warp.planning import make_plan
+from mpm_warp.planning import SHARE_COUNT, make_plan
+from mpm_warp.recording import AUDIT_INTERVAL, Player
 from mpm_warp.scene import Scene
 
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
-AUDIT_INTERVAL = 16
-"""Steps between two that are audited."""
 
 
 class TimeLoop:
@@ -40,24 +39,23 @@ class TimeLoop:
         compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
     """
 
-    def __init__(self, plan: StepPlan, *, device: str = "cpu") -> None:
-        """Fill the arrays of the plan on `device` and compile its kernels."""
+    def __init__(self, plan: StepPlan, execution: Execution | None = None) -> None:
+        """Fill the arrays of the plan and compile its kernels."""
+        execution = execution or Execution()
         self.plan = plan
         self.step_count = 0
         self.particle_updates = 0
         self._healthy_step = 0
-        self._device = wp.get_device(device)
+        self._execution = execution
 
         start = time.perf_counter()
-        self.arrays = {name: array.allocate(device) for name, array in self.plan.arrays.items()}
+        self.arrays = {
+            name: array.allocate(execution.device) for name, array in plan.arrays.items()
+        }
         self.setup_time = time.perf_counter() - start
 
         start = time.perf_counter()
-        modules = [launch.kernel.module for launch in self.plan.launches]
-        wp.force_load(self._device, modules=modules)
-        # Recorded once: replaying a step costs no Python beyond one call.
-        self._step = self._record(self.plan.step)
-        self._audited_step = self._record(self.plan.audited_step or self.plan.step)
+        self._player = Player(plan, self.arrays, execution.device)
         self.compile_time = time.perf_counter() - start
 
     @property
@@ -77,16 +75,7 @@ class TimeLoop:
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""
-        arguments = [
-            self.arrays[item] if isinstance(item, str) else item for item in launch.arguments
-        ]
-        wp.launch(launch.kernel, launch.dim, arguments, device=self._device)
-
-    def _record(self, launches: list[Launch]) -> Any:
-        with wp.ScopedCapture(device=self._device) as capture:
-            for launch in launches:
-                self.launch(launch)
-        return capture.graph
+        self._player.launch(launch)
 
     def advance(self, step_count: int) -> None:
         """Take steps.
@@ -98,9 +87,8 @@ class TimeLoop:
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
             block = min(last, next_check) - self.step_count
-            for step in range(self.step_count, self.step_count + block):
-                audited = step % AUDIT_INTERVAL == 0
-                wp.capture_launch(self._audited_step if audited else self._step)
+            steps = range(self.step_count, self.step_count + block)
+            self._player.play(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if self.step_count == next_check:
@@ -145,12 +133,14 @@ class Simulation(TimeLoop):
         scene: what is run.
     """
 
-    def __init__(self, scene: Scene, *, device: str = "cpu") -> None:
-        """Plan the scene, fill its arrays on `device` and compile its kernels."""
+    def __init__(self, scene: Scene, execution: Execution | None = None) -> None:
+        """Plan the scene, fill its arrays and compile its kernels."""
+        execution = execution or Execution()
         start = time.perf_counter()
-        plan = make_plan(scene)
+        on_gpu = wp.get_device(execution.device).is_cuda
+        plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
         planning_time = time.perf_counter() - start
-        super().__init__(plan, device=device)
+        super().__init__(plan, execution)
         self.plan: Plan = plan
         self.scene = scene
         self.setup_time += planning_time
@@ -187,8 +177,9 @@ class Simulation(TimeLoop):
     @property
     def particle_count(self) -> int:
         """Number of particles in the grid now."""
-        places = self.plan.arrays["particle.mass"].shape[0]
-        return places if self.scene.window is None else places - int(self.array("free.count")[0])
+        if self.scene.window is None:
+            return self.plan.particle_count
+        return int(np.count_nonzero(self.array("particle.cell")[:, 0] >= 0))
 
     @property
     def transfer_energy(self) -> float:

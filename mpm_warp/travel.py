@@ -53,15 +53,15 @@ class Travel:
     def _admit_layer(self, *, lift: float) -> None:
         """Let a layer of soil in, `lift` [m] above the bottom of the grid."""
         simulation = self._simulation
-        free = int(simulation.array("free.count")[0]) - self._layer_size
-        if free < 0:
+        free = np.flatnonzero(simulation.array("particle.cell")[:, 0] < 0)
+        if len(free) < self._layer_size:
             raise WindowOverfull(
                 f"after {self.distance:.4g} m of travel more soil has stayed in the window than "
                 "it has places for; soil that sticks to the shaft needs a larger spare_fraction"
             )
         simulation.arrays["layer.lift"].assign([lift])
+        simulation.arrays["layer.places"].assign(free[: self._layer_size])
         simulation.launch(self._admission)
-        simulation.arrays["free.count"].assign([free])
         self._layer_count += 1
         if simulation.scene.far_field is not None and self._layer_count % self._layers_per_row == 0:
             # The springs at the side belong to the soil there, which has risen by a row.

@@ -62,6 +62,7 @@ def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: 
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
+        first: int,
         motion: wp.array(dtype=vec4),
         stress_step: wp.array(dtype=vec7),
         columns: wp.array(dtype=vec3),
@@ -77,10 +78,8 @@ def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: 
         particle_cell: wp.array(dtype=wp.vec2i),
         window_motion: wp.array(dtype=real),
         top: real,
-        free_slots: wp.array(dtype=int),
-        free_count: wp.array(dtype=int),
     ):
-        p = wp.tid()
+        p = first + wp.tid()
         cell = particle_cell[p]
         i, j = cell[0], cell[1]
         if wp.static(window):
@@ -113,7 +112,6 @@ def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: 
             x += vec2(real(0.0), time_step * window_motion[1])
             if x[1] >= top:
                 particle_cell[p] = wp.vec2i(-1, -1)
-                free_slots[wp.atomic_add(free_count, 0, 1)] = p
                 return
         cell = settle(x, cell, columns, rows, outer_radius, cell_counts)
         particle_cell[p] = cell

@@ -21,10 +21,13 @@ from mpm_warp.kernels.precision import Precision
 
 
 @functools.cache
-def make_cell_stress(viscous: bool, partly_filled: bool, precision: Precision) -> Any:
+def make_cell_stress(
+    share_count: int, viscous: bool, partly_filled: bool, precision: Precision
+) -> Any:
     """Mean stress of each cell from the particles' sums, which it clears; launched over cells.
 
     Args:
+        share_count: how many sums there are of each.
         viscous: whether there is a bulk viscosity.
         partly_filled: whether cells may hold less soil than fills them, by which stress is scaled.
         precision: floating point types.
@@ -33,19 +36,28 @@ def make_cell_stress(viscous: bool, partly_filled: bool, precision: Precision) -
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     key = f"{'viscous' if viscous else 'inviscid'}.{'partly' if partly_filled else 'full'}"
-    key = f"{key}.{precision.numpy_name}"
+    key = f"{share_count}.{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
     def cell_stress(
-        stress_sum: wp.array(dtype=vec4),
-        mass: wp.array(dtype=real),
+        first: int,
+        stress_sum: wp.array2d(dtype=vec4),
+        mass: wp.array2d(dtype=real),
         dilation_rate: wp.array(dtype=real),
         viscosity: wp.array(dtype=real),
         full_mass: wp.array(dtype=real),
         stress: wp.array(dtype=vec4),
     ):
-        c = wp.tid()
-        mean = stress_sum[c] / mass[c]
+        c = first + wp.tid()
+        sums, m = vec4(), real(0.0)
+        for share in range(wp.static(share_count)):
+            part = mass[share, c]
+            if part != zero:
+                sums += stress_sum[share, c]
+                m += part
+                stress_sum[share, c] = vec4()
+                mass[share, c] = zero
+        mean = sums / m
         total = mean[0] + mean[1] + mean[2] + mean[3]
         # A cell that is empty for a moment keeps the stress it had: soil is all around it. So does
         # one whose soil is not finite, until the watch finds the particle.
@@ -54,18 +66,16 @@ def make_cell_stress(viscous: bool, partly_filled: bool, precision: Precision) -
                 q = viscosity[c] * dilation_rate[c]
                 mean += vec4(q, q, zero, q)
             if wp.static(partly_filled):
-                mean *= wp.min(mass[c] / full_mass[c], one)
+                mean *= wp.min(m / full_mass[c], one)
             stress[c] = mean
         elif wp.static(partly_filled):
             stress[c] = vec4()
-        stress_sum[c] = vec4()
-        mass[c] = zero
 
     return cell_stress
 
 
 @functools.cache
-def make_node_update(precision: Precision) -> Any:
+def make_node_update(share_count: int, precision: Precision) -> Any:
     """Velocity of each node before and after the step; launched over (rows, columns) of nodes.
 
     The sums of mass and momentum are cleared; `motion` is (v_r, v_z, u_r, u_z), velocity after the
@@ -82,9 +92,12 @@ def make_node_update(precision: Precision) -> Any:
             stress[2] * G[0] + stress[1] * G[1],
         )
 
-    @wp.kernel(module=f"mpm_warp.node_update.{precision.numpy_name}", enable_backward=False)
+    key = f"{share_count}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.node_update.{key}", enable_backward=False)
     def node_update(
-        momentum: wp.array(dtype=vec3),
+        first: int,
+        momentum: wp.array2d(dtype=vec3),
         stress: wp.array(dtype=vec4),
         integrals: wp.array2d(dtype=vec3),
         column_count: int,
@@ -95,10 +108,15 @@ def make_node_update(precision: Precision) -> Any:
         mass: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
     ):
-        j, i = wp.tid()
+        row, i = wp.tid()
+        j = first + row
         node = j * (column_count + 1) + i
-        sums = momentum[node]
-        momentum[node] = vec3()
+        sums = vec3()
+        for share in range(wp.static(share_count)):
+            part = momentum[share, node]
+            if part[0] != zero:
+                sums += part
+                momentum[share, node] = vec3()
         m = sums[0]
         mass[node] = m
         if m <= zero:
@@ -175,6 +193,7 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(
+        first: int,
         motion: wp.array(dtype=vec4),
         integrals: wp.array2d(dtype=vec3),
         volume: wp.array(dtype=real),
@@ -186,7 +205,7 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
         dilation_rate: wp.array(dtype=real),
         stress_step: wp.array(dtype=vec7),
     ):
-        c = wp.tid()
+        c = first + wp.tid()
         node = c + c / column_count
         upper = node + column_count + 1
         L = (

@@ -42,8 +42,8 @@ def make_gravity(precision: Precision) -> Any:
     zero = wp.constant(real(0.0))
 
     @wp.kernel(module=f"mpm_warp.gravity.{precision.numpy_name}", enable_backward=False)
-    def gravity(change: real, mass: wp.array(dtype=real), motion: wp.array(dtype=vec4)):
-        node = wp.tid()
+    def gravity(first: int, change: real, mass: wp.array(dtype=real), motion: wp.array(dtype=vec4)):
+        node = first + wp.tid()
         if mass[node] > zero:
             motion[node] -= vec4(zero, change, zero, zero)
 
@@ -57,8 +57,8 @@ def make_damping(precision: Precision) -> Any:
     one = wp.constant(real(1.0))
 
     @wp.kernel(module=f"mpm_warp.damping.{precision.numpy_name}", enable_backward=False)
-    def damping(drag: real, motion: wp.array(dtype=vec4)):
-        node = wp.tid()
+    def damping(first: int, drag: real, motion: wp.array(dtype=vec4)):
+        node = first + wp.tid()
         v = motion[node]
         motion[node] = vec4(v[0] / (one + drag), v[1] / (one + drag), v[2], v[3])
 

@@ -59,6 +59,7 @@ def make_refit_cells(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.refit_cells.{precision.numpy_name}", enable_backward=False)
     def refit_cells(
+        first: int,
         columns: wp.array(dtype=vec3),
         rows: wp.array(dtype=vec5),
         outer_radius: real,
@@ -66,7 +67,7 @@ def make_refit_cells(precision: Precision) -> Any:
         integrals: wp.array2d(dtype=vec3),
         volume: wp.array(dtype=real),
     ):
-        c = wp.tid()
+        c = first + wp.tid()
         column = columns[c % column_count]
         row = rows[c / column_count]
         a = row[3] + (outer_radius - row[3]) * column[0]
@@ -100,6 +101,7 @@ def make_refit_sectors(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.refit_sectors.{precision.numpy_name}", enable_backward=False)
     def refit_sectors(
+        first: int,
         columns: wp.array(dtype=vec3),
         rows: wp.array(dtype=vec5),
         outer_radius: real,
@@ -109,7 +111,7 @@ def make_refit_sectors(precision: Precision) -> Any:
         integrals: wp.array2d(dtype=vec3),
         volume: wp.array(dtype=real),
     ):
-        c = wp.tid()
+        c = first + wp.tid()
         j = c / column_count
         column = columns[c % column_count]
         row = rows[j]

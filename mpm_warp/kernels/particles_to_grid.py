@@ -43,6 +43,7 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
 
     @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
     def particles_to_grid(
+        first: int,
         position: wp.array(dtype=vec2),
         velocity: wp.array(dtype=vec2),
         stress: wp.array(dtype=vec4),
@@ -57,7 +58,7 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         cell_stress_sum: wp.array(dtype=vec4),
         cell_mass: wp.array(dtype=real),
     ):
-        p = wp.tid()
+        p = first + wp.tid()
         cell = particle_cell[p]
         i, j = cell[0], cell[1]
         if wp.static(window):

@@ -20,13 +20,11 @@ class Precision:
     mat22: Any
 
 
-FLOAT64 = Precision(
-    "float64",
-    wp.float64,
-    wp.vec2d,
-    wp.vec3d,
-    wp.vec4d,
-    wp.types.vector(5, wp.float64),
-    wp.types.vector(7, wp.float64),
-    wp.mat22d,
-)
+def _precision(numpy_name: str, real: Any) -> Precision:
+    vectors = (wp.types.vector(length, real) for length in (2, 3, 4, 5, 7))
+    return Precision(numpy_name, real, *vectors, wp.types.matrix((2, 2), real))
+
+
+FLOAT64 = _precision("float64", wp.float64)
+PRECISIONS = {"float64": FLOAT64, "float32": _precision("float32", wp.float32)}
+"""By the name of the scalar."""

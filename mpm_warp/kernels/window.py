@@ -37,8 +37,7 @@ def make_admit(precision: Precision) -> Any:
         layer_mass: wp.array(dtype=real),
         layer_cell: wp.array(dtype=wp.vec2i),
         layer_lift: wp.array(dtype=real),
-        free_slots: wp.array(dtype=int),
-        free_count: wp.array(dtype=int),
+        layer_places: wp.array(dtype=int),
         position: wp.array(dtype=vec2),
         velocity: wp.array(dtype=vec2),
         stress: wp.array(dtype=vec4),
@@ -46,7 +45,7 @@ def make_admit(precision: Precision) -> Any:
         particle_cell: wp.array(dtype=wp.vec2i),
     ):
         k = wp.tid()
-        p = free_slots[free_count[0] - 1 - k]
+        p = layer_places[k]
         position[p] = layer_position[k] + vec2(real(0.0), layer_lift[0])
         velocity[p] = vec2()
         stress[p] = vec4()

@@ -12,6 +12,7 @@ from mpm_warp.parameters import Value, check_parameters
 if TYPE_CHECKING:
     import xarray
 
+    from mpm_warp.execution import Execution
     from mpm_warp.plan import StepPlan
     from mpm_warp.scene import Scene
 
@@ -75,8 +76,14 @@ class ReadyScene(ABC):
         return None if scene is None else make_plan(scene)
 
     @abstractmethod
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """Simulate the scene.
+
+        Args:
+            progress: is told the fraction done now and then.
+            execution: where and on how many threads; default: one thread of the processor.
 
         Returns:
             One dataset of scalars and curves, each with ``units`` and ``long_name``.

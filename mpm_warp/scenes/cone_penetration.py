@@ -14,6 +14,7 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 if TYPE_CHECKING:
     import xarray
 
+    from mpm_warp.execution import Execution
     from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
     from mpm_warp.scene import Scene
 
@@ -34,7 +35,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",
@@ -48,6 +49,7 @@ class ConePenetration(ReadyScene):
         "domain_radius",
         "domain_above",
         "domain_below",
+        "precision",
     )
 
     rigidity_index: float = parameter(
@@ -146,6 +148,13 @@ class ConePenetration(ReadyScene):
         maximum=500,
     )
 
+    precision: str = parameter(
+        "float64",
+        unit="1",
+        meaning="floating point numbers of the simulation",
+        choices=("float64", "float32"),
+    )
+
     def build(self) -> tuple[Scene, PenetrometerSurface]:
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
         from mpm_warp.boundaries import FarField, Fixed
@@ -200,6 +209,7 @@ class ConePenetration(ReadyScene):
             contact=surface.contact,
             window=Window(speed=speed, ramp_travel=radius),
             energy_audit=True,
+            precision=self.precision,
         )
         return scene, surface
 
@@ -207,7 +217,9 @@ class ConePenetration(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         return self.build()[0]
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
@@ -218,7 +230,7 @@ class ConePenetration(ReadyScene):
         from mpm_warp.travel import Travel
 
         scene, surface = self.build()
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         travel = Travel(simulation)
         start = time.perf_counter()
         sample_count = round(self.penetration / SAMPLE_SPACING)

@@ -13,6 +13,7 @@ from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 if TYPE_CHECKING:
     import xarray
 
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import GroundGrid
     from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
     from mpm_warp.scene import Scene
@@ -36,7 +37,7 @@ class ConeSelfSimilar(ReadyScene):
     """
 
     summary: ClassVar[str] = "load of a cone against its depth, from first touch"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cells_per_radius",
@@ -134,7 +135,9 @@ class ConeSelfSimilar(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         return self.build()[0]
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -144,7 +147,7 @@ class ConeSelfSimilar(ReadyScene):
         from mpm_warp.travel import Travel
 
         scene, surface = self.build()
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         travel = Travel(simulation)
         final = FINAL_DEPTH * self._penetrometer.cone_height
         start = time.perf_counter()

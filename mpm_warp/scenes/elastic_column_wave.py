@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.column import Column
+    from mpm_warp.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
 
@@ -106,7 +107,9 @@ class ElasticColumnWave(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         return self.build()[0]
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -115,7 +118,7 @@ class ElasticColumnWave(ReadyScene):
         from mpm_warp.simulation import Simulation
 
         scene, column = self.build()
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         start = time.perf_counter()
         if self.excitation == "standing_wave":
             self._set_off(simulation)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.column import Column
+    from mpm_warp.execution import Execution
     from mpm_warp.scene import Scene
 
 HEIGHT = 1.0
@@ -32,7 +33,7 @@ class GravityColumn(ReadyScene):
     """
 
     summary: ClassVar[str] = "column under its own weight, stress and settlement"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
     )
@@ -78,7 +79,9 @@ class GravityColumn(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         return self.build()[0]
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -87,7 +90,7 @@ class GravityColumn(ReadyScene):
         from mpm_warp.simulation import Simulation
 
         scene, column = self.build()
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         start = time.perf_counter()
         position = simulation.array("particle.position").copy()
         period = 4 * HEIGHT / scene.material.pressure_wave_speed

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
+    from mpm_warp.execution import Execution
+
 RANDOM_PATHS = 200
 """Paths in random directions, on which the stress must stay within the yield surface."""
 SHEAR_STRAIN = 10.0
@@ -122,7 +124,9 @@ class MaterialPoint(ReadyScene):
             )
         )
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -130,7 +134,7 @@ class MaterialPoint(ReadyScene):
         from mpm_warp.history import variable
 
         paths = self.paths()
-        stress, excess, cost = self._follow(paths)
+        stress, excess, cost = self._follow(paths, "cpu" if execution is None else execution.device)
         exact = np.array([path.exact for path in paths])
         dims = ("path", "component")
         variables = {
@@ -155,7 +159,7 @@ class MaterialPoint(ReadyScene):
         return xr.Dataset(variables, coords=axes).assign(cost)
 
     def _follow(
-        self, paths: tuple[StrainPath, ...]
+        self, paths: tuple[StrainPath, ...], device: str
     ) -> tuple[np.ndarray, np.ndarray, Mapping[str, xarray.Variable]]:
         """Stress over strength at the ends of `paths`, excess of these and of random ones, cost."""
         import numpy as np
@@ -178,10 +182,12 @@ class MaterialPoint(ReadyScene):
         gradient = np.concatenate([[path.gradient for path in paths], random])
         rest = np.zeros((len(gradient), 4))
         rest[: len(paths)] = [path.start for path in paths]
-        stress: wp.array[Any] = wp.array(rest * material.strength, dtype=FLOAT64.vec4, device="cpu")
-        excess: wp.array[Any] = wp.zeros(len(gradient), dtype=FLOAT64.real, device="cpu")
+        stress: wp.array[Any] = wp.array(
+            rest * material.strength, dtype=FLOAT64.vec4, device=device
+        )
+        excess: wp.array[Any] = wp.zeros(len(gradient), dtype=FLOAT64.real, device=device)
         arguments = [
-            wp.array(gradient, dtype=FLOAT64.vec5, device="cpu"),
+            wp.array(gradient, dtype=FLOAT64.vec5, device=device),
             self.step_count,
             material.shear_modulus,
             material.bulk_modulus,
@@ -191,9 +197,10 @@ class MaterialPoint(ReadyScene):
         ]
         set_up = time.perf_counter()
         kernel = make_strain_path(make_yielding(material, FLOAT64), FLOAT64)
-        wp.force_load("cpu", modules=[kernel.module])
+        wp.force_load(device, modules=[kernel.module])
         loaded = time.perf_counter()
-        wp.launch(kernel, len(gradient), arguments, device="cpu")
+        wp.launch(kernel, len(gradient), arguments, device=device)
+        wp.synchronize_device(device)
         cost = costs(
             run_time=time.perf_counter() - loaded,
             setup_time=set_up - start,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mpm_warp.bodies.planning import BodyPlan
     from mpm_warp.bodies.scene import BodyScene
     from mpm_warp.bodies.sliding import SlidingMotion
+    from mpm_warp.execution import Execution
     from mpm_warp.materials import LinearElastic
 
 SAMPLE_COUNT = 100
@@ -368,14 +369,16 @@ class SlidingBlock(ReadyScene):
 
         return make_body_plan(self.build())
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.bodies.history import BodyHistory
         from mpm_warp.bodies.sliding_dataset import sliding_dataset
         from mpm_warp.history import cost
         from mpm_warp.simulation import TimeLoop
 
-        loop = TimeLoop(self.plan())
+        loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
         loop.advance(round(self.start / loop.plan.time_step))
         history = BodyHistory(loop)

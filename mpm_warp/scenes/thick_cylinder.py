@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.boundaries import Fixed
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import Grid
     from mpm_warp.loads import NodalLoad
     from mpm_warp.scene import Scene
@@ -40,7 +41,7 @@ class ThickCylinder(ReadyScene):
     """
 
     summary: ClassVar[str] = "elastic thick-walled cylinder, stresses and wall displacement"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cell_count",
@@ -144,7 +145,9 @@ class ThickCylinder(ReadyScene):
             vertical[:-1] = False
         return Fixed.where(radial=radial, vertical=vertical)
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -155,7 +158,7 @@ class ThickCylinder(ReadyScene):
 
         scene = self.simulated_scene()
         grid = scene.grid
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, execution)
         start = time.perf_counter()
         position = simulation.array("particle.position").copy()
         rest_time = REST_TIME * self.radius_ratio / scene.material.shear_wave_speed

@@ -1,0 +1,125 @@
+"""The steps of a plan, recorded once and replayed: Python takes no part in a step beyond a call."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.kernels.rendezvous import make_rendezvous
+from mpm_warp.plan import Launch, Own, StepPlan
+from mpm_warp.team import team_of
+
+AUDIT_INTERVAL = 16
+"""Steps between two that are audited."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Recordings:
+    """What is replayed by one call: a recording for each thread.
+
+    Attributes:
+        plain: a step.
+        audited: one that is audited.
+        burst: all steps from one audit to the next.
+    """
+
+    plain: list[Any]
+    audited: list[Any]
+    burst: list[Any]
+
+    def sequence(self, steps: range) -> list[list[Any]]:
+        """What to replay for these steps."""
+        played, step = [], steps.start
+        while step < steps.stop:
+            is_audited = step % AUDIT_INTERVAL == 0
+            if is_audited and steps.stop - step >= AUDIT_INTERVAL:
+                played.append(self.burst)
+                step += AUDIT_INTERVAL
+            else:
+                played.append(self.audited if is_audited else self.plain)
+                step += 1
+        return played
+
+
+class Player:
+    """Launches of a plan on a device.
+
+    Args:
+        plan: whose launches they are.
+        arrays: its arrays on the device, by name.
+        device: where they are.
+    """
+
+    def __init__(self, plan: StepPlan, arrays: Mapping[str, Any], device: str) -> None:
+        self._plan = plan
+        self._arrays = arrays
+        self._device = wp.get_device(device)
+        self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
+        wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
+        self._recordings = {1: self._record_all(1)}
+
+    def launch(self, launch: Launch) -> None:
+        """Launch a kernel now."""
+        arguments = [self._argument(item) for item in launch.arguments]
+        wp.launch(launch.kernel, launch.dim, arguments, device=self._device)
+
+    def play(self, steps: range, threads: int) -> None:
+        """Take steps, with as many threads as there are and the plan has shares for.
+
+        Args:
+            steps: their numbers, which tell which of them are audited.
+            threads: threads of the processor, >= 1.
+        """
+        threads = min(threads, self._plan.share_count)
+        if threads not in self._recordings:
+            self._recordings[threads] = self._record_all(threads)
+        sequence = self._recordings[threads].sequence(steps)
+
+        def play_part(thread: int) -> None:
+            for recording in sequence:
+                wp.capture_launch(recording[thread])
+
+        if threads == 1:
+            play_part(0)
+        else:
+            team_of(threads).run(play_part)
+
+    def _argument(self, item: Any) -> Any:
+        if isinstance(item, Own):
+            return self._arrays[item.name][item.number]
+        return self._arrays[item] if isinstance(item, str) else item
+
+    def _record_all(self, threads: int) -> _Recordings:
+        plain, audited = self._plan.step, self._plan.audited_step or self._plan.step
+        return _Recordings(
+            plain=self._record(plain, threads),
+            audited=self._record(audited, threads),
+            burst=self._record([*audited, *plain * (AUDIT_INTERVAL - 1)], threads),
+        )
+
+    def _record(self, launches: Sequence[Launch], threads: int) -> list[Any]:
+        arrivals: Any = wp.zeros(threads, dtype=int, device=self._device)
+        self._arrivals.append(arrivals)
+        shared_next = [*(launch.is_shared for launch in launches[1:]), True]
+        recordings = []
+        for thread in range(threads):
+            with wp.ScopedCapture(device=self._device) as capture:
+                for launch, others_follow in zip(launches, shared_next, strict=True):
+                    self._launch_part(launch, thread, threads)
+                    if threads > 1 and (launch.is_shared or others_follow):
+                        wp.launch(make_rendezvous(), 1, [arrivals, thread], device=self._device)
+            recordings.append(capture.graph)
+        return recordings
+
+    def _launch_part(self, launch: Launch, thread: int, threads: int) -> None:
+        """What a thread does of a launch; one that is not shared is the first thread's."""
+        if not launch.is_shared:
+            if thread == 0:
+                self.launch(launch)
+            return
+        count = self._plan.share_count if launch.adds_up else threads
+        for number in range(thread * count // threads, (thread + 1) * count // threads):
+            self.launch(launch.share(number, count))
