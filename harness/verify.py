@@ -147,17 +147,17 @@ def table_rows(verified: Verified) -> str:
     """Lines of the table: one for each resolution, the verdict on the last."""
     verification = verified.check.verification
     errors, run_times = verified.values("error"), verified.values("run_time")
-    lines = []
+    label = verified.check.label
+    lines = [label] if len(label) > WIDTHS[0] else []
     for index, resolution in enumerate(verification.resolutions):
         last = index == len(errors) - 1
-        label = verified.check.label if index == 0 else ""
         order = f"{verified.order:.2f}" if last and verification.least_order is not None else ""
         bound = f"{verification.bounds['error']:g}" if last else ""
         verdict = "; ".join(verified.shortfalls)
         verdict = f"FALLS SHORT: {verdict}" if verdict else "pass"
         lines.append(
             _line(
-                label,
+                label if not lines else "",
                 f"{verification.resolution} {resolution}",
                 f"{errors[index]:.3g}",
                 bound,

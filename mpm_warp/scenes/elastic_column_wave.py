@@ -42,7 +42,7 @@ class ElasticColumnWave(ReadyScene):
     """
 
     summary: ClassVar[str] = "pressure waves along a column: sudden load, standing wave"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cell_count",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.bodies.planning import BodyPlan
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import Floats
     from mpm_warp.simulation import TimeLoop
 
@@ -94,7 +95,9 @@ class FlyingBlock(ReadyScene):
             BodyScene(grid=grid, bodies=(block,), time_step_fraction=TIME_STEP_FRACTION)
         )
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
         import xarray as xr
@@ -102,7 +105,7 @@ class FlyingBlock(ReadyScene):
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import TimeLoop
 
-        loop = TimeLoop(self.plan())
+        loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
         self._set_off(loop)
         samples = [self._sample(loop)]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.bodies.planning import BodyPlan
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import Floats
     from mpm_warp.simulation import TimeLoop
 
@@ -128,14 +129,16 @@ class StretchedBar(ReadyScene):
             BodyScene(grid=grid, bodies=(bar,), time_step_fraction=0.8 / self.stretch)
         )
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
         from mpm_warp.history import cost
         from mpm_warp.simulation import TimeLoop
 
-        loop = TimeLoop(self.plan())
+        loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
         samples = []
         for sample in range(1, SAMPLE_COUNT + 1):

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.bodies.planning import BodyPlan
+    from mpm_warp.execution import Execution
     from mpm_warp.grids import Floats
-    from mpm_warp.simulation import TimeLoop
+    from mpm_warp.shock import Shock
 
 LENGTH = 1.0
 """Length of the bar [m]; it is a cell thick."""
@@ -26,30 +27,23 @@ DAMPING = 0.5
 """Retardation time over the time in which a wave crosses a cell: a shock is some cells wide."""
 POINTS_PER_CELL = 2
 """Material points along and across a cell."""
-TRAVEL = 0.75
-"""Part of the bar that the shock has passed at the end; its speed is that over the second half."""
+TIME_STEP_FRACTION = 0.1
+"""Small: a shock strains what it passes by half, and steps are accurate for small strain each."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StruckBar(ReadyScene):
-    """A bar of Poisson's ratio 0 and speed V strikes a wall and comes to rest behind a shock.
+    """A body, a bar of Poisson's ratio 0, comes to rest on another, which is rigid.
 
-    With the stress M ln l at the stretch l, the density rho and c^2 = M / rho, a shock that passes
-    the length U of the unstrained bar in a unit of time leaves, by mass and momentum (Rankine and
-    Hugoniot; no law of energy is needed where stress does not depend on it),
-
-        l = 1 - V / U,    -M ln l = rho U V,    so that (V / c)^2 = -(V / U) ln(1 - V / U).
+    The exact solution is that of :class:`mpm_warp.shock.Shock`.
     """
 
     summary: ClassVar[str] = "bar that strikes a wall at half its wave speed; shock relations"
     version: ClassVar[int] = 1
-    method: ClassVar[tuple[str, ...]] = ("cell_count", "time_step_fraction")
+    method: ClassVar[tuple[str, ...]] = ("cell_count",)
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
-            resolution="cell_count",
-            resolutions=(40, 80),
-            bounds={"error": 0.02},
-            extreme=True,
+            resolution="cell_count", resolutions=(40, 80), bounds={"error": 0.02}, extreme=True
         ),
     )
 
@@ -59,38 +53,13 @@ class StruckBar(ReadyScene):
     cell_count: int = parameter(
         80, unit="1", meaning="cells along the bar", minimum=20, maximum=1000
     )
-    time_step_fraction: float = parameter(
-        0.1,
-        unit="1",
-        meaning="time step over that in which a wave crosses a cell",
-        above=0,
-        maximum=1,
-    )
 
     @property
-    def cell_size(self) -> float:
-        """Side of a cell, the thickness of the bar [m]."""
-        return LENGTH / self.cell_count
+    def shock(self) -> Shock:
+        """The exact solution."""
+        from mpm_warp.shock import Shock
 
-    @property
-    def shortening(self) -> float:
-        """V / U: what the shock takes of the length."""
-        from scipy.optimize import brentq
-
-        def excess(shortening: float) -> float:
-            return -shortening * math.log1p(-shortening) - self.speed_ratio**2
-
-        return float(brentq(excess, 0.0, 1.0 - 1e-12))
-
-    @property
-    def shock_speed(self) -> float:
-        """U, in lengths of the unstrained bar [m/s]."""
-        return self.speed_ratio * WAVE_SPEED / self.shortening
-
-    @property
-    def shock_stress(self) -> float:
-        """Stress behind the shock [Pa]."""
-        return MODULUS * math.log1p(-self.shortening)
+        return Shock(modulus=MODULUS, density=DENSITY, speed=self.speed_ratio * WAVE_SPEED)
 
     def plan(self) -> BodyPlan:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -101,7 +70,7 @@ class StruckBar(ReadyScene):
         from mpm_warp.bodies.scene import BodyContact, BodyScene
         from mpm_warp.materials import LinearElastic
 
-        cell = self.cell_size
+        cell = LENGTH / self.cell_count
         spacing = cell / POINTS_PER_CELL
         frame = InterfaceFrame(angle=0.0)
         material = LinearElastic(shear_modulus=0.5 * MODULUS, poissons_ratio=0.0, density=DENSITY)
@@ -116,114 +85,37 @@ class StruckBar(ReadyScene):
                 grid=frame.grid_around(bodies, travel=0.0, cell_size=cell, offset=0.0),
                 bodies=bodies,
                 contacts=(BodyContact(body=0, base=1),),
-                time_step_fraction=self.time_step_fraction,
+                time_step_fraction=TIME_STEP_FRACTION,
             )
         )
 
-    def run(self, progress: Progress | None = None) -> xarray.Dataset:
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
         from mpm_warp.history import cost
+        from mpm_warp.shock import follow_shock
         from mpm_warp.simulation import TimeLoop
 
-        loop = TimeLoop(self.plan())
+        loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
+        section_count = POINTS_PER_CELL * self.cell_count
+        point_count = POINTS_PER_CELL * section_count
         velocity = loop.array("particle.velocity")
-        velocity[: self._point_count, 1] = -self.speed_ratio * WAVE_SPEED
+        velocity[:point_count, 1] = -self.shock.speed
         loop.arrays["particle.velocity"].assign(velocity)
-        fronts = []
-        for share in (0.5, 1.0):
-            until = share * TRAVEL * LENGTH / self.shock_speed
-            loop.advance(round(until / loop.plan.time_step) - loop.step_count)
-            fronts.append((loop.time, self._front(loop)))
-            if progress is not None:
-                progress(share)
-        loop.check()
-        run_time = time.perf_counter() - begin
-        return self._dataset(loop, np.array(fronts)).assign(cost(loop, run_time=run_time))
 
-    def _dataset(self, loop: TimeLoop, fronts: Floats) -> xarray.Dataset:
-        import numpy as np
-        import xarray as xr
+        def section_means(values: Floats) -> Floats:
+            means: Floats = values[:point_count].reshape(-1, POINTS_PER_CELL).mean(axis=1)
+            return means
 
-        from mpm_warp.history import variable
-
-        speed = self.speed_ratio * WAVE_SPEED
-        (middle_time, middle_front), (end_time, end_front) = fronts
-        shock_speed = (end_front - middle_front) / (end_time - middle_time)
-        velocity = self._along_bar(loop, "particle.velocity", 1)
-        stress = self._along_bar(loop, "particle.stress", 1)
-        places = self._places
-        # Between what the first touch has left at the wall and the shock's own width.
-        behind = (places > 0.25 * end_front) & (places < 0.75 * end_front)
-        errors = {
-            "shock_speed_error": (
-                shock_speed / self.shock_speed - 1.0,
-                "error of the shock's speed",
-            ),
-            "stress_error": (
-                stress[behind].mean() / self.shock_stress - 1.0,
-                "error of the mean stress behind the shock",
-            ),
-            "velocity_error": (
-                velocity[behind].mean() / speed,
-                "mean velocity behind the shock over that of the bar",
-            ),
-        }
-        passed = places < self.shock_speed * end_time
-        curves = {
-            "stress": (stress, "Pa", "stress along the bar at the end"),
-            "stress_exact": (np.where(passed, self.shock_stress, 0.0), "Pa", "stress, exact"),
-            "velocity": (velocity, "m s-1", "velocity along the bar at the end"),
-            "velocity_exact": (np.where(passed, 0.0, -speed), "m s-1", "velocity, exact"),
-        }
-        greatest = max(abs(value) for value, _ in errors.values())
-        variables = {
-            "error": variable(
-                greatest, unit="1", meaning="greatest error of shock speed, stress and velocity"
-            ),
-            "stress_scatter": variable(
-                stress[behind].std() / abs(self.shock_stress),
-                unit="1",
-                meaning="standard deviation of the stress behind the shock, over it",
-            ),
-        }
-        variables |= {
-            name: variable(abs(value), unit="1", meaning=meaning)
-            for name, (value, meaning) in errors.items()
-        } | {
-            name: variable(values, unit=unit, meaning=meaning, dims=("place",))
-            for name, (values, unit, meaning) in curves.items()
-        }
-        axis = variable(places, unit="m", meaning="place in the unstrained bar", dims=("place",))
-        return xr.Dataset(variables, coords={"place": axis})
-
-    def _front(self, loop: TimeLoop) -> float:
-        """Where in the unstrained bar half the velocity is gone [m]."""
-        import numpy as np
-
-        half = -0.5 * self.speed_ratio * WAVE_SPEED
-        velocity = self._along_bar(loop, "particle.velocity", 1)
-        first = int(np.flatnonzero(velocity < half)[0])
-        around = [first, first - 1]
-        return float(np.interp(half, velocity[around], self._places[around]))
-
-    def _along_bar(self, loop: TimeLoop, name: str, component: int) -> Floats:
-        """Means over the thickness, from the wall up."""
-        values = loop.array(name)[: self._point_count, component]
-        mean: Floats = values.reshape(-1, POINTS_PER_CELL).mean(axis=1)
-        return mean
-
-    @property
-    def _point_count(self) -> int:
-        return POINTS_PER_CELL**2 * self.cell_count
-
-    @property
-    def _places(self) -> Floats:
-        """Places of the points along the unstrained bar, from the wall [m]."""
-        import numpy as np
-
-        count = POINTS_PER_CELL * self.cell_count
-        places: Floats = LENGTH * (np.arange(count) + 0.5) / count
-        return places
+        result = follow_shock(
+            loop,
+            self.shock,
+            places=LENGTH * (np.arange(section_count) + 0.5) / section_count,
+            section_means=section_means,
+            progress=progress,
+        )
+        return result.assign(cost(loop, run_time=time.perf_counter() - begin))

@@ -12,7 +12,9 @@ from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
 from mpm_warp.scenes.flying_block import TIME_STEP_FRACTION, FlyingBlock
 from mpm_warp.scenes.sliding_block import SlidingBlock
 from mpm_warp.scenes.stretched_bar import StretchedBar
-from mpm_warp.scenes.struck_bar import TRAVEL, StruckBar
+from mpm_warp.scenes.struck_bar import StruckBar
+from mpm_warp.scenes.struck_column import StruckColumn
+from mpm_warp.shock import TRAVEL, Shock
 
 
 def test_free_flight_keeps_momentum_spin_and_shape() -> None:
@@ -44,18 +46,22 @@ def spread(bar: StretchedBar) -> float:
     return (0.5 / bar.cell_count) ** 2
 
 
+@pytest.mark.parametrize("struck", [StruckBar, StruckColumn])
 @pytest.mark.parametrize("speed_ratio", [0.1, 0.5, 0.9])
-def test_shock_of_a_bar_that_strikes_a_wall(speed_ratio: float) -> None:
-    bar = StruckBar(speed_ratio=speed_ratio, cell_count=40)
-    # The shock is as sharp as a cell, over the half of its way in which its speed is taken.
-    assert float(bar.run().error) <= 1.0 / (0.5 * TRAVEL * bar.cell_count)
+def test_shock(struck: type[StruckBar] | type[StruckColumn], speed_ratio: float) -> None:
+    """It is as sharp as a cell, over the half of its way in which its speed is taken."""
+    cells = 40
+    result = struck(speed_ratio=speed_ratio, cell_count=cells).run()
+    assert float(result.error) <= 1.0 / (0.5 * TRAVEL * cells)
 
 
-def test_shock_relations_become_those_of_waves() -> None:
-    slow = 1e-3
-    bar = StruckBar(speed_ratio=slow)
-    impedance = slow * 2e6  # rho c V, rho c^2 being the modulus
-    assert -bar.shock_stress / impedance == pytest.approx(1.0, abs=slow)
+def test_shock_relations_hold_and_become_those_of_waves() -> None:
+    fast, slow = (Shock(modulus=8.0, density=2.0, speed=ratio * 2.0) for ratio in (0.5, 1e-3))
+    stretch = 1.0 - fast.speed / fast.front_speed
+    assert -8.0 * math.log(stretch) == pytest.approx(2.0 * fast.front_speed * fast.speed)
+    assert fast.stress == pytest.approx(8.0 * math.log(stretch))
+    assert slow.front_speed == pytest.approx(2.0, rel=1e-3)
+    assert slow.stress == pytest.approx(-2.0 * 2.0 * slow.speed, rel=1e-3)
 
 
 def test_energy_of_many_load_cycles() -> None:
