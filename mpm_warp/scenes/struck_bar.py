@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+from mpm_warp.impact import LENGTH, Impact
+from mpm_warp.scenes.base import Progress
 
 if TYPE_CHECKING:
     import xarray
@@ -16,13 +15,7 @@ if TYPE_CHECKING:
     from mpm_warp.bodies.planning import BodyPlan
     from mpm_warp.execution import Execution
     from mpm_warp.grids import Floats
-    from mpm_warp.shock import Shock
 
-LENGTH = 1.0
-"""Length of the bar [m]; it is a cell thick."""
-MODULUS = 2e6
-DENSITY = 1000.0
-WAVE_SPEED = math.sqrt(MODULUS / DENSITY)
 DAMPING = 0.5
 """Retardation time over the time in which a wave crosses a cell: a shock is some cells wide."""
 POINTS_PER_CELL = 2
@@ -32,34 +25,13 @@ TIME_STEP_FRACTION = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
-class StruckBar(ReadyScene):
-    """A body, a bar of Poisson's ratio 0, comes to rest on another, which is rigid.
-
-    The exact solution is that of :class:`mpm_warp.shock.Shock`.
-    """
+class StruckBar(Impact):
+    """A body, a bar of Poisson's ratio 0 and a cell thick, comes to rest on another, rigid one."""
 
     summary: ClassVar[str] = "bar that strikes a wall at half its wave speed; shock relations"
     version: ClassVar[int] = 1
-    method: ClassVar[tuple[str, ...]] = ("cell_count",)
-    verifications: ClassVar[tuple[Verification, ...]] = (
-        Verification(
-            resolution="cell_count", resolutions=(40, 80), bounds={"error": 0.02}, extreme=True
-        ),
-    )
-
-    speed_ratio: float = parameter(
-        0.5, unit="1", meaning="speed of the bar over that of its waves", above=0, maximum=0.9
-    )
-    cell_count: int = parameter(
-        80, unit="1", meaning="cells along the bar", minimum=20, maximum=1000
-    )
-
-    @property
-    def shock(self) -> Shock:
-        """The exact solution."""
-        from mpm_warp.shock import Shock
-
-        return Shock(modulus=MODULUS, density=DENSITY, speed=self.speed_ratio * WAVE_SPEED)
+    modulus: ClassVar[float] = 2e6
+    density: ClassVar[float] = 1000.0
 
     def plan(self) -> BodyPlan:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -70,14 +42,16 @@ class StruckBar(ReadyScene):
         from mpm_warp.bodies.scene import BodyContact, BodyScene
         from mpm_warp.materials import LinearElastic
 
-        cell = LENGTH / self.cell_count
+        cell = self.cell_size
         spacing = cell / POINTS_PER_CELL
         frame = InterfaceFrame(angle=0.0)
-        material = LinearElastic(shear_modulus=0.5 * MODULUS, poissons_ratio=0.0, density=DENSITY)
+        material = LinearElastic(
+            shear_modulus=0.5 * self.modulus, poissons_ratio=0.0, density=self.density
+        )
         bar = frame.body((0.0, cell), (0.0, LENGTH), spacing, material)
         wall = frame.body((-2.0 * cell, 3.0 * cell), (-3.0 * cell, 0.0), spacing, material)
         bodies = (
-            replace(bar, retardation_time=DAMPING * cell / WAVE_SPEED),
+            replace(bar, retardation_time=DAMPING * cell / self.wave_speed),
             replace(wall, held=np.ones(wall.particle_count, dtype=bool)),
         )
         return make_body_plan(
