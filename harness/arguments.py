@@ -7,6 +7,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from mpm_warp.execution import THREAD_COUNTS
+
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]
 
@@ -39,6 +41,7 @@ def make_parser() -> argparse.ArgumentParser:
     where.add_argument(
         "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
     )
+    _add_execution(run)
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
         "--case-timeout",
@@ -65,6 +68,7 @@ def make_parser() -> argparse.ArgumentParser:
     rerun.set_defaults(command="rerun")
     rerun.add_argument("file", type=Path, metavar="FILE", help="of a case, or result of a study")
     rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
+    _add_execution(rerun)
 
     commands.add_parser("list", help="list studies and scenes").set_defaults(command="list")
 
@@ -139,6 +143,19 @@ def _add_study(command: argparse.ArgumentParser) -> None:
         default=[],
         metavar="KEY=VALUE",
         help="set a parameter; a list, as in KEY=[1,2], varies it; repeatable",
+    )
+
+
+def _add_execution(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--threads",
+        type=int,
+        choices=THREAD_COUNTS,
+        metavar="N",
+        help="threads of a case, 1, 2 or 4, which do not change it; default: those that are idle",
+    )
+    command.add_argument(
+        "--device", default="cpu", metavar="NAME", help="cpu, the default, or a GPU: cuda:0, ..."
     )
 
 

@@ -69,10 +69,18 @@ def _run(options: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, _raise_terminated)
     if options.dask is not None and options.case_timeout < math.inf:
         raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
+    if options.dask is not None and (options.threads or options.device != "cpu"):
+        raise HarnessError("--threads and --device are of this machine; leave them out with --dask")
     study = load_study(options.study, options.set)
     cases = cases_of(study)
     run = (
-        on_this_machine(study, options.workers, options.case_timeout)
+        on_this_machine(
+            study,
+            options.workers,
+            options.case_timeout,
+            device=options.device,
+            threads=options.threads,
+        )
         if options.dask is None
         else on_cluster(study, options.dask)
     )
@@ -167,11 +175,13 @@ def _confirmed(question: str) -> bool:
 def _rerun(options: argparse.Namespace) -> int:
     from harness.progress import Display
     from harness.rerun import read_for_rerun, rerun, verdict
+    from harness.run_study import check_device
 
     signal.signal(signal.SIGTERM, _raise_terminated)
+    check_device(options.device)
     case, before = read_for_rerun(options.file, options.case)
     with Display(1, sys.stderr) as display:
-        again = rerun(case, display)
+        again = rerun(case, display, device=options.device, threads=options.threads)
     same, words = verdict(before, again)
     print(f"{case.key}: {words}")
     return DONE if same else INCOMPLETE

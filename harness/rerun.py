@@ -18,7 +18,14 @@ from harness.runner import Watcher, run_cases
 from mpm_warp.parameters import Value, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class
 
-PROVENANCE = ("commit", "warp_lang_version", "numpy_version", "python_version", "processor")
+PROVENANCE = (
+    "commit",
+    "warp_lang_version",
+    "numpy_version",
+    "python_version",
+    "processor",
+    "device",
+)
 """What may be the reason where results differ."""
 
 
@@ -61,12 +68,14 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
     return case, dataset
 
 
-def rerun(case: Case, watcher: Watcher) -> xr.Dataset:
+def rerun(
+    case: Case, watcher: Watcher, *, device: str = "cpu", threads: int | None = None
+) -> xr.Dataset:
     """Run a case in a worker process, as a study does, and leave no file."""
     with tempfile.TemporaryDirectory(prefix="harness-rerun-") as name:
         folder = Path(name)
         prepare(folder)
-        run_cases([case], folder, 1, watcher)
+        run_cases([case], folder, 1, watcher, device=device, threads=threads)
         again = read_case(folder, case)
     if again is None:
         raise ArchiveError(f"case {case.key}: left no result")

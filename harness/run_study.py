@@ -21,21 +21,59 @@ RunCases = Callable[[Sequence[Case], Path, Watcher], None]
 """Runs cases, keeps their results in a folder, and tells a watcher."""
 
 
-def on_this_machine(study: Study, worker_count: int | None, time_limit: float) -> RunCases:
+def on_this_machine(
+    study: Study,
+    worker_count: int | None,
+    time_limit: float,
+    *,
+    device: str = "cpu",
+    threads: int | None = None,
+) -> RunCases:
     """How to run the cases of a study in worker processes here.
 
     Args:
         study: where it asks for timed runs, one process runs alone.
         worker_count: processes at work; None: one for each core.
         time_limit: time that a case may take [s].
+        device: where the cases are computed.
+        threads: of each case; None: those that are idle, or one where the study asks for timing.
+
+    Raises:
+        HarnessError: there is no such device.
     """
+    check_device(device)
     repeats = study.timing_repeats
     workers = 1 if repeats else worker_count or os.cpu_count() or 1
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
     return lambda cases, folder, watcher: run_cases(
-        cases, folder, workers, watcher, time_limit=time_limit, repeats=repeats
+        cases,
+        folder,
+        workers,
+        watcher,
+        device=device,
+        threads=1 if threads is None and repeats else threads,
+        time_limit=time_limit,
+        repeats=repeats,
     )
+
+
+def check_device(device: str) -> None:
+    """Check that a device is there.
+
+    Raises:
+        HarnessError: it is not.
+    """
+    if device == "cpu":
+        return
+    from harness.worker import start_warp_in_silence
+
+    start_warp_in_silence()
+    import warp as wp
+
+    known = [it.alias for it in wp.get_devices()]
+    if device not in known:
+        raise HarnessError(f"--device {device}: there is none here; known: {', '.join(known)}")
 
 
 def on_cluster(study: Study, address: str) -> RunCases:

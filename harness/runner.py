@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import multiprocessing
+import os
 import signal
 import time
 from collections import deque
@@ -20,6 +21,7 @@ from harness.case_files import ArchiveError, discard_partial, is_complete, write
 from harness.cases import COMPLETED, CRASHED, MISSING, TIMED_OUT, Case, Outcome
 from harness.measuring import case_time
 from harness.worker import serve
+from mpm_warp.execution import THREAD_COUNTS
 
 GRACE = 2.0
 """Seconds that workers have to end after they were told to."""
@@ -44,6 +46,8 @@ def run_cases(
     worker_count: int,
     watcher: Watcher,
     *,
+    device: str = "cpu",
+    threads: int | None = None,
     time_limit: float = math.inf,
     repeats: int = 0,
 ) -> None:
@@ -58,6 +62,9 @@ def run_cases(
         folder: where the case files are.
         worker_count: greatest number of processes at work.
         watcher: is told what goes on.
+        device: where the cases are computed.
+        threads: for each case; None: the cases at work share the cores, whose number may be more
+            than theirs where there are few, or few left.
         time_limit: time that a case may take [s]; one that takes more is ended.
         repeats: times to run each case again to measure its run time warm.
 
@@ -80,7 +87,9 @@ def run_cases(
     try:
         while waiting or workers:
             while len(workers) < worker_count and (case := next_case()):
-                workers.append(_Worker(folder, case, repeats))
+                workers.append(_Worker(folder, case, device, repeats))
+            for worker in workers:
+                worker.allow(threads or share_of_cores(len(workers)))
             for worker in _with_news(workers, time_limit):
                 news = worker.news(time_limit)
                 if isinstance(news, float):
@@ -102,11 +111,14 @@ def run_cases(
 class _Worker:
     """The parent's end of a worker process, and the case that it is at."""
 
-    def __init__(self, folder: Path, case: Case, repeats: int) -> None:
+    def __init__(self, folder: Path, case: Case, device: str, repeats: int) -> None:
         self.folder = folder
         self.repeats = repeats
+        self.threads = 1
         self.connection, theirs = _PROCESSES.Pipe()
-        self.process = _PROCESSES.Process(target=serve, args=(theirs, folder, repeats), daemon=True)
+        self.process = _PROCESSES.Process(
+            target=serve, args=(theirs, folder, device, repeats), daemon=True
+        )
         with _interrupts_held():  # the worker inherits that and never sees a SIGINT
             self.process.start()
         # With this copy closed, the death of the worker reads as an end of file.
@@ -117,8 +129,17 @@ class _Worker:
         self.case = case
         self.fraction = 0.0
         self.began = math.inf  # a new worker needs its time to start
+        self._send(case)
+
+    def allow(self, threads: int) -> None:
+        """Tell the worker how many threads to use from now on."""
+        if threads != self.threads:
+            self.threads = threads
+            self._send(threads)
+
+    def _send(self, message: Case | int) -> None:
         with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
-            self.connection.send(case)
+            self.connection.send(message)
 
     def is_late(self, time_limit: float) -> bool:
         return time.monotonic() >= self.began + time_limit
@@ -150,6 +171,12 @@ class _Worker:
         dataset = xr.Dataset({"case_time": case_time(seconds)})
         write_case(self.folder, self.case, dataset, status, message)
         return Outcome(status, message, seconds=seconds)
+
+
+def share_of_cores(cases_at_work: int) -> int:
+    """Threads of each of the cases that share the cores of this machine."""
+    cores = (os.cpu_count() or 1) // cases_at_work
+    return max((count for count in THREAD_COUNTS if count <= cores), default=1)
 
 
 def _with_news(workers: Sequence[_Worker], time_limit: float) -> list[_Worker]:

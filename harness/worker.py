@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cases import COMPLETED, MISSING, Case, Outcome
+from mpm_warp.execution import Execution
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
 
@@ -37,7 +38,12 @@ class Result:
     dataset: xr.Dataset
 
 
-def compute(case: Case, progress: Progress | None = None, repeats: int = 0) -> Result:
+def compute(
+    case: Case,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    repeats: int = 0,
+) -> Result:
     """Run a case in this process.
 
     An exception that the scene raises is the outcome of the case, by its attribute ``status``
@@ -46,6 +52,7 @@ def compute(case: Case, progress: Progress | None = None, repeats: int = 0) -> R
     Args:
         case: the case.
         progress: is told the fraction done now and then.
+        execution: where it is computed, and on how many threads; default: one of the processor.
         repeats: times to run it again to measure its run time warm.
     """
     import xarray as xr
@@ -53,10 +60,11 @@ def compute(case: Case, progress: Progress | None = None, repeats: int = 0) -> R
     from harness.measuring import Measurement
     from harness.provenance import provenance
 
+    execution = execution or Execution()
     measurement = Measurement()
     status, message = COMPLETED, ""
     try:
-        dataset = _run(case, progress, repeats)
+        dataset = _run(case, progress, execution, repeats)
     except Exception as error:
         dataset = xr.Dataset()
         status = getattr(error, "status", "failed")
@@ -65,12 +73,18 @@ def compute(case: Case, progress: Progress | None = None, repeats: int = 0) -> R
     headline = next(
         (f"{str(name).replace('_', ' ')} {array.item():.4g}" for name, array in scalars), ""
     )
-    dataset = dataset.assign(measurement.variables()).assign_attrs(provenance())
+    dataset = dataset.assign(measurement.variables()).assign_attrs(
+        provenance(), device=execution.device
+    )
     return Result(Outcome(status, message, headline, measurement.seconds()), dataset)
 
 
 def run_case(
-    case: Case, folder: Path, progress: Progress | None = None, repeats: int = 0
+    case: Case,
+    folder: Path,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    repeats: int = 0,
 ) -> Outcome:
     """Run a case in this process and write its file, whatever becomes of it; see :func:`compute`.
 
@@ -79,16 +93,17 @@ def run_case(
     """
     from harness.case_files import write_case
 
-    result = compute(case, progress, repeats)
+    result = compute(case, progress, execution, repeats)
     write_case(folder, case, result.dataset, result.outcome.status, result.outcome.message)
     return result.outcome
 
 
-def serve(connection: Connection, folder: Path, repeats: int) -> None:
+def serve(connection: Connection, folder: Path, device: str, repeats: int) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
-    Sent back are fractions done, 0 as a case begins, then an :class:`Outcome`. To be called first
-    thing in a fresh process, which it makes its own: signals, threads of numerical libraries.
+    A number that comes instead, before a case or during it, is that of the threads to use from then
+    on. Sent back are fractions done, 0 as a case begins, then an :class:`Outcome`. To be called
+    first thing in a fresh process, which it makes its own: signals, threads of libraries.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -98,12 +113,17 @@ def serve(connection: Connection, folder: Path, repeats: int) -> None:
     start_warp_in_silence()
     from harness.case_files import ArchiveError
 
+    execution = Execution(device)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
-            case = connection.recv()
+            message = connection.recv()
+            if isinstance(message, int):
+                execution.threads = message
+                continue
             connection.send(0.0)
+            reporter = _Reporter(connection, execution)
             try:
-                outcome = run_case(case, folder, _Reporter(connection), repeats)
+                outcome = run_case(message, folder, reporter, execution, repeats)
             except ArchiveError as error:
                 outcome = Outcome(MISSING, str(error))
             connection.send(outcome)
@@ -122,7 +142,7 @@ def start_warp_in_silence() -> None:
     os.close(kept)
 
 
-def _run(case: Case, progress: Progress | None, repeats: int) -> xr.Dataset:
+def _run(case: Case, progress: Progress | None, execution: Execution, repeats: int) -> xr.Dataset:
     """The dataset of the scene, with the run times of `repeats` more runs."""
     from harness.measuring import differing, with_samples
 
@@ -138,7 +158,7 @@ def _run(case: Case, progress: Progress | None, repeats: int) -> xr.Dataset:
             if progress is not None:
                 progress((number + fraction) / run_count)
 
-        return from_mapping(scene, case.parameters).run(report)
+        return from_mapping(scene, case.parameters).run(report, execution)
 
     dataset = run(0)
     samples = []
@@ -151,10 +171,14 @@ def _run(case: Case, progress: Progress | None, repeats: int) -> xr.Dataset:
 
 
 class _Reporter:
-    """Sends fractions done, now and then; ends the process where nobody listens any more."""
+    """Sends fractions done, now and then, and takes the number of threads that comes back.
 
-    def __init__(self, connection: Connection) -> None:
+    It ends the process where nobody listens any more.
+    """
+
+    def __init__(self, connection: Connection, execution: Execution) -> None:
         self.connection = connection
+        self.execution = execution
         self.next_report = 0.0
 
     def __call__(self, fraction: float) -> None:
@@ -164,5 +188,7 @@ class _Reporter:
         self.next_report = now + REPORT_INTERVAL
         try:
             self.connection.send(fraction)
-        except ConnectionError:
+            while self.connection.poll():
+                self.execution.threads = self.connection.recv()
+        except (EOFError, ConnectionError):
             sys.exit()  # not an Exception, so it is no outcome of the case

@@ -16,26 +16,30 @@ AUDIT_INTERVAL = 16
 """Steps between two that are audited."""
 
 
-@dataclass(frozen=True, kw_only=True)
+LONG_RUN = 500
+"""Steps after which a run is long enough to be worth the recording of bursts."""
+
+
+@dataclass(kw_only=True)
 class _Recordings:
     """What is replayed by one call: a recording for each thread.
 
     Attributes:
         plain: a step.
         audited: one that is audited.
-        burst: all steps from one audit to the next.
+        burst: all steps from one audit to the next, once the run is a long one.
     """
 
     plain: list[Any]
     audited: list[Any]
-    burst: list[Any]
+    burst: list[Any] | None = None
 
     def sequence(self, steps: range) -> list[list[Any]]:
         """What to replay for these steps."""
         played, step = [], steps.start
         while step < steps.stop:
             is_audited = step % AUDIT_INTERVAL == 0
-            if is_audited and steps.stop - step >= AUDIT_INTERVAL:
+            if self.burst is not None and is_audited and steps.stop - step >= AUDIT_INTERVAL:
                 played.append(self.burst)
                 step += AUDIT_INTERVAL
             else:
@@ -59,7 +63,7 @@ class Player:
         self._device = wp.get_device(device)
         self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
-        self._recordings = {1: self._record_all(1)}
+        self._recordings = {1: self._record_step(1)}
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel now."""
@@ -75,8 +79,12 @@ class Player:
         """
         threads = min(threads, self._plan.share_count)
         if threads not in self._recordings:
-            self._recordings[threads] = self._record_all(threads)
-        sequence = self._recordings[threads].sequence(steps)
+            self._recordings[threads] = self._record_step(threads)
+        recordings = self._recordings[threads]
+        if recordings.burst is None and steps.start >= LONG_RUN:
+            plain = self._plan.step * (AUDIT_INTERVAL - 1)
+            recordings.burst = self._record([*self._audited, *plain], threads)
+        sequence = recordings.sequence(steps)
 
         def play_part(thread: int) -> None:
             for recording in sequence:
@@ -92,12 +100,14 @@ class Player:
             return self._arrays[item.name][item.number]
         return self._arrays[item] if isinstance(item, str) else item
 
-    def _record_all(self, threads: int) -> _Recordings:
-        plain, audited = self._plan.step, self._plan.audited_step or self._plan.step
+    @property
+    def _audited(self) -> list[Launch]:
+        return self._plan.audited_step or self._plan.step
+
+    def _record_step(self, threads: int) -> _Recordings:
         return _Recordings(
-            plain=self._record(plain, threads),
-            audited=self._record(audited, threads),
-            burst=self._record([*audited, *plain * (AUDIT_INTERVAL - 1)], threads),
+            plain=self._record(self._plan.step, threads),
+            audited=self._record(self._audited, threads),
         )
 
     def _record(self, launches: Sequence[Launch], threads: int) -> list[Any]:

@@ -167,6 +167,28 @@ def test_a_study_that_cannot_be_found_is_one_line(
     assert not (tmp_path / "results").exists()
 
 
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("--threads=3", "choose from 1, 2, 4"),
+        ("--device=cuda:7", "--device cuda:7: there is none here; known: cpu"),
+        ("--device=gpu", "--device gpu: there is none here; known: cpu"),
+    ],
+)
+def test_threads_and_devices_that_are_not_to_be_had_are_one_line(
+    option: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        code: str | int | None = main(["run", "mesh_size", option, f"--out={tmp_path}"])
+    except SystemExit as end:
+        code = end.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert message in captured.err
+    assert captured.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("count", ["0", "-1", "two", "1.5", "9" * 5000])
 def test_a_wrong_number_of_workers_is_one_line(
     count: str, capsys: pytest.CaptureFixture[str]

@@ -73,11 +73,11 @@ def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
 def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
     """A worker that kept the arrays of each case would grow by their size each time."""
     case_count, warm = 60, 10
-    scene = GravityColumn(cell_count=100).simulated_scene()
+    scene = GravityColumn(cell_count=200).simulated_scene()
     assert scene is not None
     arrays = sum(array.byte_count for array in make_plan(scene).arrays.values())
     cases = [
-        case_of("gravity_column", cell_count=100, settlement_ratio=1e-4 + 1e-7 * number)
+        case_of("gravity_column", cell_count=200, settlement_ratio=1e-4 + 1e-7 * number)
         for number in range(case_count)
     ]
     run_cases(cases, tmp_path, 1, Display(case_count, io.StringIO()))
@@ -122,7 +122,7 @@ def test_a_repeat_that_gives_other_numbers_fails_the_case(
     run = GravityColumn.run
     results: list[xr.Dataset] = []
 
-    def drifting(scene: GravityColumn, progress: object) -> xr.Dataset:
+    def drifting(scene: GravityColumn, progress: object, execution: object) -> xr.Dataset:
         results.append(run(scene) + len(results) * 1e-15)
         return results[-1]
 

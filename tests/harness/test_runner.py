@@ -13,7 +13,7 @@ import xarray as xr
 from harness import archive, case_files
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
 from harness.measuring import differing
-from harness.runner import Watcher, run_cases
+from harness.runner import Watcher, run_cases, share_of_cores
 from harness.study import Study, load_study
 from harness.worker import run_case
 from mpm_warp.scenes.cone_penetration import ConePenetration
@@ -55,6 +55,25 @@ def test_the_number_of_workers_does_not_change_a_bit(tmp_path: Path, small: Stud
     two = run(small, tmp_path / "2", 2, Record())
     assert "time_step" in one
     assert differing(one, two) == []
+
+
+def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study) -> None:
+    cases = cases_of(small)
+    datasets = []
+    for threads in (1, 2, None):
+        folder = case_files.case_folder(tmp_path / str(threads), small)
+        case_files.prepare(folder)
+        run_cases(cases, folder, 1, Record(), threads=threads)
+        datasets.append(archive.collect(small, cases, folder))
+    assert differing(datasets[0], datasets[1]) == []
+    assert differing(datasets[0], datasets[2]) == []
+
+
+def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "cpu_count", lambda: 8)
+    assert [share_of_cores(cases) for cases in (1, 2, 3, 4, 5, 8, 20)] == [4, 4, 2, 2, 1, 1, 1]
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert share_of_cores(1) == 1
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
@@ -165,7 +184,7 @@ def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, small: Study
 def test_an_exception_of_the_scene_is_the_outcome(
     tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(scene: object, progress: object) -> NoReturn:
+    def fail(scene: object, progress: object, execution: object) -> NoReturn:
         raise ArithmeticError("on\ntwo lines")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
@@ -183,7 +202,7 @@ def test_an_exception_may_name_the_status(
     class DivergedError(Exception):
         status = "diverged"
 
-    def diverge(scene: object, progress: object) -> NoReturn:
+    def diverge(scene: object, progress: object, execution: object) -> NoReturn:
         raise DivergedError("too fast")
 
     monkeypatch.setattr(ConePenetration, "run", diverge)
