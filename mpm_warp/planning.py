@@ -152,7 +152,7 @@ def _add_particles_to_grid(plan: Plan) -> None:
     plan.add_zeros("cell.gradient", "mat22", grid.cell_count)
     plan.add_zeros("cell.stress_sum", "vec4", (plan.share_count, grid.cell_count))
     plan.add_zeros("cell.mass", "real", (plan.share_count, grid.cell_count))
-    plan.add_zeros("node.momentum", "vec3", (plan.share_count, grid.node_count))
+    plan.add_zeros("node.momentum", "vec4", (plan.share_count, grid.node_count))
     plan.add_launch(
         make_particles_to_grid(grid.polar, plan.scene.window is not None, plan.precision),
         plan.arrays["particle.mass"].shape,

@@ -65,10 +65,15 @@ class Player:
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
         self._recordings = {1: self._record_step(1)}
 
-    def launch(self, launch: Launch) -> None:
-        """Launch a kernel now."""
-        arguments = [self._argument(item) for item in launch.arguments]
-        wp.launch(launch.kernel, launch.dim, arguments, device=self._device)
+    def launch(self, launch: Launch, thread: int = 0, threads: int = 1) -> None:
+        """Launch what a thread does of a launch; one that is not shared is the first thread's."""
+        if not launch.is_shared:
+            if thread == 0:
+                self._launch_share(launch)
+            return
+        count = self._plan.share_count if launch.adds_up else threads
+        for number in range(thread * count // threads, (thread + 1) * count // threads):
+            self._launch_share(launch.share(number, count))
 
     def play(self, steps: range, threads: int) -> None:
         """Take steps, with as many threads as there are and the plan has shares for.
@@ -95,6 +100,10 @@ class Player:
         else:
             team_of(threads).run(play_part)
 
+    def _launch_share(self, share: Launch) -> None:
+        arguments = [self._argument(item) for item in share.arguments]
+        wp.launch(share.kernel, share.dim, arguments, device=self._device)
+
     def _argument(self, item: Any) -> Any:
         if isinstance(item, Own):
             return self._arrays[item.name][item.number]
@@ -118,18 +127,8 @@ class Player:
         for thread in range(threads):
             with wp.ScopedCapture(device=self._device) as capture:
                 for launch, others_follow in zip(launches, shared_next, strict=True):
-                    self._launch_part(launch, thread, threads)
+                    self.launch(launch, thread, threads)
                     if threads > 1 and (launch.is_shared or others_follow):
                         wp.launch(make_rendezvous(), 1, [arrivals, thread], device=self._device)
             recordings.append(capture.graph)
         return recordings
-
-    def _launch_part(self, launch: Launch, thread: int, threads: int) -> None:
-        """What a thread does of a launch; one that is not shared is the first thread's."""
-        if not launch.is_shared:
-            if thread == 0:
-                self.launch(launch)
-            return
-        count = self._plan.share_count if launch.adds_up else threads
-        for number in range(thread * count // threads, (thread + 1) * count // threads):
-            self.launch(launch.share(number, count))

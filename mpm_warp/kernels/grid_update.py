@@ -57,7 +57,7 @@ def make_cell_stress(
                 m += part
                 stress_sum[share, c] = vec4()
                 mass[share, c] = zero
-        mean = sums / m
+        mean = (one / m) * sums
         total = mean[0] + mean[1] + mean[2] + mean[3]
         # A cell that is empty for a moment keeps the stress it had: soil is all around it. So does
         # one whose soil is not finite, until the watch finds the particle.
@@ -83,7 +83,7 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
     moment; so `least_mass` bounds what it can do to a node that has few.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    zero = wp.constant(real(0.0))
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.func
     def pull(stress: vec4, G: vec3) -> vec2:
@@ -97,7 +97,7 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.node_update.{key}", enable_backward=False)
     def node_update(
         first: int,
-        momentum: wp.array2d(dtype=vec3),
+        momentum: wp.array2d(dtype=vec4),
         stress: wp.array(dtype=vec4),
         integrals: wp.array2d(dtype=vec3),
         column_count: int,
@@ -111,12 +111,12 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
         row, i = wp.tid()
         j = first + row
         node = j * (column_count + 1) + i
-        sums = vec3()
+        sums = vec4()
         for share in range(wp.static(share_count)):
             part = momentum[share, node]
             if part[0] != zero:
                 sums += part
-                momentum[share, node] = vec3()
+                momentum[share, node] = vec4()
         m = sums[0]
         mass[node] = m
         if m <= zero:
@@ -135,7 +135,7 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
                 force -= pull(stress[cell], integrals[cell, 2])
             if i > 0:
                 force -= pull(stress[cell - 1], integrals[cell - 1, 3])
-        before = vec2(sums[1], sums[2]) / m
+        before = (one / m) * vec2(sums[1], sums[2])
         if not wp.dot(before, before) < absurd_speed * absurd_speed:
             # The particle that gave it such a velocity is left alone until the watch finds it.
             motion[node] = vec4()
@@ -183,6 +183,7 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
     """Velocity gradient of each cell and what a step of it does to stress; launched over cells."""
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
+    one = wp.constant(real(1.0))
     step_of = make_stress_step(precision)
 
     @wp.func
@@ -208,12 +209,12 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
         c = first + wp.tid()
         node = c + c / column_count
         upper = node + column_count + 1
-        L = (
+        L = (one / volume[c]) * (
             rates(motion[node], integrals[c, 0])
             + rates(motion[node + 1], integrals[c, 1])
             + rates(motion[upper], integrals[c, 2])
             + rates(motion[upper + 1], integrals[c, 3])
-        ) / volume[c]
+        )
         gradient[c] = mat22(L[0], L[1], L[2], L[3])
         if wp.static(viscous):
             dilation_rate[c] = L[0] + L[3] + L[4]

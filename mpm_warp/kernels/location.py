@@ -102,11 +102,11 @@ def make_location(polar: bool, precision: Precision) -> Location:
             j = wp.max(j - 1, 0)
         row = rows[j]
         surface = row[3] + wp.clamp((q[1] - row[0]) * row[2], zero, one) * row[4]
+        span = outer_radius - surface
         column = columns[i]
-        xi = ((q[0] - surface) / (outer_radius - surface) - column[0]) * column[2]
-        if xi >= one:
+        if q[0] - surface >= (column[0] + column[1]) * span:
             i = wp.min(i + 1, cell_counts[0] - 1)
-        elif xi < zero:
+        elif q[0] - surface < column[0] * span:
             i = wp.max(i - 1, 0)
         return wp.vec2i(i, j)
 

@@ -33,10 +33,11 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.func
-    def share(N: real, m: real, v: vec2, L: mat22, d: vec2) -> vec3:
+    def share(N: real, m: real, v: vec2, L: mat22, d: vec2) -> vec4:
+        # (mass, momentum, 0): four numbers are added in one instruction.
         w = N * m
         velocity = v + L * d
-        return vec3(w, w * velocity[0], w * velocity[1])
+        return vec4(w, w * velocity[0], w * velocity[1], zero)
 
     key = f"{'polar' if polar else 'rows'}.{'window' if window else 'closed'}"
     key = f"{key}.{precision.numpy_name}"
@@ -54,7 +55,7 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         outer_radius: real,
         column_count: int,
         cell_gradient: wp.array(dtype=mat22),
-        node_momentum: wp.array(dtype=vec3),
+        node_momentum: wp.array(dtype=vec4),
         cell_stress_sum: wp.array(dtype=vec4),
         cell_mass: wp.array(dtype=real),
     ):

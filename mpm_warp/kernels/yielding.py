@@ -44,12 +44,15 @@ def _make_tresca(precision: Precision) -> Any:
         # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
         centre = real(0.5) * (stress[0] + stress[1])
         half_difference = real(0.5) * (stress[0] - stress[1])
-        radius = wp.sqrt(half_difference * half_difference + stress[2] * stress[2])
+        square = half_difference * half_difference + stress[2] * stress[2]
         hoop = stress[3]
+        # Elastic where neither 2 radius nor radius + |centre - hoop| exceeds 2 su: without a root.
+        room = wp.min(strength, real(2.0) * strength - wp.abs(centre - hoop))
+        if room >= real(0.0) and square <= room * room:
+            return stress
+        radius = wp.sqrt(square)
         highest = wp.max(centre + radius, hoop)
         lowest = wp.min(centre - radius, hoop)
-        if highest - lowest <= real(2.0) * strength:
-            return stress
 
         # The nearest point of the hexagon: its side, where the middle stress does not change ...
         trace = real(2.0) * centre + hoop

@@ -23,12 +23,12 @@ CONE = ConePenetration(
 
 
 def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str, Floats]:
-    """All arrays after half a radius of penetration, whose threads change on the way."""
+    """All arrays after a radius of penetration, whose threads change on the way."""
     simulation = Simulation(CONE.build()[0], execution)
     travel = Travel(simulation)
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
-        travel.advance_to(0.5 * CONE.cone_radius * fraction / len(switches or (1,)))
+        travel.advance_to(CONE.cone_radius * fraction / len(switches or (1,)))
     return {name: simulation.array(name).copy() for name in simulation.arrays}
 
 

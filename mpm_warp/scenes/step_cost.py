@@ -1,0 +1,205 @@
+"""What a step costs: the speed of the simulator itself, by size, physics and threads."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.base import Progress, ReadyScene
+from mpm_warp.scenes.cone_penetration import ConePenetration
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import xarray
+
+    from mpm_warp.execution import Execution
+    from mpm_warp.scene import Scene
+    from mpm_warp.simulation import Simulation
+
+LEAST_STEPS = 16
+"""Steps of a sample, at least."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepCost(ReadyScene):
+    """The scene of a cone penetration at a size, or less of its physics, timed warm.
+
+    The soil starts with random stresses about its strength, so that much of it yields. All results
+    are measurements: they are never the same twice.
+    """
+
+    summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
+    version: ClassVar[int] = 1
+    headline: ClassVar[str] = "update_rate"
+
+    size: int = parameter(
+        5000, unit="1", meaning="material points, about", minimum=500, maximum=10_000_000
+    )
+    physics: str = parameter(
+        "cone",
+        unit="1",
+        meaning="all of a cone penetration, or soil alone: plastic (Tresca), or elastic",
+        choices=("cone", "plastic", "elastic"),
+    )
+    threads: int = parameter(1, unit="1", meaning="threads of the processor", choices=(1, 2, 4))
+    precision: str = parameter(
+        "float64",
+        unit="1",
+        meaning="floating point numbers of the simulation",
+        choices=("float64", "float32"),
+    )
+    samples: int = parameter(7, unit="1", meaning="timed samples", minimum=1, maximum=1000)
+    sample_time: float = parameter(
+        0.3, unit="s", meaning="least time of a sample", above=0, maximum=100
+    )
+
+    def build(self) -> Scene:
+        """The scene; with a size between those that grids can have, the nearest found."""
+        from mpm_warp.materials import LinearElastic
+
+        cells_per_radius = 2.0
+        for _ in range(4):
+            cone = ConePenetration(cells_per_radius=cells_per_radius, precision=self.precision)
+            scene = cone.build()[0]
+            count = scene.grid.cell_count * scene.particles_per_side**2
+            cells_per_radius = max(1.0, cells_per_radius * math.sqrt(self.size / count))
+        if self.physics == "cone":
+            return scene
+        soil = dataclasses.replace(
+            scene,
+            bulk_viscosity=None,
+            far_field=None,
+            contact=None,
+            window=None,
+            energy_audit=False,
+        )
+        if self.physics == "plastic":
+            return soil
+        material = LinearElastic(
+            shear_modulus=soil.material.shear_modulus,
+            poissons_ratio=soil.material.poissons_ratio,
+            density=soil.material.density,
+        )
+        return dataclasses.replace(soil, material=material)
+
+    def simulated_scene(self) -> Scene:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        return self.build()
+
+    def run(
+        self, progress: Progress | None = None, execution: Execution | None = None
+    ) -> xarray.Dataset:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`; the threads are those of the scene."""
+        import numpy as np
+        import xarray as xr
+
+        from mpm_warp.execution import Execution
+        from mpm_warp.history import cost, variable
+        from mpm_warp.simulation import Simulation
+
+        device = "cpu" if execution is None else execution.device
+        simulation = Simulation(self.build(), Execution(device=device, threads=self.threads))
+        take = _stirred(simulation)
+        begun = time.perf_counter()
+        take(LEAST_STEPS)  # warm
+        seconds, updates = _timed(simulation, take, LEAST_STEPS)
+        per_sample = max(LEAST_STEPS, math.ceil(LEAST_STEPS * self.sample_time / seconds))
+        rates = []
+        for sample in range(self.samples):
+            seconds, updates = _timed(simulation, take, per_sample)
+            rates.append(updates / seconds)
+            if progress is not None:
+                progress((sample + 1) / self.samples)
+        simulation.check()
+        byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
+        result = xr.Dataset(
+            {
+                "update_rate": variable(
+                    float(np.median(rates)),
+                    unit="s-1",
+                    meaning="particle updates per second",
+                    description="median of the samples",
+                ),
+                "update_rate_lowest": variable(
+                    min(rates), unit="s-1", meaning="least particle updates per second"
+                ),
+                "update_rate_highest": variable(
+                    max(rates), unit="s-1", meaning="most particle updates per second"
+                ),
+                "array_bytes": variable(
+                    byte_count / simulation.plan.particle_count,
+                    unit="byte",
+                    meaning="arrays on the device per material point",
+                ),
+                **cost(simulation, run_time=time.perf_counter() - begun),
+            }
+        )
+        return result if device != "cpu" else result.assign(_stages(simulation, per_sample))
+
+
+def _stirred(simulation: Simulation) -> Callable[[int], None]:
+    """Give the soil its stresses and the window its speed; returns what takes steps."""
+    import numpy as np
+
+    from mpm_warp.travel import Travel
+
+    scene = simulation.scene
+    strength = 0.01 * scene.material.shear_modulus
+    shape = simulation.array("particle.stress").shape
+    stress = np.random.default_rng(0).uniform(-strength, strength, shape)
+    simulation.arrays["particle.stress"].assign(stress)
+    if scene.window is None:
+        return simulation.advance
+    window, travel = scene.window, Travel(simulation)
+    simulation.arrays["window.motion"].assign([window.ramp_time, window.speed, 0.0])
+    per_step = window.speed * simulation.plan.time_step
+    return lambda count: travel.advance_to(travel.distance + (count - 0.5) * per_step)
+
+
+def _timed(simulation: Simulation, take: Callable[[int], None], count: int) -> tuple[float, int]:
+    """Seconds and particle updates of about `count` steps."""
+    before, start = simulation.particle_updates, time.perf_counter()
+    take(count)
+    simulation.array("particle.mass")  # waits for a GPU
+    return time.perf_counter() - start, simulation.particle_updates - before
+
+
+def _stages(simulation: Simulation, step_count: int) -> xarray.Dataset:
+    """Time and memory of each stage on one thread, and the yardsticks of the machine."""
+    import numpy as np
+    import xarray as xr
+
+    from mpm_warp.history import variable
+    from mpm_warp.timing import stage_bytes, stage_times, yardsticks
+
+    count = simulation.particle_count
+    times, sizes = stage_times(simulation, step_count), stage_bytes(simulation)
+    machine = yardsticks()
+    return xr.Dataset(
+        {
+            "stage_time": variable(
+                np.array([1e9 * times[name] / count for name in times]),
+                unit="ns",
+                meaning="time of a stage per material point, on one thread",
+                dims=("stage",),
+            ),
+            "stage_bytes": variable(
+                np.array([sizes[name] / count for name in times]),
+                unit="byte",
+                meaning="arrays that a stage works on per material point",
+                dims=("stage",),
+            ),
+            "streaming_rate": variable(
+                machine.streaming, unit="byte s-1", meaning="memory traffic of a bare loop"
+            ),
+            "arithmetic_rate": variable(
+                machine.arithmetic, unit="s-1", meaning="operations per second of a bare loop"
+            ),
+        },
+        coords={"stage": list(times)},
+    )
