@@ -86,6 +86,7 @@ def make_parser() -> argparse.ArgumentParser:
     verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
     verify.set_defaults(command="verify")
     verify.add_argument("--scene", nargs="+", default=[], metavar="NAME", help="default: all")
+    verify.add_argument("--extreme", action="store_true", help="run the extreme cases instead")
     verify.add_argument(
         "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
     )

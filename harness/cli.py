@@ -233,7 +233,7 @@ def _verify(options: argparse.Namespace) -> int:
     from harness.verify import as_dataset, checks_of, heading, table_rows, verify
     from harness.worker import start_warp_in_silence
 
-    checks = checks_of(options.scene)
+    checks = checks_of(options.scene, extreme=options.extreme)
     start_warp_in_silence()
     if options.out is not None:
         prepare(options.out)

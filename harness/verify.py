@@ -58,6 +58,8 @@ class Verified:
     @property
     def order(self) -> float:
         """Observed order between the two finest resolutions; not a number where there is none."""
+        if len(self.results) < 2:
+            return math.nan
         coarse, fine = self.values("error")[-2:]
         ratio = self.check.verification.resolutions[-1] / self.check.verification.resolutions[-2]
         return math.log(coarse / fine) / math.log(ratio) if coarse > 0 and fine > 0 else math.nan
@@ -78,27 +80,38 @@ class Verified:
         return tuple(failed + [message for message in self.messages if message])
 
 
-def checks_of(names: Sequence[str] = ()) -> tuple[Check, ...]:
+def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Check, ...]:
     """The checks of the scenes called `names`, or of all that have an exact solution.
 
+    Args:
+        names: scenes, all by default.
+        extreme: whether the extreme checks are wanted, else all others.
+
     Raises:
-        NotVerifiableError: a scene that is named has no exact solution.
+        NotVerifiableError: a scene that is named has none of these checks.
         mpm_warp.scenes.UnknownSceneError: there is no scene of that name.
     """
-    for name in names:
-        if not scene_class(name).verifications:
-            raise NotVerifiableError(f"{name}: the scene has no exact solution")
-    return tuple(
+    checks = tuple(
         Check(scene=name, verification=verification)
         for name in names or scene_names()
         for verification in scene_class(name).verifications
+        if verification.extreme == extreme
     )
+    checked = {check.scene for check in checks}
+    for name in names:
+        if not scene_class(name).verifications:
+            raise NotVerifiableError(f"{name}: the scene has no exact solution")
+        if name not in checked:
+            other = "no extreme check" if extreme else "extreme checks alone: add --extreme"
+            raise NotVerifiableError(f"{name}: the scene has {other}")
+    return checks
 
 
 def verify(check: Check) -> Verified:
     """Run a check; a run that ends with an exception is a result, not a number, with a message.
 
-    The coarsest resolution is run once beforehand, so that no run time holds a first start.
+    Of several resolutions the coarsest is run once beforehand, so that no run time holds a first
+    start.
     """
     scene = scene_class(check.scene)
     verification = check.verification
@@ -109,7 +122,9 @@ def verify(check: Check) -> Verified:
     runs: list[Callable[[], xr.Dataset]] = [
         scene(**parameters(resolution)).run for resolution in verification.resolutions
     ]
-    outcomes = [_outcome(run) for run in (runs[0], *runs)][1:]
+    if len(runs) > 1:
+        _outcome(runs[0])
+    outcomes = [_outcome(run) for run in runs]
     return Verified(
         check=check,
         results=tuple(result for result, _ in outcomes),
@@ -132,17 +147,17 @@ def table_rows(verified: Verified) -> str:
     """Lines of the table: one for each resolution, the verdict on the last."""
     verification = verified.check.verification
     errors, run_times = verified.values("error"), verified.values("run_time")
-    lines = []
+    label = verified.check.label
+    lines = [label] if len(label) > WIDTHS[0] else []
     for index, resolution in enumerate(verification.resolutions):
         last = index == len(errors) - 1
-        label = verified.check.label if index == 0 else ""
         order = f"{verified.order:.2f}" if last and verification.least_order is not None else ""
         bound = f"{verification.bounds['error']:g}" if last else ""
         verdict = "; ".join(verified.shortfalls)
         verdict = f"FALLS SHORT: {verdict}" if verdict else "pass"
         lines.append(
             _line(
-                label,
+                label if not lines else "",
                 f"{verification.resolution} {resolution}",
                 f"{errors[index]:.3g}",
                 bound,

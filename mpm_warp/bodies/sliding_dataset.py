@@ -43,11 +43,11 @@ def sliding_dataset(
     acceleration, exact_acceleration = (
         float(v[-1] - v[late]) / float(since[-1] - since[late]) for v in (velocity, exact_velocity)
     )
-    settled = np.flatnonzero(since <= settled_time)[-1]
     creep, acceleration_error = math.nan, math.nan
     if motion.slides:
         acceleration_error = abs(acceleration / exact_acceleration - 1.0)
     else:
+        settled = np.flatnonzero(since >= settled_time)[0]
         creep = float(abs(displacement[-1] - displacement[settled])) / length
     mean_shear, exact_mean_shear = float(shear[late:].mean()), float(exact_shear[late:].mean())
     shear_error = math.nan

@@ -30,6 +30,8 @@ class Verification:
         bounds: scalars of the result and what they may reach at most.
         least_order: least observed order of the variable `error` in the resolution, or none.
         settings: parameters that differ from their defaults.
+        extreme: whether it shows how far the method holds, a long run or a violent one, and is
+            left out unless asked for.
     """
 
     resolution: str
@@ -37,6 +39,7 @@ class Verification:
     bounds: Mapping[str, float]
     least_order: float | None = None
     settings: Mapping[str, Value] = field(default_factory=dict)
+    extreme: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

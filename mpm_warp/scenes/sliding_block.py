@@ -43,7 +43,7 @@ class SlidingBlock(ReadyScene):
     """
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_length",
         "particles_per_cell",
@@ -63,6 +63,36 @@ class SlidingBlock(ReadyScene):
             resolutions=(10, 20),
             bounds={"error": 1e-4},
             settings={"friction": 0.8},
+        ),
+        *(
+            Verification(
+                resolution="cells_per_length",
+                resolutions=(6,),
+                bounds={"error": 0.01},
+                settings={
+                    "stiffness_ratio": ratio,
+                    "height_ratio": 0.5,
+                    "drive": 2e4,
+                    "travel": 0.01,
+                },
+                extreme=True,
+            )
+            for ratio in (1e-6, 1e6)
+        ),
+        *(
+            Verification(
+                resolution="cells_per_length",
+                resolutions=(6,),
+                bounds={"error": 1e-4},
+                settings={
+                    "friction": 0.8,
+                    "height_ratio": 0.5,
+                    "grid_angle": angle,
+                    "rest_time": 860.0,
+                },
+                extreme=True,
+            )
+            for angle in (0.0, 20.0)
         ),
     )
 
@@ -113,8 +143,8 @@ class SlidingBlock(ReadyScene):
         None,
         unit="1",
         meaning="stiffness of the base over that of the block (default: rigid base)",
-        minimum=1e-4,
-        maximum=1e4,
+        minimum=1e-6,
+        maximum=1e6,
     )
     poissons_ratio: float = parameter(
         0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.45
@@ -125,6 +155,13 @@ class SlidingBlock(ReadyScene):
     )
     travel: float = parameter(
         0.4, unit="1", meaning="distance to slide over length", above=0, maximum=5
+    )
+    rest_time: float | None = parameter(
+        None,
+        unit="s",
+        meaning="time for which a block that sticks is watched, once at rest (default: that in "
+        "which it would slide its own length without friction and adhesion)",
+        above=0,
     )
     damping_ratio: float = parameter(
         0.05,
@@ -270,12 +307,12 @@ class SlidingBlock(ReadyScene):
     def duration(self) -> float:
         """Time from the begin of the drive to the end of the run [s].
 
-        A block that slides covers its `travel`; one that sticks gets, once at rest, the time in
-        which it would have slid its whole length without friction and adhesion.
+        A block that slides covers its `travel`; one that sticks gets its `rest_time`, once at rest.
         """
         if self.motion.slides:
             return self.motion.duration(self.travel * self.length)
-        return self.settled_time + math.sqrt(2.0 * self.length * self.mass / self.driving_force)
+        free_slide = math.sqrt(2.0 * self.length * self.mass / self.driving_force)
+        return self.settled_time + (self.rest_time or free_slide)
 
     def build(self) -> BodyScene:
         """The scene: the block is body 0, the base body 1."""

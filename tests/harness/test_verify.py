@@ -61,6 +61,21 @@ def test_every_scene_with_a_solution_is_checked() -> None:
     assert "cone_penetration" not in scenes
 
 
+def test_extreme_checks_are_run_when_asked_for_and_no_others_then() -> None:
+    extreme = checks_of(extreme=True)
+    assert {"flying_block", "stretched_bar", "struck_bar"} <= {check.scene for check in extreme}
+    assert all(check.verification.extreme for check in extreme)
+    assert not any(check.verification.extreme for check in checks_of())
+
+
+def test_a_check_of_one_resolution_has_no_order() -> None:
+    once = dataclasses.replace(CHECK.verification, resolutions=(2,), least_order=None)
+    result = verify(Check(scene="gravity_column", verification=once))
+    assert len(result.results) == 1
+    assert np.isnan(result.order)
+    assert table_rows(result).endswith("pass")
+
+
 def test_command_writes_dataset_table_and_picture(tmp_path: Path) -> None:
     assert main(["verify", "--scene", "gravity_column", "--out", str(tmp_path)]) == 0
     with xr.open_dataset(tmp_path / "verify.nc") as dataset:
@@ -82,6 +97,20 @@ def test_command_says_what_falls_short(
 def test_command_refuses_scene_without_solution(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "--scene", "cone_penetration"]) == 2
     assert "has no exact solution" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["flying_block"], "add --extreme"),
+        (["gravity_column", "--extreme"], "no extreme check"),
+    ],
+)
+def test_command_refuses_scene_without_such_a_check(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
+) -> None:
+    assert main(["verify", "--scene", *arguments]) == 2
+    assert message in capsys.readouterr().err
 
 
 def test_plan_lists_kernels_and_arrays(capsys: pytest.CaptureFixture[str]) -> None:
