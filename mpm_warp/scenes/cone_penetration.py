@@ -27,7 +27,7 @@ STEADY_SAMPLES = 20
 """Samples whose mean is the steady value: two radii."""
 STEADY_PENETRATION = 5.0
 """Penetration at the final speed, at least, in cone radii: two such means, and one to forget."""
-SLOWING = 0.5
+SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
