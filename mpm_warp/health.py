@@ -44,6 +44,7 @@ class Fault(Exception):
 
 def check_particles(
     *,
+    number: Integers,
     position: Floats,
     velocity: Floats,
     stress: Floats,
@@ -54,6 +55,7 @@ def check_particles(
     """Check that particles are within the grid, finite and slower than the waves that they carry.
 
     Args:
+        number: by which a particle is named, shape [particle_count].
         position: coordinates [m], shape [particle_count, 2].
         velocity: [m/s], shape [particle_count, 2].
         stress: four components [Pa], shape [particle_count, 4].
@@ -74,10 +76,14 @@ def check_particles(
     for quantity, (values, healthy) in sound.items():
         if not healthy.all():
             worst = int(np.argmin(healthy))
-            raise Fault(f"{quantity} of {_particle(worst, position)} is {_text(values[worst])}")
+            raise Fault(
+                f"{quantity} of {_particle(number, position, worst)} is {_text(values[worst])}"
+            )
 
 
-def check_yield(*, position: Floats, stress: Floats, material: PerfectlyPlastic) -> None:
+def check_yield(
+    *, number: Integers, position: Floats, stress: Floats, material: PerfectlyPlastic
+) -> None:
     """Check that stresses (rr, zz, rz, tt) are on or inside the yield surface.
 
     Raises:
@@ -87,8 +93,8 @@ def check_yield(*, position: Floats, stress: Floats, material: PerfectlyPlastic)
     worst = int(np.argmax(excess))
     if excess[worst] > YIELD_TOLERANCE:
         raise Fault(
-            f"stress of {_particle(worst, position)} is {_text(stress[worst])}, outside the yield "
-            f"surface by {excess[worst]:.2g} of the strength"
+            f"stress of {_particle(number, position, worst)} is {_text(stress[worst])}, outside "
+            f"the yield surface by {excess[worst]:.2g} of the strength"
         )
 
 
@@ -145,8 +151,8 @@ def _within(position: Floats, bounds: tuple[Floats, Floats]) -> NDArray[np.bool_
     return within
 
 
-def _particle(index: int, position: Floats) -> str:
-    return f"particle {index} at {_text(position[index])} m"
+def _particle(number: Integers, position: Floats, index: int) -> str:
+    return f"particle {number[index]} at {_text(position[index])} m"
 
 
 def _text(values: Floats) -> str:
