@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grids import Floats, Integers
 from mpm_warp.materials import PerfectlyPlastic, Tresca
+
+if TYPE_CHECKING:
+    import xarray
 
 YIELD_TOLERANCE = 1e-5
 """Stress beyond the yield surface that is rounding yet, over the strength (in single precision)."""
@@ -19,9 +24,11 @@ class SimulationDiverged(RuntimeError):
 
     Attributes:
         status: how a harness files the case.
+        history: curves up to there, or none.
     """
 
     status = "diverged"
+    history: xarray.Dataset | None = None
 
 
 class InaccurateRun(RuntimeError):
@@ -29,9 +36,14 @@ class InaccurateRun(RuntimeError):
 
     Attributes:
         status: how a harness files the case.
+        history: its curves.
     """
 
     status = "inaccurate"
+
+    def __init__(self, message: str, history: xarray.Dataset) -> None:
+        super().__init__(message)
+        self.history = history
 
 
 class WindowOverfull(RuntimeError):
