@@ -13,8 +13,8 @@ from mpm_warp.materials import PerfectlyPlastic, Tresca
 if TYPE_CHECKING:
     import xarray
 
-YIELD_TOLERANCE = 1e-5
-"""Stress beyond the yield surface that is rounding yet, over the strength (in single precision)."""
+YIELD_ROUNDINGS = 64
+"""Roundings of the greatest stress by which a stress may be beyond the yield surface."""
 OVERFULL = 20
 """Soil in a cell, over that of a full one, that no compression of soil could explain."""
 
@@ -102,8 +102,10 @@ def check_yield(
         Fault: one is not.
     """
     excess = yield_excess(stress, material)
-    worst = int(np.argmax(excess))
-    if excess[worst] > YIELD_TOLERANCE:
+    greatest = np.abs(stress).max(axis=1) / material.strength
+    rounding = YIELD_ROUNDINGS * np.finfo(stress.dtype).eps * (1.0 + greatest)
+    worst = int(np.argmax(excess - rounding))
+    if excess[worst] > rounding[worst]:
         raise Fault(
             f"stress of {_particle(number, position, worst)} is {_text(stress[worst])}, outside "
             f"the yield surface by {excess[worst]:.2g} of the strength"
@@ -112,7 +114,7 @@ def check_yield(
 
 def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
     """How far stresses are outside the yield surface over the strength; < 0 inside."""
-    rr, zz, rz, tt = stress.T
+    rr, zz, rz, tt = stress.astype(np.float64).T
     if isinstance(material, Tresca):
         centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
         extreme = np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt)

@@ -161,3 +161,21 @@ def test_run_whose_transfers_dissipate_much_is_no_result() -> None:
     )
     with pytest.raises(health.InaccurateRun, match=r"took \d+\.\d% of the penetrometer's work"):
         fast.run()
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+def test_yield_is_watched_to_rounding_of_the_stress_and_no_further(precision: type) -> None:
+    """Under a mean stress of 1e4 su, what single precision can tell is 1e-3 su."""
+    material = Tresca(shear_modulus=1e6, poissons_ratio=0.3, density=1.0, strength=1e3)
+    mean, eps = 1e7, float(np.finfo(precision).eps)
+
+    def look(beyond: float) -> None:
+        radius = 1e3 * (1.0 + beyond)
+        stress = np.array([[mean + radius, mean - radius, 0.0, mean]], dtype=precision)
+        position = np.zeros((1, 2))
+        number = np.array([7], dtype=np.int32)
+        health.check_yield(number=number, position=position, stress=stress, material=material)
+
+    look(beyond=10 * eps * mean / 1e3)
+    with pytest.raises(health.Fault, match="stress of particle 7"):
+        look(beyond=200 * eps * mean / 1e3)
