@@ -81,8 +81,8 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
     """Set two results side by side, case by case of the same parameters.
 
     Returns:
-        The largest difference of each scalar result, times and memory left aside; and the cases
-        that only one of them has, a line each.
+        The largest difference of each scalar result, times and memory left aside where they are
+        not what the scene is for; and the cases that only one of them has, a line each.
 
     Raises:
         NotComparableError: they have no case in common.
@@ -134,13 +134,15 @@ def _relative(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 def _scalar_results(dataset: xr.Dataset) -> set[str]:
     dims = dataset["status"].dims
     parameters = set(_parameter_names(dataset).values())
+    # Times are left aside but where the scene is run for them.
+    headlines = {scene_class(scene).headline for scene in str(dataset.attrs["scene"]).split()}
     literature = ("reference_", "deviation_")
     return {
         str(name)
         for name, array in dataset.data_vars.items()
         if array.dims == dims
         and array.dtype.kind in "iuf"
-        and name not in MEASURED | parameters
+        and name not in (MEASURED - headlines) | parameters
         and not str(name).startswith(literature)
     }
 

@@ -166,7 +166,7 @@ MUTATIONS = (
     Mutation(
         "surface of the ground not seen by its cells",
         f"{KERNELS}/grid_update.py",
-        "mean *= wp.min(mass[c] / full_mass[c], one)",
+        "mean *= wp.min(m / full_mass[c], one)",
         "mean *= one",
     ),
     Mutation(
@@ -210,6 +210,30 @@ MUTATIONS = (
         f"{KERNELS}/grid_to_body.py",
         "(four / (h * h)) * B",
         "(real(3.0) / (h * h)) * B",
+    ),
+    Mutation(
+        "a share of each launch left out",
+        "mpm_warp/recording.py",
+        "range(thread * count // threads, (thread + 1) * count // threads)",
+        "range(thread * count // threads, (thread + 1) * count // threads - thread)",
+    ),
+    Mutation(
+        "threads that do not wait for each other",
+        f"{KERNELS}/rendezvous.py",
+        "arrivals.shape[0]; ++other",
+        "0; ++other",
+    ),
+    Mutation(
+        "sums of one share alone",
+        f"{KERNELS}/grid_update.py",
+        "sums += part",
+        "sums = part",
+    ),
+    Mutation(
+        "approach that does not slow down",
+        f"{KERNELS}/window.py",
+        "final_speed + left * (speed - final_speed)",
+        "speed + left * (speed - final_speed)",
     ),
 )
 

@@ -1,0 +1,78 @@
+"""What a step costs: the table, and its place among the other results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from harness.bench import bench_rows
+from harness.cli import main
+from mpm_warp.scenes.step_cost import StepCost
+from mpm_warp.simulation import Simulation
+from mpm_warp.timing import stage_times, yardsticks
+
+QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
+
+
+@pytest.fixture
+def result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    assert main(["bench", *QUICK, "--out", str(tmp_path / "one")]) == 0
+    capsys.readouterr()
+    return tmp_path / "one" / "bench.nc"
+
+
+def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: Path) -> None:
+    dataset = xr.open_dataset(result)
+    assert dict(dataset.update_rate.sizes) == {"physics": 3, "threads": 2}
+    assert (dataset.update_rate_lowest <= dataset.update_rate).all()
+    assert (dataset.update_rate <= dataset.update_rate_highest).all()
+    rows = bench_rows(dataset)
+    assert sum("physics=" in row for row in rows) == 6
+    stages = [row.split()[0] for row in rows[rows.index("") + 3 : -1]]
+    assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(stages)
+    assert float(dataset.array_bytes.max()) < 300
+
+
+def test_less_physics_has_fewer_stages() -> None:
+    stages = {
+        physics: {
+            launch.kernel.key.split("__")[-1]
+            for launch in StepCost(physics=physics, size=600).plan().step  # type: ignore[union-attr]
+        }
+        for physics in ("cone", "plastic", "elastic")
+    }
+    left_out = {"surface_contact", "far_field", "advance_window"}
+    assert stages["cone"] - stages["plastic"] == left_out
+    assert stages["plastic"] == stages["elastic"]
+
+
+def test_stage_times_add_up_to_what_the_steps_took() -> None:
+    simulation = Simulation(StepCost(physics="elastic", size=5000).build())
+    before = simulation.array("particle.position").copy()
+    times = stage_times(simulation, step_count=20)
+    assert list(times) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
+    assert all(time > 0 for time in times.values())
+    # Particles take nearly all of it: four of them to a cell, and to a node.
+    particles = times["particles_to_grid"] + times["grid_to_particles"]
+    assert particles > 0.5 * sum(times.values())
+    assert (simulation.array("particle.position") == before).all()  # at rest
+
+
+def test_yardsticks_are_within_what_processors_do() -> None:
+    machine = yardsticks()
+    assert 1e8 < machine.streaming < 1e12
+    assert 1e8 < machine.arithmetic < 1e12
+
+
+def test_two_benches_can_be_compared(
+    result: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bench", *QUICK, "--out", str(tmp_path / "two")]) == 0
+    other = tmp_path / "two" / "bench.nc"
+    capsys.readouterr()
+    assert main(["compare", str(result), str(other), "--tolerance", "1e6"]) == 0
+    assert "update_rate " in capsys.readouterr().out
+    # A measurement that came out the same to the last bit would be no measurement.
+    assert main(["compare", str(result), str(other), "--tolerance", "0"]) == 1

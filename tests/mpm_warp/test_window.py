@@ -1,0 +1,74 @@
+"""The motion of the window: ramp, approach and final speed."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.window import Approach, Window
+
+HURRIED = Window(
+    speed=1.0,
+    ramp_travel=1.0,
+    approach=Approach(speed=4.0, travel=8.0, slowing_travel=2.0),
+)
+
+
+def speed_at(window: Window, travel: float) -> float:
+    """By travel: the square root of it in the ramp, linear in it where the speed falls."""
+    fast = window.first_speed
+    risen = fast * min(1.0, np.sqrt(travel / window.ramp_travel))
+    if window.approach is None:
+        return float(risen)
+    left = (window.approach.travel - travel) / window.approach.slowing_travel
+    return float(min(risen, window.speed + np.clip(left, 0, 1) * (fast - window.speed)))
+
+
+@pytest.mark.parametrize("window", [HURRIED, dataclasses.replace(HURRIED, approach=None)])
+@pytest.mark.parametrize("travel", [0.5, 1.0, 3.0, 7.0, 8.0, 12.0])
+def test_time_to_a_travel_is_the_integral_of_one_over_the_speed(
+    window: Window, travel: float
+) -> None:
+    places = (np.arange(200_000) + 0.5) / 200_000 * travel
+    expected = np.mean([1.0 / speed_at(window, place) for place in places[::20]]) * travel
+    assert window.time_to(travel) == pytest.approx(expected, rel=0.01)
+
+
+def test_no_speed_is_above_the_highest_beyond_a_travel() -> None:
+    for travel in np.linspace(0.01, 12, 50):
+        ahead = [speed_at(HURRIED, place) for place in np.linspace(travel, 12, 100)]
+        assert max(ahead) <= HURRIED.highest_speed_from(travel)
+
+
+def test_a_run_takes_the_steps_that_its_plan_says() -> None:
+    cone = ConePenetration(
+        cells_per_radius=1.5, domain_radius=10, domain_above=5, domain_below=5, penetration=12,
+        steady_tolerance=0,
+    )  # fmt: skip
+    result = cone.run()
+    assert float(result.step_count) == pytest.approx(float(result.step_count_bound), rel=0.02)
+    assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
+def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float) -> None:
+    """Both end where they are steady to 0.3 %, so they may differ by twice as much."""
+    cone = ConePenetration(cells_per_radius=2, adhesion_factor=adhesion_factor)
+    slow = float(dataclasses.replace(cone, approach=0.0).run().cone_factor)
+    assert float(cone.run().cone_factor) == pytest.approx(slow, rel=0.006)
+
+
+def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
+    def approach(**changes: float) -> Approach | None:
+        window = ConePenetration(**changes).build()[0].window  # type: ignore[arg-type]
+        assert window is not None
+        return window.approach
+
+    assert approach() is not None
+    assert approach(penetration=7) is None  # its last five radii are at the final speed
+    assert approach(approach=0) is None
+    assert approach(speed_ratio=0.2, approach_speed_ratio=0.1) is None
