@@ -19,7 +19,8 @@ from harness.compare import NothingToCompareError, table
 from harness.errors import error_name
 from harness.gate import ATTRIBUTE, misses
 from harness.plots import figures
-from harness.stability import shows_stability, stability_rows
+from harness.stability import shows_stability
+from harness.stability_map import stability_rows
 
 STYLE = """
 body { font: 15px/1.5 sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222 }

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -18,7 +19,9 @@ from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT
 from harness.designs import ONE_AT_A_TIME
-from harness.stability import Shares, Strip, Values, shares, strips
+from harness.stability import Values
+from harness.stability_shares import SHARE_HEADING, Shares, share_row, shares
+from harness.stability_strips import STRIP_HEADING, Strip, strip_row, strips
 from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
 
 STATUSES = {
@@ -36,7 +39,8 @@ OTHER = ("*", "black")
 WIDTH, STRIP_HEIGHT = 6.4, 0.62
 BESIDE = 64
 """Letters of a line beside a strip."""
-ENERGY_COLOURS = ScalarMappable(Normalize(0.0, 1.0), "viridis")
+ENERGY_COLOURS = colormaps["viridis"]
+"""Of the energy error over its limit, 0 to 1."""
 ENERGY_LABEL = f"energy error / its limit of {LARGEST_ENERGY_ERROR:.0%}"
 
 
@@ -51,6 +55,13 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
     return _figure_of_shares(shares(dataset))
 
 
+def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """The map in words: a heading, then a row for each parameter."""
+    if dataset.attrs["design"] == ONE_AT_A_TIME:
+        return [STRIP_HEADING, *map(strip_row, strips(dataset))]
+    return [SHARE_HEADING, *map(share_row, shares(dataset))]
+
+
 def _figure_of_strips(found: Sequence[Strip]) -> Figure:
     figure, rows = _rows([strip.values for strip in found])
     for axes, strip in zip(rows, found, strict=True):
@@ -63,7 +74,8 @@ def _figure_of_strips(found: Sequence[Strip]) -> Figure:
     _legend(figure, handles)
     if energy_known:
         axes = figure.add_axes((0.0, -0.7 / len(rows), 1.0, 0.12 / len(rows)))
-        figure.colorbar(ENERGY_COLOURS, cax=axes, orientation="horizontal")
+        scale = ScalarMappable(Normalize(0.0, 1.0), ENERGY_COLOURS)
+        figure.colorbar(scale, cax=axes, orientation="horizontal")
         axes.set_xlabel(f"{ENERGY_LABEL}, of completed cases", fontsize=7)
         axes.tick_params(labelsize=6)
     return figure
@@ -83,7 +95,7 @@ def _draw_strip(axes: Axes, strip: Strip) -> None:
     for number, status, energy in zip(numbers, strip.status.tolist(), strip.energy, strict=True):
         marker, colour = _look(status)
         if np.isfinite(energy):
-            colour = ENERGY_COLOURS.to_rgba(energy)
+            colour = to_hex(ENERGY_COLOURS(energy))
         axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
     _scale(axes, strip.values)
     axes.set_ylim(-1, 1)
