@@ -47,12 +47,19 @@ class Fixed:
         return cls(nodes=nodes, free=free[nodes])
 
 
+QUIET_SPEED_RATIO = 3.3
+"""That of a Poisson's ratio of 0.45."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FarField:
     """The infinite elastic medium beyond the outer radius of the grid.
 
     Statically a spring of 2 G / r per area (the elastic cavity, u = p r / 2 G); for waves the quiet
-    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877).
+    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877). They resist flow
+    that never stops too, in proportion to c; so the speed of the pressure waves is taken as at most
+    `QUIET_SPEED_RATIO` times that of the shear waves. In clay that hardly changes its volume it is
+    more, and part of these waves comes back.
 
     Attributes:
         nodes: flat indices of the nodes on the side, from below to above, shape [node_count].
@@ -70,7 +77,9 @@ class FarField:
         half_heights = 0.5 * np.diff(grid.rows)
         heights = np.append(half_heights, 0.0) + np.insert(half_heights, 0, 0.0)
         area = grid.outer_radius * heights
-        speeds = np.array([material.pressure_wave_speed, material.shear_wave_speed])
+        shear_speed = material.shear_wave_speed
+        quiet_speed = min(material.pressure_wave_speed, QUIET_SPEED_RATIO * shear_speed)
+        speeds = np.array([quiet_speed, shear_speed])
         return cls(
             nodes=grid.node(grid.column_count, np.arange(grid.row_count + 1)),
             spring=2.0 * material.shear_modulus / grid.outer_radius * area,

@@ -57,7 +57,9 @@ def make_plan(scene: Scene, share_count: int = SHARE_COUNT) -> Plan:
         share_count: into how many shares its launches are split, >= 1.
     """
     wave_speed = scene.material.pressure_wave_speed
-    critical_time_step = float(scene.grid.cell_lengths.min()) / wave_speed
+    # Soil carries its waves along.
+    flow_speed = 0.0 if scene.window is None else scene.window.first_speed
+    critical_time_step = float(scene.grid.cell_lengths.min()) / (wave_speed + flow_speed)
     plan = Plan(
         scene=scene,
         precision=PRECISIONS[scene.precision],

@@ -4,7 +4,8 @@ Symbols: v_i velocity of node i, d_i its offset, N_i shape function, L velocity 
 (xx, xy, yx, yy, zz), h cell size.
 
     v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
-    L <- L + dt L'L / 2      the strain of a finite step: without it a body that turns grows
+    L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
+                                     symmetric part of L: without it a body that turns grows
     x <- x + dt v,       V <- V (1 + dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
@@ -85,7 +86,10 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
                 v += N * v_i
                 B += wp.outer(N * v_i, d)
                 gradient += wp.outer(v_i, vec2(dNx[column] * Ny[row], Nx[column] * dNy[row]))
-        gradient += half * time_step * (wp.transpose(gradient) * gradient)
+        stretching = half * (gradient + wp.transpose(gradient))
+        gradient += time_step * (
+            half * (wp.transpose(gradient) * gradient) - stretching * stretching
+        )
         hoop = real(0.0)
         if wp.static(axisymmetric):
             hoop = v[0] / x[0]

@@ -27,7 +27,7 @@ STEADY_SAMPLES = 20
 """Samples whose mean is the steady value: two radii."""
 STEADY_PENETRATION = 5.0
 """Penetration at the final speed, at least, in cone radii: two such means, and one to forget."""
-SLOWING = 0.5
+SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
@@ -58,6 +58,7 @@ class ConePenetration(ReadyScene):
         "domain_radius",
         "domain_above",
         "domain_below",
+        "poissons_ratio_bound",
         "precision",
     )
 
@@ -171,6 +172,13 @@ class ConePenetration(ReadyScene):
         maximum=500,
     )
 
+    poissons_ratio_bound: float = parameter(
+        0.4999,
+        unit="1",
+        meaning="greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps",
+        minimum=0,
+        maximum=0.4999,
+    )
     precision: str = parameter(
         "float64",
         unit="1",
@@ -190,7 +198,7 @@ class ConePenetration(ReadyScene):
         strength, radius = self.undrained_shear_strength, self.cone_radius
         material = {"tresca": Tresca, "von_mises": VonMises}[self.material](
             shear_modulus=self.rigidity_index * strength,
-            poissons_ratio=self.poissons_ratio,
+            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
             density=self.density,
             strength=strength,
         )

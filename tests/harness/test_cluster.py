@@ -154,7 +154,7 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
 DEADLY = """
 import os, signal
 from mpm_warp.scenes.gravity_column import GravityColumn
-GravityColumn.run = lambda scene, progress: os.kill(os.getpid(), signal.SIGKILL)
+GravityColumn.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
@@ -252,4 +252,5 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     older = Case(**{**vars(case), "scene_version": case.scene_version - 1})
     outcome = compute(older).outcome
     assert outcome.status == "failed"
-    assert "version 0 of gravity_column is asked for; here is 1" in outcome.message
+    asked, here = older.scene_version, case.scene_version
+    assert f"version {asked} of gravity_column is asked for; here is {here}" in outcome.message

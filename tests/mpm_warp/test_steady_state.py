@@ -22,7 +22,7 @@ def test_what_is_left_of_an_exponential_is_what_its_decay_says(halving: int) -> 
     assert left == pytest.approx(tolerance * decay / (1.0 - decay), rel=0.05)
 
 
-def test_nothing_is_steady_before_three_spans_or_without_tolerance() -> None:
-    assert not is_steady([1.0] * 59, 20, 0.1)
-    assert is_steady([1.0] * 60, 20, 0.1)
-    assert not is_steady([1.0] * 60, 20, 0.0)
+def test_nothing_is_steady_before_two_spans_or_without_tolerance() -> None:
+    assert not is_steady([1.0] * 39, 20, 0.1)
+    assert is_steady([1.0] * 40, 20, 0.1)
+    assert not is_steady([1.0] * 40, 20, 0.0)
