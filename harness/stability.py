@@ -57,9 +57,9 @@ class Values:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether the values, zero aside, span a decade or more."""
+        """Whether the numbers, zero aside, span a decade or more."""
         positive = self.numbers[self.numbers > 0.0]
-        if self.categories or positive.size == 0 or self.numbers.min() < 0.0:
+        if positive.size == 0 or self.numbers.min() < 0.0:
             return False
         return bool(positive.max() >= 10.0 * positive.min())
 

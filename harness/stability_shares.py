@@ -88,7 +88,7 @@ def _shares(dataset: xr.Dataset, values: Values) -> Shares:
         part = np.searchsorted(singles, numbers)
     else:
         edges = np.unique(np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1)))
-        part = np.searchsorted(edges[1:-1], numbers, side="right")
+        part = np.searchsorted(edges[1:-1], numbers)
     members = [np.flatnonzero(part == it) for it in np.unique(part)]
     kinds = [COMPLETED, *sorted(set(status.tolist()) - {COMPLETED})]
     counts = {kind: np.array([np.sum(status[it] == kind) for it in members]) for kind in kinds}

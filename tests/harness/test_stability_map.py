@@ -14,7 +14,7 @@ from harness.archive import write_study
 from harness.case_files import FORMAT_VERSION
 from harness.cli import main
 from harness.plots import figures
-from harness.stability import short_reason
+from harness.stability import Values, short_reason
 from harness.stability_map import stability_figure, stability_rows
 from harness.stability_shares import shares
 from harness.stability_strips import Strip, strips
@@ -148,6 +148,21 @@ def test_a_margin_from_zero_is_a_difference() -> None:
     assert strip_of(dataset, "stress").margin(1).startswith("10000 (difference +1e+04), diverged")
 
 
+@pytest.mark.parametrize(
+    ("numbers", "logarithmic"),
+    [
+        ([1.0, 10.0], True),
+        ([1.0, 9.0], False),
+        ([0.0, 1.0, 10.0], True),
+        ([-1.0, 1.0, 10.0], False),
+        ([0.0], False),
+    ],
+)
+def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic: bool) -> None:
+    values = Values(name="stress", unit="Pa", numbers=np.array(numbers))
+    assert values.logarithmic == logarithmic
+
+
 def test_cases_that_were_not_run_are_left_out() -> None:
     statuses = ["completed", "missing", "completed"]
     dataset = made("one_at_a_time", statuses, stress=[1.0, 2.0, 3.0])
@@ -261,6 +276,8 @@ def test_bars_of_the_shares_add_up_to_one() -> None:
     heights = np.array([bar.get_height() for bar in axes.patches]).reshape(2, 5)
     np.testing.assert_allclose(heights[0], [1.0, 0.75, 0.5, 0.25, 0.0])
     np.testing.assert_allclose(heights.sum(axis=0), 1.0)
+    bottoms = np.array([bar.get_y() for bar in axes.patches]).reshape(2, 5)
+    np.testing.assert_allclose(bottoms, [np.zeros(5), heights[0]])
     assert axes.get_xticklabels()[0].get_text() == "1 to 4 (4)"
 
 
