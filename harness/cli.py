@@ -221,10 +221,11 @@ def _plan(options: argparse.Namespace) -> int:
     from harness.worker import start_warp_in_silence
 
     start_warp_in_silence()
-    plan = scene_class(options.scene)().plan()
+    scene = scene_class(options.scene)()
+    plan = scene.plan()
     if plan is None:
         raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
-    print(plan_text(plan))
+    print(plan_text(plan, scene.step_count_bound(plan)))
     return DONE
 
 

@@ -66,7 +66,8 @@ def compute(
     try:
         dataset = _run(case, progress, execution, repeats)
     except Exception as error:
-        dataset = xr.Dataset()
+        history = getattr(error, "history", None)
+        dataset = xr.Dataset() if history is None else history
         status = getattr(error, "status", "failed")
         message = " ".join(f"{type(error).__name__}: {error}".split())
     scalars = ((name, array) for name, array in dataset.data_vars.items() if array.ndim == 0)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grids import Floats, Integers
 from mpm_warp.materials import PerfectlyPlastic, Tresca
+
+if TYPE_CHECKING:
+    import xarray
 
 YIELD_TOLERANCE = 1e-5
 """Stress beyond the yield surface that is rounding yet, over the strength (in single precision)."""
@@ -19,9 +24,11 @@ class SimulationDiverged(RuntimeError):
 
     Attributes:
         status: how a harness files the case.
+        history: curves up to there, or none.
     """
 
     status = "diverged"
+    history: xarray.Dataset | None = None
 
 
 class InaccurateRun(RuntimeError):
@@ -29,9 +36,14 @@ class InaccurateRun(RuntimeError):
 
     Attributes:
         status: how a harness files the case.
+        history: its curves.
     """
 
     status = "inaccurate"
+
+    def __init__(self, message: str, history: xarray.Dataset) -> None:
+        super().__init__(message)
+        self.history = history
 
 
 class WindowOverfull(RuntimeError):
@@ -44,6 +56,7 @@ class Fault(Exception):
 
 def check_particles(
     *,
+    number: Integers,
     position: Floats,
     velocity: Floats,
     stress: Floats,
@@ -54,6 +67,7 @@ def check_particles(
     """Check that particles are within the grid, finite and slower than the waves that they carry.
 
     Args:
+        number: by which a particle is named, shape [particle_count].
         position: coordinates [m], shape [particle_count, 2].
         velocity: [m/s], shape [particle_count, 2].
         stress: four components [Pa], shape [particle_count, 4].
@@ -74,10 +88,14 @@ def check_particles(
     for quantity, (values, healthy) in sound.items():
         if not healthy.all():
             worst = int(np.argmin(healthy))
-            raise Fault(f"{quantity} of {_particle(worst, position)} is {_text(values[worst])}")
+            raise Fault(
+                f"{quantity} of {_particle(number, position, worst)} is {_text(values[worst])}"
+            )
 
 
-def check_yield(*, position: Floats, stress: Floats, material: PerfectlyPlastic) -> None:
+def check_yield(
+    *, number: Integers, position: Floats, stress: Floats, material: PerfectlyPlastic
+) -> None:
     """Check that stresses (rr, zz, rz, tt) are on or inside the yield surface.
 
     Raises:
@@ -87,8 +105,8 @@ def check_yield(*, position: Floats, stress: Floats, material: PerfectlyPlastic)
     worst = int(np.argmax(excess))
     if excess[worst] > YIELD_TOLERANCE:
         raise Fault(
-            f"stress of {_particle(worst, position)} is {_text(stress[worst])}, outside the yield "
-            f"surface by {excess[worst]:.2g} of the strength"
+            f"stress of {_particle(number, position, worst)} is {_text(stress[worst])}, outside "
+            f"the yield surface by {excess[worst]:.2g} of the strength"
         )
 
 
@@ -145,8 +163,8 @@ def _within(position: Floats, bounds: tuple[Floats, Floats]) -> NDArray[np.bool_
     return within
 
 
-def _particle(index: int, position: Floats) -> str:
-    return f"particle {index} at {_text(position[index])} m"
+def _particle(number: Integers, position: Floats, index: int) -> str:
+    return f"particle {number[index]} at {_text(position[index])} m"
 
 
 def _text(values: Floats) -> str:

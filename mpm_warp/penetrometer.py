@@ -87,6 +87,11 @@ class PenetrometerForces:
     face_shear: float
     shaft_shear: float
 
+    @property
+    def upward(self) -> float:
+        """The whole force [N]."""
+        return self.face_normal + self.face_shear + self.shaft_shear
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PenetrometerSurface:

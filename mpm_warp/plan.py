@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.grids import Floats
+from mpm_warp.grids import Floats, Integers
 from mpm_warp.kernels.precision import Precision
 from mpm_warp.scene import Scene
 
@@ -39,6 +39,12 @@ class Array:
 
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers, which do not depend on the precision."""
+
+
+def share_bounds(length: int, count: int) -> Integers:
+    """Where the `count` shares of so many things begin, and where the last one ends."""
+    bounds: Integers = length * np.arange(count + 1) // count
+    return bounds
 
 
 class First:
@@ -86,7 +92,7 @@ class Launch:
 
     def share(self, number: int, count: int) -> Launch:
         """One of `count` shares of the launch, as even as can be."""
-        begin, end = (self.dim[0] * n // count for n in (number, number + 1))
+        begin, end = share_bounds(self.dim[0], count)[number : number + 2].tolist()
         arguments: list[Any] = []
         for item in self.arguments:
             own = Own(item.name, number) if isinstance(item, Own) else item

@@ -30,7 +30,7 @@ from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.moving_wall import MovingWall
 from mpm_warp.particles import seed_rows
-from mpm_warp.plan import FIRST, Launch, Own, Plan
+from mpm_warp.plan import FIRST, Launch, Own, Plan, share_bounds
 from mpm_warp.polar import PolarGrid
 from mpm_warp.scene import Scene
 from mpm_warp.window import Window
@@ -108,10 +108,17 @@ def _add_particles(plan: Plan) -> None:
     if scene.window is not None:
         spare = round(scene.window.spare_fraction * seed.particle_count)
     places = seed.particle_count + spare
+    # Spare places are at the end of each share, so that all shares have as much to do.
+    bounds = share_bounds(seed.particle_count, plan.share_count)
+    shift = share_bounds(places, plan.share_count) - bounds
+    taken = np.arange(seed.particle_count) + np.repeat(shift[:-1], np.diff(bounds))
     # A place without a particle has the cell (-1, -1); its position only has to be finite.
-    position = np.concatenate([seed.position, np.full((spare, 2), scene.grid.outer_radius)])
-    mass = np.concatenate([scene.material.density * seed.volume, np.zeros(spare)])
-    cell = np.concatenate([seed.cell, np.full((spare, 2), -1, dtype=np.int32)])
+    position = np.full((places, 2), scene.grid.outer_radius)
+    mass = np.zeros(places)
+    cell = np.full((places, 2), -1, dtype=np.int32)
+    position[taken] = seed.position
+    mass[taken] = scene.material.density * seed.volume
+    cell[taken] = seed.cell
     plan.add_array("particle.position", "vec2", position)
     plan.add_zeros("particle.velocity", "vec2", places)
     plan.add_zeros("particle.stress", "vec4", places)

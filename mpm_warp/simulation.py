@@ -119,10 +119,11 @@ class TimeLoop:
         # In parts, because what is compared is copied.
         for first in range(0, len(present), LOOKED_AT_ONCE):
             part = present[first : first + LOOKED_AT_ONCE]
-            self._look_at({name: values[part] for name, values in particles.items()})
+            self._look_at(part, {name: values[part] for name, values in particles.items()})
 
-    def _look_at(self, particles: dict[str, Floats]) -> None:
+    def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         check_particles(
+            number=number,
             **particles,
             speed_limit=self.plan.speed_limit,
             bounds=self.plan.particle_bounds,
@@ -170,10 +171,11 @@ class Simulation(TimeLoop):
                 time_step=self.plan.time_step, longest=shortest / material.pressure_wave_speed
             )
 
-    def _look_at(self, particles: dict[str, Floats]) -> None:
-        super()._look_at(particles)
+    def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
+        super()._look_at(number, particles)
         if isinstance(self.scene.material, PerfectlyPlastic):
             check_yield(
+                number=number,
                 position=particles["position"],
                 stress=particles["stress"],
                 material=self.scene.material,

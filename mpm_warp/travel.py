@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from mpm_warp.grids import Integers
 from mpm_warp.health import WindowOverfull
-from mpm_warp.plan import Launch
+from mpm_warp.plan import Launch, share_bounds
 from mpm_warp.simulation import Simulation
 
 
@@ -51,6 +52,14 @@ class Travel:
             if (now := self.distance) >= next_layer:
                 self._admit_layer(lift=now - next_layer)
 
+    def _chosen(self, free: Integers) -> Integers:
+        """As many of the free places as a layer needs: those of the shares that have most."""
+        plan = self._simulation.plan
+        bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
+        end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
+        left_in_share = end_of_share - np.arange(len(free))
+        return free[np.argsort(-left_in_share, kind="stable")[: self._layer_size]]
+
     def _admit_layer(self, *, lift: float) -> None:
         """Let a layer of soil in, `lift` [m] above the bottom of the grid."""
         simulation = self._simulation
@@ -61,7 +70,7 @@ class Travel:
                 "it has places for; soil that sticks to the shaft needs a larger spare_fraction"
             )
         simulation.arrays["layer.lift"].assign([lift])
-        simulation.arrays["layer.places"].assign(free[: self._layer_size])
+        simulation.arrays["layer.places"].assign(self._chosen(free))
         simulation.launch(self._admission)
         self._layer_count += 1
         if simulation.scene.far_field is not None and self._layer_count % self._layers_per_row == 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -52,6 +53,19 @@ class Window:
     def ramp_time(self) -> float:
         """Time until the speed after the ramp is reached [s]."""
         return 2.0 * self.ramp_travel / self.first_speed
+
+    def time_to(self, travel: float) -> float:
+        """Time to travel so far [s], where the approach is longer than ramp and slowing."""
+        if travel <= self.ramp_travel:
+            return self.ramp_time * math.sqrt(travel / self.ramp_travel)
+        if self.approach is None:
+            return self.ramp_time + (travel - self.ramp_travel) / self.speed
+        fast, slow, falling = self.approach.speed, self.speed, self.approach.slowing_travel
+        begin = self.approach.travel - falling
+        time = self.ramp_time + (min(travel, begin) - self.ramp_travel) / fast
+        fallen = min(1.0, max(0.0, travel - begin) / falling) * (fast - slow)
+        time += falling / (fast - slow) * math.log(fast / (fast - fallen))
+        return time + max(0.0, travel - self.approach.travel) / slow
 
     def highest_speed_from(self, travel: float) -> float:
         """The highest speed that the grid has beyond some travel [m/s]."""

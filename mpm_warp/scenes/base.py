@@ -75,6 +75,10 @@ class ReadyScene(ABC):
         scene = self.simulated_scene()
         return None if scene is None else make_plan(scene)
 
+    def step_count_bound(self, plan: StepPlan) -> int | None:
+        """Steps of a run of `plan` at most; None where that is not known beforehand."""
+        return None
+
     @abstractmethod
     def run(
         self, progress: Progress | None = None, execution: Execution | None = None

@@ -15,18 +15,17 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.execution import Execution
-    from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
+    from mpm_warp.penetrometer import PenetrometerSurface
+    from mpm_warp.plan import StepPlan
     from mpm_warp.scene import Scene
     from mpm_warp.window import Approach, Window
 
-SAMPLE_SPACING = 0.1
-"""Penetration between two samples of the curves, in cone radii."""
 LARGEST_ENERGY_ERROR = 0.05
 """Share of the penetrometer's work that the method itself may create or dissipate."""
-STEADY_SAMPLES = 20
-"""Samples whose mean is the steady value: two radii."""
 STEADY_PENETRATION = 5.0
 """Penetration at the final speed, at least, in cone radii: two such means, and one to forget."""
+RAMP = 1.0
+"""Penetration in which the speed rises from rest, in cone radii."""
 SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
 LARGEST_INERTIA = 7.0
@@ -238,7 +237,7 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(speed=speed, ramp_travel=radius, approach=self._approach(speed)),
+            window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
             energy_audit=True,
             precision=self.precision,
         )
@@ -251,7 +250,7 @@ class ConePenetration(ReadyScene):
         if ratio is None:
             ratio = min(4 * self.speed_ratio, math.sqrt(LARGEST_INERTIA / self.rigidity_index))
         travel = min(self.approach, self.penetration - STEADY_PENETRATION)
-        if travel <= SLOWING or ratio <= self.speed_ratio:
+        if travel <= RAMP + SLOWING or ratio <= self.speed_ratio:
             return None
         return Approach(
             speed=speed * ratio / self.speed_ratio,
@@ -259,11 +258,17 @@ class ConePenetration(ReadyScene):
             slowing_travel=SLOWING * self.cone_radius,
         )
 
-    def _unsteady_samples(self, window: Window | None) -> int:
-        """Samples of the ramp, or of the approach and the radius after it."""
+    def _unsteady_penetration(self, window: Window | None) -> float:
+        """Penetration of the ramp, or of the approach and one more, over the radius."""
         if window is None or window.approach is None:
-            return STEADY_SAMPLES
-        return math.ceil((window.approach.travel / self.cone_radius + 1.0) / SAMPLE_SPACING)
+            return 2.0
+        return window.approach.travel / self.cone_radius + 1.0
+
+    def step_count_bound(self, plan: StepPlan) -> int:
+        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        window = self.simulated_scene().window
+        assert window is not None
+        return math.ceil(window.time_to(self.penetration * self.cone_radius) / plan.time_step)
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -273,44 +278,34 @@ class ConePenetration(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-
         from mpm_warp.health import InaccurateRun
         from mpm_warp.history import cost, variable
+        from mpm_warp.penetration import Penetration, steady_values
         from mpm_warp.simulation import Simulation
-        from mpm_warp.steady_state import is_steady
-        from mpm_warp.travel import Travel
 
         scene, surface = self.build()
         simulation = Simulation(scene, execution)
-        travel = Travel(simulation)
+        penetration = Penetration(
+            surface=surface,
+            greatest=self.penetration,
+            unsteady=self._unsteady_penetration(scene.window),
+            tolerance=self.steady_tolerance,
+        )
         start = time.perf_counter()
-        sample_count = round(self.penetration / SAMPLE_SPACING)
-        unsteady = self._unsteady_samples(scene.window)
-        forces, places = [], []
-        for sample in range(1, sample_count + 1):
-            travel.advance_to(sample * SAMPLE_SPACING * self.cone_radius)
-            forces.append(surface.forces(simulation.take_contact_forces()))
-            places.append(travel.distance)
-            if progress is not None:
-                progress(sample / sample_count)
-            resistance = [force.face_normal + force.face_shear for force in forces[unsteady:]]
-            if is_steady(resistance, STEADY_SAMPLES, self.steady_tolerance):
-                break
-        simulation.check()
+        penetration.run(simulation, progress)
         run_time = time.perf_counter() - start
-        travelled = np.diff(places, prepend=0.0)
-        upward = [force.face_normal + force.face_shear + force.shaft_shear for force in forces]
-        work = float(np.array(upward) @ travelled)
-        energy_error = simulation.transfer_energy / work
+        curves = penetration.curves()
+        energy_error = simulation.transfer_energy / penetration.work
         if not abs(energy_error) <= LARGEST_ENERGY_ERROR:
             raise InaccurateRun(
                 f"the transfers between material points and grid took {-energy_error:.1%} of the "
                 f"penetrometer's work, more than {LARGEST_ENERGY_ERROR:.0%}: try a lower "
-                "speed_ratio, more cells_per_radius or a longer penetration"
+                "speed_ratio, more cells_per_radius or a longer penetration",
+                curves,
             )
-        return self._dataset(forces, surface.shaft_area).assign(
+        return curves.assign(
             {
+                **steady_values(curves, self.undrained_shear_strength),
                 "energy_error": variable(
                     energy_error,
                     unit="1",
@@ -318,58 +313,11 @@ class ConePenetration(ReadyScene):
                     description="kinetic energy that the transfers between material points and "
                     "grid created, dissipated if < 0, over the work of the penetrometer",
                 ),
+                "step_count_bound": variable(
+                    self.step_count_bound(simulation.plan),
+                    unit="1",
+                    meaning="time steps to the greatest penetration",
+                ),
                 **cost(simulation, run_time=run_time),
             }
         )
-
-    def _dataset(self, forces: list[PenetrometerForces], shaft_area: float) -> xarray.Dataset:
-        """Curves over penetration and their steady values, from the forces of each sample."""
-        import numpy as np
-        import xarray as xr
-
-        from mpm_warp.history import variable
-
-        # Each sample is a mean over the travel since the one before; it stands in the middle.
-        penetration = (np.arange(len(forces)) + 0.5) * SAMPLE_SPACING
-        base_area = 0.5 * self.cone_radius**2
-        normal = np.array([force.face_normal for force in forces]) / base_area
-        shear = np.array([force.face_shear for force in forces]) / base_area
-        friction = np.array([force.shaft_shear for force in forces]) / shaft_area
-        last = slice(-min(STEADY_SAMPLES, len(forces) // 2), None)
-        resistance = (normal + shear)[last]
-        steady = {
-            "cone_factor": (resistance, "cone factor"),
-            "cone_factor_normal": (normal[last], "cone factor, normal part"),
-            "cone_factor_shear": (shear[last], "cone factor, shear part"),
-        }
-        curves = {
-            "penetration_resistance": (normal + shear, "net cone resistance"),
-            "shaft_friction": (friction, "mean shear stress on the shaft"),
-        }
-        variables = {
-            name: variable(values, unit="Pa", meaning=meaning, dims=("penetration",))
-            for name, (values, meaning) in curves.items()
-        } | {
-            name: variable(
-                values.mean() / self.undrained_shear_strength,
-                unit="1",
-                meaning=meaning,
-                description="Nc = (qc - sigma_v0) / su, mean over the last two radii",
-            )
-            for name, (values, meaning) in steady.items()
-        }
-        variables["cone_factor_variation"] = variable(
-            np.ptp(resistance) / resistance.mean(),
-            unit="1",
-            meaning="variation of the cone factor",
-            description="range over the last two radii of penetration, over the mean",
-        )
-        variables["penetration_reached"] = variable(
-            len(forces) * SAMPLE_SPACING,
-            unit="1",
-            meaning="penetration reached over cone radius",
-            description="where the resistance was steady, or the greatest penetration",
-        )
-        meaning = "penetration over cone radius"
-        axis = variable(penetration, unit="1", meaning=meaning, dims=("penetration",))
-        return xr.Dataset(variables, coords={"penetration": axis})

@@ -1,0 +1,142 @@
+"""A penetration, from a simulation at rest to curves of resistance and their steady values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.health import SimulationDiverged
+from mpm_warp.history import variable
+from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
+from mpm_warp.simulation import Simulation
+from mpm_warp.steady_state import is_steady
+from mpm_warp.travel import Travel
+
+SAMPLE_SPACING = 0.1
+"""Penetration between two samples of the curves, in cone radii."""
+STEADY_SAMPLES = 20
+"""Samples whose mean is the steady value: two radii."""
+
+
+@dataclass(kw_only=True)
+class Penetration:
+    """A penetrometer that is pushed in until its resistance is steady.
+
+    Attributes:
+        surface: of the penetrometer.
+        greatest: penetration at which it ends in any case, over the radius.
+        unsteady: penetration before which no resistance counts as steady, over the radius.
+        tolerance: change of the resistance over two radii at which it counts as steady.
+        forces: mean forces over each sample so far.
+        work: of the penetrometer so far, per radian [J].
+    """
+
+    surface: PenetrometerSurface
+    greatest: float
+    unsteady: float
+    tolerance: float
+    forces: list[PenetrometerForces] = field(default_factory=list)
+    work: float = 0.0
+
+    def run(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
+        """Push it in.
+
+        Raises:
+            SimulationDiverged: its `history` holds the curves up to there.
+            WindowOverfull: see `Travel`.
+        """
+        try:
+            self._push(simulation, progress)
+        except SimulationDiverged as error:
+            error.history = self.curves()
+            raise
+
+    def _push(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
+        travel, before = Travel(simulation), 0.0
+        spacing = SAMPLE_SPACING * self.surface.penetrometer.radius
+        sample_count = round(self.greatest / SAMPLE_SPACING)
+        first_steady = round(self.unsteady / SAMPLE_SPACING)
+        for sample in range(1, sample_count + 1):
+            travel.advance_to(sample * spacing)
+            force = self.surface.forces(simulation.take_contact_forces())
+            self.forces.append(force)
+            self.work += force.upward * (travel.distance - before)
+            before = travel.distance
+            if progress is not None:
+                progress(sample / sample_count)
+            resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
+            if is_steady(resistance, STEADY_SAMPLES, self.tolerance):
+                break
+        simulation.check()
+
+    def curves(self) -> xr.Dataset:
+        """Resistance, its shear part, and friction of the shaft over penetration."""
+        # Each sample is a mean over the travel since the one before; it stands in the middle.
+        penetration = (np.arange(len(self.forces)) + 0.5) * SAMPLE_SPACING
+        base_area = 0.5 * self.surface.penetrometer.radius**2
+        normal, shear, shaft = (
+            np.array([(it.face_normal, it.face_shear, it.shaft_shear) for it in self.forces])
+            .reshape(-1, 3)
+            .T
+        )
+        curves = {
+            "penetration_resistance": ((normal + shear) / base_area, "net cone resistance"),
+            "penetration_resistance_shear": (
+                shear / base_area,
+                "net cone resistance, shear part",
+            ),
+            "shaft_friction": (shaft / self.surface.shaft_area, "mean shear stress on the shaft"),
+        }
+        axis = variable(
+            penetration, unit="1", meaning="penetration over cone radius", dims=("penetration",)
+        )
+        return xr.Dataset(
+            {
+                name: variable(values, unit="Pa", meaning=meaning, dims=("penetration",))
+                for name, (values, meaning) in curves.items()
+            },
+            coords={"penetration": axis},
+        )
+
+
+def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
+    """The cone factor and its parts, from the last two radii of the curves.
+
+    Args:
+        curves: see :meth:`Penetration.curves`.
+        strength: undrained shear strength su [Pa].
+    """
+    count = curves.sizes["penetration"]
+    last = slice(-min(STEADY_SAMPLES, count // 2), None)
+    resistance = curves.penetration_resistance.values[last]
+    shear = curves.penetration_resistance_shear.values[last]
+    steady = {
+        "cone_factor": (resistance, "cone factor"),
+        "cone_factor_normal": (resistance - shear, "cone factor, normal part"),
+        "cone_factor_shear": (shear, "cone factor, shear part"),
+    }
+    variables = {
+        name: variable(
+            values.mean() / strength,
+            unit="1",
+            meaning=meaning,
+            description="Nc = (qc - sigma_v0) / su, mean over the last two radii",
+        )
+        for name, (values, meaning) in steady.items()
+    }
+    variables["cone_factor_variation"] = variable(
+        np.ptp(resistance) / resistance.mean(),
+        unit="1",
+        meaning="variation of the cone factor",
+        description="range over the last two radii of penetration, over the mean",
+    )
+    variables["penetration_reached"] = variable(
+        count * SAMPLE_SPACING,
+        unit="1",
+        meaning="penetration reached over cone radius",
+        description="where the resistance was steady, or the greatest penetration",
+    )
+    return variables
