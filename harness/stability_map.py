@@ -41,7 +41,7 @@ BESIDE = 64
 """Letters of a line beside a strip."""
 ENERGY_COLOURS = colormaps["viridis"]
 """Of the energy error over its limit, 0 to 1."""
-ENERGY_LABEL = f"energy error / its limit of {LARGEST_ENERGY_ERROR:.0%}"
+ENERGY_LABEL = f"energy error over the {LARGEST_ENERGY_ERROR:.0%} that the cone test allows"
 
 
 def stability_figure(dataset: xr.Dataset) -> Figure:
