@@ -22,6 +22,8 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullLocator, StrMethodFo
 from harness import HarnessError
 from harness.compare import conditions_of, stored_references, varied_names
 from harness.references.cone_factors import CONE_FACTORS, Quantity, envelope, envelope_applies
+from harness.stability import shows_stability
+from harness.stability_map import stability_figure
 from harness.work_precision import has_work_precision, study_figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
@@ -51,8 +53,9 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
         folder: where the pictures go; made where it does not exist.
 
     Returns:
-        Paths of the pictures: `<study>_cone_factor.png`, `<study>_resistance.png` and
-        `<study>_work_precision.png`, as far as the dataset holds what they show.
+        Paths of the pictures: `<study>_cone_factor.png`, `<study>_resistance.png`,
+        `<study>_work_precision.png` and `<study>_stability.png`, as far as the dataset holds what
+        they show.
 
     Raises:
         NothingToDrawError: it holds nothing of it.
@@ -63,7 +66,7 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
     if not shown:
         raise NothingToDrawError(
             "nothing to draw: the dataset has neither cone_factor nor penetration_resistance, nor "
-            "an error and a run_time"
+            "an error and a run_time, nor a map of its stability"
         )
     folder.mkdir(parents=True, exist_ok=True)
     stem = folder / dataset.attrs["study"]
@@ -83,6 +86,8 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
         shown["resistance"] = resistance_figure(dataset)
     if has_work_precision(dataset):
         shown["work_precision"] = study_figure(dataset)
+    if shows_stability(dataset):
+        shown["stability"] = stability_figure(dataset)
     return shown
 
 

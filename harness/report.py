@@ -19,6 +19,8 @@ from harness.compare import NothingToCompareError, table
 from harness.errors import error_name
 from harness.gate import ATTRIBUTE, misses
 from harness.plots import figures
+from harness.stability import shows_stability
+from harness.stability_map import stability_rows
 
 STYLE = """
 body { font: 15px/1.5 sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222 }
@@ -72,6 +74,9 @@ def _section(dataset: xr.Dataset) -> str:
     except NothingToCompareError as error:
         parts.append(f"<p>{_text(error)}</p>")
     parts += [_picture(name, figure) for name, figure in figures(dataset).items()]
+    if shows_stability(dataset):
+        heading, *rows = stability_rows(dataset)
+        parts += ["<h3>Stability</h3>", _table(heading, rows)]
     parts += ["<h3>Cases</h3>", _cases(dataset)]
     parts += ["<h3>Fixed parameters</h3>", _table(("parameter", "value", "unit"), _fixed(dataset))]
     attributes = ((name, value) for name, value in dataset.attrs.items())
