@@ -238,7 +238,7 @@ def _add_fixed(plan: Plan, fixed: Fixed) -> None:
     plan.add_array("fixed.nodes", "int", fixed.nodes)
     plan.add_array("fixed.free", "vec2", fixed.free)
     kernel = make_fixed(plan.precision)
-    plan.add_launch(kernel, len(fixed.nodes), "fixed.nodes", "fixed.free", "node.motion")
+    plan.add_launch(kernel, len(fixed.nodes), FIRST, "fixed.nodes", "fixed.free", "node.motion")
 
 
 def _add_far_field(plan: Plan, far_field: FarField) -> None:
@@ -250,6 +250,7 @@ def _add_far_field(plan: Plan, far_field: FarField) -> None:
     plan.add_launch(
         make_far_field(plan.precision),
         count,
+        FIRST,
         *("far_field.nodes", "far_field.spring", "far_field.dashpot"),
         *("node.mass", plan.time_step, "far_field.displacement", "node.motion"),
     )
@@ -266,6 +267,7 @@ def _add_contact(plan: Plan, contact: SurfaceContact) -> None:
     plan.add_launch(
         make_surface_contact(window is not None, plan.precision),
         len(contact.nodes),
+        FIRST,
         *("contact.nodes", "contact.normals", contact.friction),
         *("contact.adhesion", "contact.pressure", "node.mass", plan.time_step),
         *(contact.speed, window),

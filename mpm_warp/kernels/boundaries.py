@@ -17,8 +17,13 @@ def make_fixed(precision: Precision) -> Any:
     vec2, vec4 = precision.vec2, precision.vec4
 
     @wp.kernel(module=f"mpm_warp.fixed.{precision.numpy_name}", enable_backward=False)
-    def fixed(nodes: wp.array(dtype=int), free: wp.array(dtype=vec2), motion: wp.array(dtype=vec4)):
-        k = wp.tid()
+    def fixed(
+        first: int,
+        nodes: wp.array(dtype=int),
+        free: wp.array(dtype=vec2),
+        motion: wp.array(dtype=vec4),
+    ):
+        k = first + wp.tid()
         v = motion[nodes[k]]
         motion[nodes[k]] = vec4(free[k][0] * v[0], free[k][1] * v[1], v[2], v[3])
 
@@ -36,6 +41,7 @@ def make_far_field(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.far_field.{precision.numpy_name}", enable_backward=False)
     def far_field(
+        first: int,
         nodes: wp.array(dtype=int),
         spring: wp.array(dtype=real),
         dashpot: wp.array(dtype=vec2),
@@ -44,7 +50,7 @@ def make_far_field(precision: Precision) -> Any:
         displacement: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
     ):
-        k = wp.tid()
+        k = first + wp.tid()
         v = motion[nodes[k]]
         rate = time_step / mass[nodes[k]]
         v_r = (v[0] - rate * spring[k] * displacement[k]) / (one + rate * dashpot[k][0])

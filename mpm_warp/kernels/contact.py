@@ -64,6 +64,7 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.surface_contact.{key}", enable_backward=False)
     def surface_contact(
+        first: int,
         nodes: wp.array(dtype=int),
         normal: wp.array(dtype=vec2),
         friction: real,
@@ -76,7 +77,7 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
         motion: wp.array(dtype=vec4),
         impulse: wp.array(dtype=vec2),
     ):
-        k = wp.tid()
+        k = first + wp.tid()
         node = nodes[k]
         m = mass[node]
         if m <= real(0.0):
