@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from mpm_warp.bodies.scene import BodyScene
     from mpm_warp.bodies.sliding import SlidingMotion
     from mpm_warp.execution import Execution
-    from mpm_warp.materials import LinearElastic
 
 SAMPLE_COUNT = 100
 """Samples of the curves, from the moment when the driving force begins."""
@@ -28,8 +27,6 @@ SETTLING = 40.0
 a shear wave crosses the height of the block."""
 DRIVE_RISE = 10.0
 """Time in which a constant driving force rises, in the same unit."""
-BASE_CELLS = 3
-"""Thickness of the base in cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -316,52 +313,9 @@ class SlidingBlock(ReadyScene):
 
     def build(self) -> BodyScene:
         """The scene: the block is body 0, the base body 1."""
-        import numpy as np
+        from mpm_warp.bodies.sliding_scene import sliding_scene
 
-        from mpm_warp.bodies.scene import BodyContact, BodyScene, Load
-        from mpm_warp.materials import LinearElastic
-
-        ratio = self.stiffness_ratio or 1.0
-        block_material, base_material = (
-            LinearElastic(
-                shear_modulus=self.shear_modulus * factor,
-                poissons_ratio=self.poissons_ratio,
-                density=self.mass_scale * self.density,
-            )
-            for factor in (max(1.0, 1.0 / ratio), max(1.0, ratio))
-        )
-        frame, cell, spacing = self._frame, self.cell_size, self.spacing
-        block = frame.body((0.0, self.length), (0.0, self.height), spacing, block_material)
-        margin, thickness = 3.0 * cell, BASE_CELLS * cell
-        travel = self.travel * self.length if self.motion.slides else 0.0
-        end = self.length + travel + margin
-        base = frame.body((-margin, end), (-thickness, 0.0), spacing, base_material)
-        is_rigid = self.stiffness_ratio is None
-        held = (frame.height(base.position) < cell - thickness) | is_rigid
-        share = block.volume / block.volume.sum()
-        on_top = share * (frame.height(block.position) > self.height - spacing)
-        pressure_force = self.normal_pressure * self.area
-        pressed = (self.normal_force - pressure_force) * share
-        pressed += pressure_force * on_top / on_top.sum()
-        loads = (
-            Load(forces=np.outer(-pressed, frame.outward), start=0.0, rise_time=0.5 * self.start),
-            Load(
-                forces=np.outer(self.driving_force * share, frame.along),
-                start=self.start,
-                rise_time=self.motion.rise_time or self.duration,
-            ),
-        )
-        bodies = tuple(
-            replace(body, retardation_time=self._retardation_time(body.material))
-            for body in (replace(block, loads=loads), replace(base, held=held))
-        )
-        contact = BodyContact(body=0, base=1, friction=self.friction, adhesion=self.adhesion)
-        return BodyScene(
-            grid=frame.grid_around(bodies, travel=travel, cell_size=cell, offset=self.grid_offset),
-            bodies=bodies,
-            contacts=(contact,),
-            time_step_fraction=self.time_step_fraction,
-        )
+        return sliding_scene(self, self._frame)
 
     def plan(self) -> BodyPlan:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -404,11 +358,6 @@ class SlidingBlock(ReadyScene):
     def _crossing(self) -> float:
         """Time in which a shear wave crosses the height in the softer body [s]."""
         return self.height / math.sqrt(self.shear_modulus / (self.mass_scale * self.density))
-
-    def _retardation_time(self, material: LinearElastic) -> float | None:
-        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
-        crossing = self.height / material.shear_wave_speed
-        return 4.0 / math.pi * self.damping_ratio * crossing if self.damping_ratio else None
 
     @property
     def _frame(self) -> InterfaceFrame:
