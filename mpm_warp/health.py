@@ -46,8 +46,8 @@ class InaccurateRun(RuntimeError):
         self.history = history
 
 
-class WindowOverfull(RuntimeError):
-    """More soil stays in the travelling window than it has places for; the message is one line."""
+class WindowOverfull(SimulationDiverged):
+    """More soil stays in the travelling window than it has places for: it piles up on the shaft."""
 
 
 class Fault(Exception):
