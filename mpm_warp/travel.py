@@ -67,7 +67,8 @@ class Travel:
         if len(free) < self._layer_size:
             raise WindowOverfull(
                 f"after {self.distance:.4g} m of travel more soil has stayed in the window than "
-                "it has places for; soil that sticks to the shaft needs a larger spare_fraction"
+                "it has places for: it piles up on the shaft; try more cells_per_radius or a "
+                "shorter penetration"
             )
         simulation.arrays["layer.lift"].assign([lift])
         simulation.arrays["layer.places"].assign(self._chosen(free))

@@ -84,9 +84,10 @@ def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves() -> None:
     )
     scene, surface = cone.build()
     simulation = Simulation(scene)
-    cells, positions = simulation.array("particle.cell"), simulation.array("particle.position")
-    spare = cells[:, 0] < 0
-    cells[spare], positions[spare] = 0, positions[0]  # as if every place were taken
+    spare = simulation.array("particle.cell")[:, 0] < 0
+    for name in ("cell", "position", "mass"):  # as if every place were taken
+        values = simulation.array(f"particle.{name}")
+        values[spare] = values[0]
     penetration = Penetration(surface=surface, greatest=5.0, unsteady=2.0, tolerance=0.0)
     with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
         penetration.run(simulation, progress=None)
