@@ -375,6 +375,8 @@ def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Pope
     """A command in a group of its own, that has said `until`; its second case is long."""
     settings = ["--set", "adhesion_factor=0", "--set", "penetration=[1, 200]"]
     command = [sys.executable, "-m", "harness", "run", str(small_file), "--out", str(out)]
+    # A process in the background of a shell ignores SIGINT, and so would whatever it starts.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     with subprocess.Popen(
         [*command, *settings, "--workers", "1"],
         stdout=subprocess.PIPE,
@@ -382,6 +384,7 @@ def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Pope
         text=True,
         start_new_session=True,
     ) as process:
+        signal.signal(signal.SIGINT, before)
         assert process.stderr is not None
         for line in process.stderr:
             if line.startswith(until):
