@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.kernels.rendezvous import make_rendezvous
+from mpm_warp.pace import Pace
 from mpm_warp.plan import Launch, Own, StepPlan
 from mpm_warp.team import team_of
 
@@ -61,6 +63,7 @@ class Player:
         self._plan = plan
         self._arrays = arrays
         self._device = wp.get_device(device)
+        self._pace = Pace()
         self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
         self._recordings = {1: self._record_step(1)}
@@ -78,11 +81,13 @@ class Player:
     def play(self, steps: range, threads: int) -> None:
         """Take steps, with as many threads as there are and the plan has shares for.
 
+        One alone takes them where more would be slower, as on a busy machine.
+
         Args:
             steps: their numbers, which tell which of them are audited.
             threads: threads of the processor, >= 1.
         """
-        threads = min(threads, self._plan.share_count)
+        threads = self._pace.choose(min(threads, self._plan.share_count))
         if threads not in self._recordings:
             self._recordings[threads] = self._record_step(threads)
         recordings = self._recordings[threads]
@@ -95,10 +100,12 @@ class Player:
             for recording in sequence:
                 wp.capture_launch(recording[thread])
 
+        start = time.perf_counter()
         if threads == 1:
             play_part(0)
         else:
             team_of(threads).run(play_part)
+        self._pace.note(threads, len(steps), time.perf_counter() - start)
 
     def _launch_share(self, share: Launch) -> None:
         arguments = [self._argument(item) for item in share.arguments]

@@ -9,6 +9,7 @@ import pytest
 
 from mpm_warp.execution import THREAD_COUNTS, Execution
 from mpm_warp.grids import Floats
+from mpm_warp.pace import PAUSE, SHORTEST, Pace
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
@@ -90,6 +91,20 @@ def test_what_a_part_of_a_team_raises_is_raised_after_all_have_ended() -> None:
     assert sorted(done) == [0, 2]
     team.run(done.append)  # it works on
     assert sorted(done) == [0, 0, 1, 2, 2]
+
+
+def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
+    pace = Pace()
+    assert pace.choose(2) == 1  # to know what one thread takes
+    pace.note(1, step_count=100, seconds=1.0)
+    assert pace.choose(2) == 2
+    pace.note(2, step_count=100, seconds=0.6)
+    assert pace.choose(2) == 2
+    pace.note(2, step_count=100, seconds=1.1)
+    assert [pace.choose(2) for _ in range(PAUSE + 1)] == [1] * PAUSE + [2]
+    pace.note(2, step_count=SHORTEST - 1, seconds=9.0)  # too short to tell
+    assert pace.choose(2) == 2
+    assert pace.choose(1) == 1
 
 
 def test_single_precision_gives_the_same_cone_factor() -> None:

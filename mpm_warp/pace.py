@@ -1,0 +1,37 @@
+"""Whether threads gain by sharing the steps, which they do not where others take their cores."""
+
+from __future__ import annotations
+
+SHORTEST = 16
+"""Steps that tell a pace, at least."""
+PAUSE = 20
+"""Plays on one thread before more are tried again."""
+
+
+class Pace:
+    """Chooses how many threads take part, by what the last plays took.
+
+    Threads wait for each other in every step: one that is off its core for a while holds up all.
+    The number of threads does not change a result, so it may be chosen by the clock.
+    """
+
+    def __init__(self) -> None:
+        self._seconds: dict[int, float] = {}  # a step, by threads
+        self._pause = 0
+
+    def choose(self, wanted: int) -> int:
+        """The threads of the next play: as many as wanted, or one."""
+        if wanted == 1 or 1 not in self._seconds:
+            return 1
+        if self._pause > 0:
+            self._pause -= 1
+            return 1
+        return wanted
+
+    def note(self, threads: int, step_count: int, seconds: float) -> None:
+        """Take down what a play of so many steps took."""
+        if step_count < SHORTEST:
+            return
+        self._seconds[threads] = seconds / step_count
+        if threads > 1 and self._seconds[threads] > self._seconds[1]:
+            self._pause = PAUSE
