@@ -119,7 +119,8 @@ class Memory:
     def __init__(self, name: str, array: Any, tally: Tally) -> None:
         self._name, self._tally = name, tally
         self._values: np.ndarray = array.numpy()
-        self._element_bytes = self._values.nbytes / math.prod(array.shape)
+        self._size: int = self._values.nbytes
+        self._element_size: float = self._size / math.prod(array.shape)
         self._here: dict[Any, Any] = {}
         self._load_count = 0
         self.stored: list[tuple[Any, Any]] = []
@@ -141,7 +142,7 @@ class Memory:
     def traffic(self, share: float) -> float:
         """Bytes that all threads read and write, from what a share of them did [byte]."""
         return sum(
-            min(self._values.nbytes, count * self._element_bytes / share)
+            min(self._size, count * self._element_size / share)
             for count in (self._load_count, len(self.stored))
         )
 

@@ -138,7 +138,7 @@ class Whole(int):
 
     __radd__ = __add__
 
-    def __truediv__(self, other: int) -> Whole:  # type: ignore[override]
+    def __truediv__(self, other: int) -> Whole:
         return Whole(self // other)
 
 
@@ -169,14 +169,16 @@ def counted(function: Any, tally: Tally, thread: list[Whole]) -> Callable[..., A
         if isinstance(item, REAL):
             return tally.constant(item.value)
         if isinstance(item, type) and hasattr(item, "_shape_"):
+            zeros = [0.0] * math.prod(item._shape_)
             return lambda *components: shaped(
-                [tally.constant(it) for it in components or [0.0] * item._length_], item._shape_
+                [tally.constant(it) for it in components or zeros], item._shape_
             )
         return item
 
     closure = tuple(CellType(stand_in(cell.cell_contents)) for cell in function.__closure__ or ())
-    names = function.__globals__ | {"wp": _warp(thread)}
-    return FunctionType(function.__code__, names, closure=closure)
+    known = function.__globals__
+    names = {it: stand_in(known[it]) for it in function.__code__.co_names if it in known}
+    return FunctionType(function.__code__, names | {"wp": _warp(thread)}, closure=closure)
 
 
 def _warp(thread: list[Whole]) -> SimpleNamespace:
@@ -217,4 +219,5 @@ def _root(x: Number) -> Number:
 
 def _dot(one: Vector, other: Vector) -> Number:
     first, *others = (x * y for x, y in zip(one, other, strict=True))
-    return sum(others, first)
+    total: Number = sum(others, first)
+    return total

@@ -11,7 +11,7 @@ from harness.bench import bench_rows
 from harness.cli import main
 from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.simulation import Simulation
-from mpm_warp.timing import stage_times, yardsticks
+from mpm_warp.timing import StageClock, yardsticks
 
 QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
 
@@ -29,9 +29,15 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
     assert (dataset.update_rate_lowest <= dataset.update_rate).all()
     assert (dataset.update_rate <= dataset.update_rate_highest).all()
     rows = bench_rows(dataset)
-    assert sum("physics=" in row for row in rows) == 6
-    stages = [row.split()[0] for row in rows[rows.index("") + 3 : -1]]
+    first = rows[: rows.index("")]
+    assert sum(row.startswith("| physics ") for row in first) == 6
+    stages = {row.split("`")[1]: row.split("|")[3:-1] for row in rows if row.startswith("| `")}
     assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(stages)
+    operations, _, _, by_arithmetic, by_memory, over = map(float, stages["particles_to_grid"])
+    case = dataset.sel(physics="cone", threads=1)
+    assert operations == round(float(case.stage_operations.sel(stage="particles_to_grid")))
+    time = float(case.stage_time.sel(stage="particles_to_grid"))
+    assert over == pytest.approx(time / max(by_arithmetic, by_memory), rel=0.05)
     assert float(dataset.array_bytes.max()) < 300
 
 
@@ -48,15 +54,16 @@ def test_less_physics_has_fewer_stages() -> None:
     assert stages["plastic"] == stages["elastic"]
 
 
-def test_stage_times_add_up_to_what_the_steps_took() -> None:
+def test_the_clock_tells_where_the_time_of_a_step_goes() -> None:
     simulation = Simulation(StepCost(physics="elastic", size=5000).build())
     before = simulation.array("particle.position").copy()
-    times = stage_times(simulation, step_count=20)
-    assert list(times) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
-    assert all(time > 0 for time in times.values())
+    times = StageClock(simulation).time_steps(20)
+    stages = times.stages
+    assert list(stages) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
     # Particles take nearly all of it: four of them to a cell, and to a node.
-    particles = times["particles_to_grid"] + times["grid_to_particles"]
-    assert particles > 0.5 * sum(times.values())
+    particles = stages["particles_to_grid"] + stages["grid_to_particles"]
+    assert particles > 0.5 * sum(stages.values())
+    assert times.kernels == pytest.approx(sum(stages.values()) - times.launching)
     assert (simulation.array("particle.position") == before).all()  # at rest
 
 
@@ -64,6 +71,7 @@ def test_yardsticks_are_within_what_processors_do() -> None:
     machine = yardsticks()
     assert 1e8 < machine.streaming < 1e12
     assert 1e8 < machine.arithmetic < 1e12
+    assert 1e7 < machine.division < machine.arithmetic
 
 
 def test_two_benches_can_be_compared(
