@@ -75,10 +75,14 @@ class Penetration:
         steady = False
         while (next_sample := (len(self.forces) + 1) * self._spacing) <= distance:
             travel.advance_to(next_sample)
-            force = self.surface.forces(simulation.take_contact_forces())
+            moved = travel.distance - self._sampled_at
+            if moved > 0.0:
+                force = self.surface.forces(simulation.take_contact_forces())
+            else:  # one step may go past several samples
+                force = self.forces[-1]
             self.forces.append(force)
-            self.work += force.upward * (travel.distance - self._sampled_at)
-            self._sampled_at = travel.distance
+            self.work += force.upward * moved
+            self._sampled_at += moved
             first_steady = round(self.unsteady / SAMPLE_SPACING)
             resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
             steady = is_steady(resistance, STEADY_SAMPLES, self.tolerance)

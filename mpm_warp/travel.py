@@ -11,6 +11,9 @@ from mpm_warp.health import WindowOverfull
 from mpm_warp.plan import Launch, share_bounds
 from mpm_warp.simulation import Simulation
 
+ROUNDING = 1e-6
+"""Share of a step that counts as rounding: no step beyond a distance is taken for it."""
+
 
 class Travel:
     """Advances a simulation whose scene has a window, and lets soil in on the way.
@@ -48,7 +51,7 @@ class Travel:
             remaining = min(distance, next_layer) - now
             # Where the speed rises or falls this falls short, and the loop goes round again.
             per_step = self._window.highest_speed_from(now) * self._simulation.plan.time_step
-            self._simulation.advance(max(1, math.floor(remaining / per_step)))
+            self._simulation.advance(max(1, math.ceil(remaining / per_step - ROUNDING)))
             if (now := self.distance) >= next_layer:
                 self._admit_layer(lift=now - next_layer)
 
