@@ -49,6 +49,7 @@ class TimeLoop:
         self.particle_updates = 0
         self._healthy_step = 0
         self._execution = execution
+        self._shared: dict[str, np.ndarray] = {}
 
         start = time.perf_counter()
         self.arrays = {
@@ -72,8 +73,19 @@ class TimeLoop:
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
+        if name in self._shared:
+            return self._shared[name]
         values: np.ndarray = self.arrays[name].numpy()
+        if self.arrays[name].device.is_cpu:
+            self._shared[name] = values  # runs of few particles ask often
         return values
+
+    def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
+        """Give an array of the plan other values."""
+        if self.arrays[name].device.is_cpu:
+            self.array(name)[...] = values
+        else:
+            self.arrays[name].assign(values)
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""

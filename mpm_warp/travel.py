@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import warp as wp
 
 from mpm_warp.grids import Integers
 from mpm_warp.health import WindowOverfull
-from mpm_warp.plan import Launch, share_bounds
+from mpm_warp.plan import share_bounds
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-6
@@ -27,7 +28,9 @@ class Travel:
         assert scene.window is not None, "the scene has no window"
         assert plan.admission is not None
         self._simulation = simulation
-        self._admission: Launch = plan.admission
+        with wp.ScopedCapture(device=simulation.arrays["layer.lift"].device) as capture:
+            simulation.launch(plan.admission)
+        self._admission = capture.graph
         self._layer_size = plan.arrays["layer.mass"].shape[0]
         self._layers_per_row = scene.particles_per_side
         self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
@@ -73,11 +76,11 @@ class Travel:
                 "it has places for: it piles up on the shaft; try more cells_per_radius or a "
                 "shorter penetration"
             )
-        simulation.arrays["layer.lift"].assign([lift])
-        simulation.arrays["layer.places"].assign(self._chosen(free))
-        simulation.launch(self._admission)
+        simulation.assign("layer.lift", [lift])
+        simulation.assign("layer.places", self._chosen(free))
+        wp.capture_launch(self._admission)
         self._layer_count += 1
         if simulation.scene.far_field is not None and self._layer_count % self._layers_per_row == 0:
             # The springs at the side belong to the soil there, which has risen by a row.
-            springs = simulation.arrays["far_field.displacement"]
-            springs.assign(np.concatenate([[0.0], springs.numpy()[:-1]]))
+            springs = simulation.array("far_field.displacement")
+            simulation.assign("far_field.displacement", np.concatenate([[0.0], springs[:-1]]))
