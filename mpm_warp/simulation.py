@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -49,7 +50,7 @@ class TimeLoop:
         self.particle_updates = 0
         self._healthy_step = 0
         self._execution = execution
-        self._shared: dict[str, np.ndarray] = {}
+        self._seen: dict[str, tuple[Any, np.ndarray]] = {}
 
         start = time.perf_counter()
         self.arrays = {
@@ -73,12 +74,12 @@ class TimeLoop:
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
-        if name in self._shared:
-            return self._shared[name]
-        values: np.ndarray = self.arrays[name].numpy()
-        if self.arrays[name].device.is_cpu:
-            self._shared[name] = values  # runs of few particles ask often
-        return values
+        array = self.arrays[name]
+        if not array.device.is_cpu:
+            return array.numpy()
+        if self._seen.get(name, (None,))[0] is not array:
+            self._seen[name] = array, array.numpy()  # runs of few particles ask often
+        return self._seen[name][1]
 
     def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
         """Give an array of the plan other values."""

@@ -39,7 +39,7 @@ class Yardsticks:
 
 @dataclass(frozen=True)
 class StepTimes:
-    """Where the time of a step went, on average over a few [s].
+    """Where the processor's time for a step went, on average over a few [s].
 
     Attributes:
         stages: each launch, by the name of its kernel.
@@ -56,7 +56,7 @@ class StepTimes:
 
 
 class StageClock:
-    """A clock between the launches of a step, on one thread.
+    """A clock between the launches of a step, on one thread; other processes do not count.
 
     Args:
         loop: a run on the processor.
@@ -85,10 +85,10 @@ class StageClock:
         """
         wp.capture_launch(self._graph)  # warm
         self._ticks.zero_()
-        start = time.perf_counter()
+        start = time.thread_time()
         for _ in range(step_count):
             wp.capture_launch(self._graph)
-        seconds = time.perf_counter() - start
+        seconds = time.thread_time() - start
         ticks = self._ticks.numpy()
         *intervals, _, clock = seconds / step_count * ticks / ticks.sum()
         return StepTimes(

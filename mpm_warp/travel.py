@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import warp as wp
 
 from mpm_warp.grids import Integers
 from mpm_warp.health import WindowOverfull
-from mpm_warp.plan import share_bounds
+from mpm_warp.plan import Launch, share_bounds
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-6
@@ -28,9 +27,7 @@ class Travel:
         assert scene.window is not None, "the scene has no window"
         assert plan.admission is not None
         self._simulation = simulation
-        with wp.ScopedCapture(device=simulation.arrays["layer.lift"].device) as capture:
-            simulation.launch(plan.admission)
-        self._admission = capture.graph
+        self._admission: Launch = plan.admission
         self._layer_size = plan.arrays["layer.mass"].shape[0]
         self._layers_per_row = scene.particles_per_side
         self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
@@ -78,7 +75,7 @@ class Travel:
             )
         simulation.assign("layer.lift", [lift])
         simulation.assign("layer.places", self._chosen(free))
-        wp.capture_launch(self._admission)
+        simulation.launch(self._admission)
         self._layer_count += 1
         if simulation.scene.far_field is not None and self._layer_count % self._layers_per_row == 0:
             # The springs at the side belong to the soil there, which has risen by a row.

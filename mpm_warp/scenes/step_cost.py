@@ -156,7 +156,7 @@ class StepCost(ReadyScene):
         if clock is None:
             return result
         outside = [
-            1.0 - times.kernels * sample.steps / sample.seconds
+            1.0 - times.kernels * sample.steps / sample.thread_seconds
             for times, sample in zip(clocked, samples, strict=True)
         ]
         return result.merge(_stages(simulation, clocked)).assign(
@@ -164,7 +164,7 @@ class StepCost(ReadyScene):
                 "overhead_share": variable(
                     float(np.median(outside)),
                     unit="1",
-                    meaning="share of the time outside the kernels of the steps",
+                    meaning="share of the processor's time outside the kernels of the steps",
                     description="launches, Python, watch, audit, history and soil that enters: all "
                     "but what the kernels take, by a clock between them after each sample; median",
                 ),
@@ -206,26 +206,32 @@ class StepCost(ReadyScene):
 
 @dataclass(frozen=True)
 class _Sample:
-    """Steps that were taken together: their number, particle updates and time [s]."""
+    """Steps that were taken together.
+
+    Attributes:
+        steps: their number.
+        updates: particle updates.
+        seconds: wall-clock time [s].
+        thread_seconds: time of the processor for this thread [s].
+    """
 
     steps: int
     updates: int
     seconds: float
+    thread_seconds: float
 
 
 def _timed(simulation: Simulation, take: Callable[[int], None], count: int) -> _Sample:
     """About `count` steps."""
-    steps, updates, start = (
-        simulation.step_count,
-        simulation.particle_updates,
-        time.perf_counter(),
-    )
+    steps, updates = simulation.step_count, simulation.particle_updates
+    start, thread_start = time.perf_counter(), time.thread_time()
     take(count)
     simulation.array("particle.mass")  # waits for a GPU
     return _Sample(
         steps=simulation.step_count - steps,
         updates=simulation.particle_updates - updates,
         seconds=time.perf_counter() - start,
+        thread_seconds=time.thread_time() - thread_start,
     )
 
 
