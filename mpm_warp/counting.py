@@ -72,18 +72,19 @@ class Count:
     def __init__(self, launch: Launch, arrays: Mapping[str, Any]) -> None:
         self.memories: dict[str, Memory] = {}
         self._tally = Tally()
-        thread_count = math.prod(launch.dim)
+        dim, arguments = launch.call(arrays)
+        thread_count = math.prod(dim)
         chosen = np.random.default_rng(0).permutation(thread_count)[:SAMPLED]
         self._share = len(chosen) / thread_count
-        arguments = [self._argument(item, arrays) for item in launch.arguments]
+        stand_ins = list(map(self._stand_in, launch.arguments, arguments))
         thread: list[Whole] = []
         run = counted(launch.kernel.func, self._tally, thread)
         for number in chosen:
-            thread[:] = [Whole(it) for it in np.unravel_index(number, launch.dim)]
+            thread[:] = [Whole(it) for it in np.unravel_index(number, dim)]
             self._tally.begin_thread()
             for memory in self.memories.values():
                 memory.begin_thread()
-            run(*arguments)
+            run(*stand_ins)
 
     def work(self) -> Work:
         """The work of all threads, from those that were run."""
@@ -93,15 +94,14 @@ class Count:
             traffic=sum(memory.traffic(self._share) for memory in self.memories.values()),
         )
 
-    def _argument(self, item: Any, arrays: Mapping[str, Any]) -> Any:
+    def _stand_in(self, item: Any, argument: Any) -> Any:
         if isinstance(item, str | Own):
-            name = item if isinstance(item, str) else item.name
-            array = arrays[name] if isinstance(item, str) else arrays[name][item.number]
-            self.memories[name] = Memory(name, array, self._tally)
+            name = item.name if isinstance(item, Own) else item
+            self.memories[name] = Memory(name, argument, self._tally)
             return self.memories[name]
         if isinstance(item, float):
             return self._tally.constant(item)
-        return 0 if isinstance(item, First) else item
+        return 0 if isinstance(item, First) else argument
 
 
 class Memory:
