@@ -50,6 +50,7 @@ class TimeLoop:
         self.particle_updates = 0
         self._healthy_step = 0
         self._execution = execution
+        self._host = wp.get_device("cpu")
         self._seen: dict[str, tuple[Any, np.ndarray]] = {}
 
         start = time.perf_counter()
@@ -75,15 +76,16 @@ class TimeLoop:
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
         array = self.arrays[name]
-        if not array.device.is_cpu:
-            return array.numpy()
-        if self._seen.get(name, (None,))[0] is not array:
-            self._seen[name] = array, array.numpy()  # runs of few particles ask often
-        return self._seen[name][1]
+        seen, values = self._seen.get(name, (None, None))
+        if values is None or seen is not array:
+            values = array.numpy()
+            if array.device == self._host:
+                self._seen[name] = array, values  # runs of few particles ask often
+        return values
 
     def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
         """Give an array of the plan other values."""
-        if self.arrays[name].device.is_cpu:
+        if self.arrays[name].device == self._host:
             self.array(name)[...] = values
         else:
             self.arrays[name].assign(values)
