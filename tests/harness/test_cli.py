@@ -189,13 +189,34 @@ def test_threads_and_devices_that_are_not_to_be_had_are_one_line(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("option", ["workers", "batch"])
 @pytest.mark.parametrize("count", ["0", "-1", "two", "1.5", "9" * 5000])
-def test_a_wrong_number_of_workers_is_one_line(
-    count: str, capsys: pytest.CaptureFixture[str]
+def test_a_wrong_number_of_workers_or_cases_is_one_line(
+    option: str, count: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit, match="2"):
-        main(["run", "mesh_size", f"--workers={count}"])
+        main(["run", "mesh_size", f"--{option}={count}"])
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("study", "options", "message"),
+    [
+        ("mesh_size", ["--dask=tcp://127.0.0.1:1"], "leave them out with --dask"),
+        ("work_precision", [], "cases are timed one at a time, without --batch"),
+    ],
+)
+def test_a_batch_where_there_can_be_none_is_refused(
+    study: str,
+    options: list[str],
+    message: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["run", study, "--batch=2", f"--out={tmp_path}", *options]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("limit", ["0", "-1", "soon", "nan", "inf"])
