@@ -200,23 +200,24 @@ def test_a_wrong_number_of_workers_or_cases_is_one_line(
 
 
 @pytest.mark.parametrize(
-    ("study", "options", "message"),
+    ("more", "option", "message"),
     [
-        ("mesh_size", ["--dask=tcp://127.0.0.1:1"], "leave them out with --dask"),
-        ("work_precision", [], "cases are timed one at a time, without --batch"),
+        ("", "--dask=tcp://127.0.0.1:1", "leave them out with --dask"),
+        ("[timing]\nrepeats = 3\n", "--workers=1", "timed one at a time, without --batch"),
     ],
 )
 def test_a_batch_where_there_can_be_none_is_refused(
-    study: str,
-    options: list[str],
+    more: str,
+    option: str,
     message: str,
+    small_file: Path,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert main(["run", study, "--batch=2", f"--out={tmp_path}", *options]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
-    assert not list(tmp_path.iterdir())
+    small_file.write_text(small_file.read_text() + more)
+    out = tmp_path / "out"
+    assert message in refusal(["run", str(small_file), "--batch=2", f"--out={out}", option], capsys)
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("limit", ["0", "-1", "soon", "nan", "inf"])
