@@ -82,7 +82,7 @@ class Penetration:
                 force = self.forces[-1]
             self.forces.append(force)
             self.work += force.upward * moved
-            self._sampled_at += moved
+            self._sampled_at = travel.distance
             first_steady = round(self.unsteady / SAMPLE_SPACING)
             resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
             steady = is_steady(resistance, STEADY_SAMPLES, self.tolerance)
