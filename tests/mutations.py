@@ -265,6 +265,24 @@ MUTATIONS = (
         "min(1.0, max(0.0, left)) * (self",
         "min(1.0, max(0.0, left)) ** 2 * (self",
     ),
+    Mutation(
+        "cases of a batch with the numbers of the first",
+        "mpm_warp/stack.py",
+        "it.arguments[position] for it in alike",
+        "launch.arguments[position] for it in alike",
+    ),
+    Mutation(
+        "runs of a batch with the soil of the first",
+        "mpm_warp/stack.py",
+        "wp.copy(whole[number], own[number])",
+        "wp.copy(whole[number], own[0])",
+    ),
+    Mutation(
+        "runs at different steps taken for alike",
+        "mpm_warp/batch.py",
+        "groups[run.likeness, run.left.start]",
+        "groups[run.likeness]",
+    ),
 )
 
 
