@@ -50,6 +50,9 @@ class StepCost(ReadyScene):
         choices=("cone", "plastic", "elastic"),
     )
     threads: int = parameter(1, unit="1", meaning="threads of the processor", choices=(1, 2, 4))
+    cases: int = parameter(
+        1, unit="1", meaning="cases that are computed together", minimum=1, maximum=10_000
+    )
     precision: str = parameter(
         "float64",
         unit="1",
@@ -105,17 +108,38 @@ class StepCost(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`; the threads are those of the scene."""
+        from mpm_warp.batch import Batch
+        from mpm_warp.execution import Execution
+        from mpm_warp.simulation import Simulation
+
+        device = "cpu" if execution is None else execution.device
+        if self.cases == 1:
+            return self._measured(Execution(device, self.threads), progress)
+        batch, results = Batch(device, self.threads), list["xarray.Dataset"]()
+
+        def lead() -> None:
+            results.append(self._measured(batch, progress))
+
+        def accompany() -> None:
+            take = self._stirred(Simulation(self.build(), batch))
+            while not results:
+                take(LEAST_STEPS)
+
+        batch.run([lead] + [accompany] * (self.cases - 1))
+        return results[0]
+
+    def _measured(self, execution: Execution, progress: Progress | None) -> xarray.Dataset:
+        """The speed of a case, or of all that go along with it step by step."""
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.execution import Execution
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
         from mpm_warp.timing import StageClock
 
-        device = "cpu" if execution is None else execution.device
-        simulation = Simulation(self.build(), Execution(device=device, threads=self.threads))
-        clock = StageClock(simulation) if device == "cpu" and self.threads == 1 else None
+        simulation = Simulation(self.build(), execution)
+        can_be_clocked = execution.device == "cpu" and self.threads == self.cases == 1
+        clock = StageClock(simulation) if can_be_clocked else None
         take = self._stirred(simulation)
         begun = time.perf_counter()
         take(LEAST_STEPS)  # warm
@@ -129,7 +153,7 @@ class StepCost(ReadyScene):
             if progress is not None:
                 progress((number + 1) / self.samples)
         simulation.check()
-        rates = [sample.updates / sample.seconds for sample in samples]
+        rates = [self.cases * sample.updates / sample.seconds for sample in samples]
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
         result = xr.Dataset(
             {
@@ -137,7 +161,7 @@ class StepCost(ReadyScene):
                     float(np.median(rates)),
                     unit="s-1",
                     meaning="particle updates per second",
-                    description="median of the samples",
+                    description="of all cases together; median of the samples",
                 ),
                 "update_rate_lowest": variable(
                     min(rates), unit="s-1", meaning="least particle updates per second"

@@ -89,3 +89,11 @@ def test_two_benches_can_be_compared(
     assert "update_rate " in capsys.readouterr().out
     # A measurement that came out the same to the last bit would be no measurement.
     assert main(["compare", str(result), str(other), "--tolerance", "0"]) == 1
+
+
+def test_cases_that_are_computed_together_are_measured_together() -> None:
+    result = StepCost(size=600, cases=3, samples=2, sample_time=0.01).run()
+    assert float(result.update_rate) > 0
+    # Of one of them; no stage is clocked, because other cases share its launches.
+    assert float(result.particle_updates) < 3 * float(result.particle_count * result.step_count)
+    assert "stage_time" not in result
