@@ -238,6 +238,7 @@ class ConePenetration(ReadyScene):
             far_field=FarField.around(grid, material),
             contact=surface.contact,
             window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
+            even_flow=True,
             energy_audit=True,
             precision=self.precision,
         )
