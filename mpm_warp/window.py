@@ -36,7 +36,7 @@ class Window:
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
         approach: a hurried start, or none.
         spare_fraction: places for particles beyond those of the full grid, over their number,
-            because soil beside a rough shaft leaves late; dimensionless, > 0.
+            because soil beside a shaft leaves late; dimensionless, > 0.
     """
 
     speed: float

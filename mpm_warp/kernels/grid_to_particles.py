@@ -115,8 +115,8 @@ def make_grid_to_particles(
         x += time_step * v
         if wp.static(even):
             X = evening[c]
-            d_xi = time_step * xi * (one - xi) * (X[0] + xi * X[1])
-            d_eta = time_step * eta * (one - eta) * X[2]
+            d_xi = xi * (one - xi) * (X[0] + xi * X[1])
+            d_eta = eta * (one - eta) * X[2]
             x += vec2(where[2] * d_xi + where[3] * d_eta, rows[j][1] * d_eta)
         if wp.static(window):
             x += vec2(real(0.0), time_step * window_motion[1])

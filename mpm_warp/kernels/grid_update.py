@@ -230,7 +230,7 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
             dilation_rate[c] = L[0] + L[3] + L[4]
         stress_step[c] = step_of(L, time_step, shear_modulus, bulk_modulus)
         if wp.static(even):
-            evening[c] = (
+            evening[c] = time_step * (
                 v_00[0] * evening_weights[c, 0]
                 + v_10[0] * evening_weights[c, 1]
                 + v_01[0] * evening_weights[c, 2]

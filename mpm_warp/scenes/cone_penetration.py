@@ -28,8 +28,13 @@ RAMP = 1.0
 """Penetration in which the speed rises from rest, in cone radii."""
 SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
+FORGETTING = 1.5
+"""Penetration at the final speed in which the soil forgets the approach, in cone radii."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
+SPARE_IF_SMOOTH, SPARE_IF_ROUGH = 0.1, 0.4
+"""Spare places of the window: the cells along a rough shaft fill up with the many small particles
+from near the axis, after some 50 radii in the coarsest cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +46,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",
@@ -225,6 +230,7 @@ class ConePenetration(ReadyScene):
             friction=self.friction_coefficient,
             in_situ_stress=self.in_situ_stress,
         )
+        rough = shaft_adhesion_factor > 0.0 or self.friction_coefficient > 0.0
         speed = self.speed_ratio * material.shear_wave_speed
         scene = Scene(
             grid=grid,
@@ -237,8 +243,14 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
-            even_flow=True,
+            window=Window(
+                speed=speed,
+                ramp_travel=RAMP * radius,
+                approach=self._approach(speed),
+                spare_fraction=SPARE_IF_ROUGH if rough else SPARE_IF_SMOOTH,
+            ),
+            # Cells that the surface cuts have no edge along it.
+            even_flow=self.contact_surface == "fitted",
             energy_audit=True,
             precision=self.precision,
         )
@@ -260,10 +272,10 @@ class ConePenetration(ReadyScene):
         )
 
     def _unsteady_penetration(self, window: Window | None) -> float:
-        """Penetration of the ramp, or of the approach and one more, over the radius."""
+        """Penetration of the ramp, or of the approach and what it leaves behind, over the radius."""
         if window is None or window.approach is None:
             return 2.0
-        return window.approach.travel / self.cone_radius + 1.0
+        return window.approach.travel / self.cone_radius + FORGETTING
 
     def step_count_bound(self, plan: StepPlan) -> int:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
