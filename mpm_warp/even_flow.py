@@ -6,10 +6,10 @@ say, piles up without end. So particles take a part in their motion that makes i
 vanishes on the edges of the cell that it would cross: conservative velocity interpolation (Meyer &
 Jenny 2004, PAMM 4:466-467), here about an axis.
 
-Symbols: xi, eta natural coordinates, r0 and r1 radii of the left and right edge of a cell at half
-its height, r their mean, w width, h height, l rise of the edges' radius across the cell, v velocity,
-e0 and e1 its mean radial part on the left and right edge, C = v_00 - v_10 - v_01 + v_11 over nodes
-(xi, eta), v_ri the rise of the radial velocity along edge i, c centroid of the cell in xi.
+Symbols: xi, eta natural coordinates; at half the height of a cell r0 and r1 radii of its left and
+right edge, r their mean, e0 and e1 radial velocities there, c centroid in xi; w width, h height,
+l rise of the edges' radius across the cell, v_ri that of the radial velocity along edge i;
+C = v_00 - v_10 - v_01 + v_11 over the nodes (xi, eta).
 
     dxi/dt  = xi (1 - xi) (X_0 + xi (X_1 - X_0))
     deta/dt = eta (1 - eta) Y
@@ -18,8 +18,9 @@ e0 and e1 its mean radial part on the left and right edge, C = v_00 - v_10 - v_0
     X_1 = (1 - c) C_z / h + (r0 e1 - r1 e0) / (2 r r1)
     Y   = (C_r - l C_z / h) / (2 w) + ((v_r0 + v_r1) / 2 - (e0 + e1) l / (2 r)) / (2 r)
 
-Exact in X on either edge and in Y wherever the edges are upright; where they lean, to first order
-in w / r. In a cell on the axis r0 and e0 are 0, and X = C_z / (3 h) all over.
+In an upright cell all heights, and along their length both edges, have the divergence of the cell
+exactly; in between it is off by about w / r of what it was, as where edges lean. In a cell on the
+axis r0 and e0 are 0, X = C_z / (3 h) all over, and the divergence is the same everywhere.
 """
 
 from __future__ import annotations
@@ -33,12 +34,13 @@ def even_flow_weights(grid: Grid) -> Floats:
     """What (X_0, X_1 - X_0, Y) of each cell owe to the velocities of its nodes.
 
     Args:
-        grid: axisymmetric, of horizontal rows.
+        grid: axisymmetric, with horizontal rows.
 
     Returns:
         Weights [1/m] of the radial velocities of the four nodes in the order of
         `Grid.cell_nodes`, then that of C_z; shape [cell_count, 5, 3].
     """
+    assert not (grid.polar or grid.planar), "flow is made even about an axis, in horizontal rows"
     radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
     left, right = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
     middle, width, tall = 0.5 * (left + right), right - left, height[:, 2] - height[:, 0]

@@ -2,10 +2,10 @@
 
 Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle,
 L velocity gradient, D its symmetric part, W its spin, tr the trace, beta the blend, U the velocity
-of the soil past the grid.
+of the soil past the grid, E what makes the flow even within cells (`mpm_warp.even_flow`) or 0.
 
     v_p  <- (1 - beta) (v_p + N (v - u)) + beta N v
-    x_p  <- x_p + dt (N v + U)
+    x_p  <- x_p + dt (N v + U + E)
     D    <- D + (div v of the cell - tr D) / 3        mean dilation: no volumetric locking
     sigma <- yield(R sigma R' + dt (K tr D + 2 G dev D))     R the rotation by dt W (Cayley)
 """
@@ -114,9 +114,9 @@ def make_grid_to_particles(
 
         x += time_step * v
         if wp.static(even):
-            X = evening[c]
-            d_xi = xi * (one - xi) * (X[0] + xi * X[1])
-            d_eta = eta * (one - eta) * X[2]
+            s = evening[c]
+            d_xi = xi * (one - xi) * (s[0] + xi * s[1])
+            d_eta = eta * (one - eta) * s[2]
             x += vec2(where[2] * d_xi + where[3] * d_eta, rows[j][1] * d_eta)
         if wp.static(window):
             x += vec2(real(0.0), time_step * window_motion[1])

@@ -32,9 +32,6 @@ FORGETTING = 1.5
 """Penetration at the final speed in which the soil forgets the approach, in cone radii."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
-SPARE_IF_SMOOTH, SPARE_IF_ROUGH = 0.1, 0.4
-"""Spare places of the window: the cells along a rough shaft fill up with the many small particles
-from near the axis, after some 50 radii in the coarsest cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,7 +227,6 @@ class ConePenetration(ReadyScene):
             friction=self.friction_coefficient,
             in_situ_stress=self.in_situ_stress,
         )
-        rough = shaft_adhesion_factor > 0.0 or self.friction_coefficient > 0.0
         speed = self.speed_ratio * material.shear_wave_speed
         scene = Scene(
             grid=grid,
@@ -243,12 +239,7 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(
-                speed=speed,
-                ramp_travel=RAMP * radius,
-                approach=self._approach(speed),
-                spare_fraction=SPARE_IF_ROUGH if rough else SPARE_IF_SMOOTH,
-            ),
+            window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
             # Cells that the surface cuts have no edge along it.
             even_flow=self.contact_surface == "fitted",
             energy_audit=True,
@@ -272,7 +263,7 @@ class ConePenetration(ReadyScene):
         )
 
     def _unsteady_penetration(self, window: Window | None) -> float:
-        """Penetration of the ramp, or of the approach and what it leaves behind, over the radius."""
+        """Penetration of the ramp, or until the approach is forgotten, over the radius."""
         if window is None or window.approach is None:
             return 2.0
         return window.approach.travel / self.cone_radius + FORGETTING

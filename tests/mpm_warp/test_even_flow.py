@@ -27,9 +27,9 @@ def velocity(grid: Grid, nodal: Floats, cell: Floats, xi: Floats, eta: Floats) -
     v = np.einsum("nc,cnk->ck", shape, corner)
     weights = even_flow_weights(grid)[cell]
     twist = corner[:, :, 1] @ [1.0, -1.0, -1.0, 1.0]
-    X = np.einsum("cn,cnk->ck", corner[:, :, 0], weights[:, :4]) + twist[:, None] * weights[:, 4]
-    d_xi = xi * (1 - xi) * (X[:, 0] + xi * X[:, 1])
-    d_eta = eta * (1 - eta) * X[:, 2]
+    rates = np.einsum("cn,cnk->kc", corner[..., 0], weights[:, :4]) + twist * weights[:, 4].T
+    d_xi = xi * (1 - xi) * (rates[0] + xi * rates[1])
+    d_eta = eta * (1 - eta) * rates[2]
     r, z = np.moveaxis(grid.node_positions[grid.cell_nodes[cell]], -1, 0)
     r_xi = (1 - eta) * (r[:, 1] - r[:, 0]) + eta * (r[:, 3] - r[:, 2])
     r_eta = (1 - xi) * (r[:, 2] - r[:, 0]) + xi * (r[:, 3] - r[:, 1])
