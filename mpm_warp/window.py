@@ -36,13 +36,14 @@ class Window:
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
         approach: a hurried start, or none.
         spare_fraction: places for particles beyond those of the full grid, over their number,
-            because soil beside a rough shaft leaves late; dimensionless, > 0.
+            dimensionless, > 0: in the long run the cells along a rough shaft are filled with the
+            many small particles from near the axis.
     """
 
     speed: float
     ramp_travel: float
     approach: Approach | None = None
-    spare_fraction: float = 0.1
+    spare_fraction: float = 0.4
 
     @property
     def first_speed(self) -> float:

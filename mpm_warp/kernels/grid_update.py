@@ -179,8 +179,14 @@ def make_stress_step(precision: Precision) -> Any:
 
 
 @functools.cache
-def make_cell_rates(viscous: bool, precision: Precision) -> Any:
-    """Velocity gradient of each cell and what a step of it does to stress; launched over cells."""
+def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
+    """Velocity gradient of each cell and what a step of it does to stress; launched over cells.
+
+    Args:
+        viscous: whether there is a bulk viscosity, which needs the rate of dilation.
+        even: whether flow is made even within cells, see `mpm_warp.even_flow`.
+        precision: floating point types.
+    """
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
     one = wp.constant(real(1.0))
@@ -190,7 +196,8 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
     def rates(v: vec4, G: vec3) -> vec5:
         return vec5(v[0] * G[0], v[0] * G[1], v[1] * G[0], v[1] * G[1], v[0] * G[2])
 
-    key = f"{'viscous' if viscous else 'inviscid'}.{precision.numpy_name}"
+    key = f"{'viscous' if viscous else 'inviscid'}.{'even' if even else 'bilinear'}"
+    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(
@@ -205,19 +212,30 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
         gradient: wp.array(dtype=mat22),
         dilation_rate: wp.array(dtype=real),
         stress_step: wp.array(dtype=vec7),
+        evening_weights: wp.array2d(dtype=vec3),
+        evening: wp.array(dtype=vec3),
     ):
         c = first + wp.tid()
         node = c + c / column_count
         upper = node + column_count + 1
+        v_00, v_10, v_01, v_11 = motion[node], motion[node + 1], motion[upper], motion[upper + 1]
         L = (one / volume[c]) * (
-            rates(motion[node], integrals[c, 0])
-            + rates(motion[node + 1], integrals[c, 1])
-            + rates(motion[upper], integrals[c, 2])
-            + rates(motion[upper + 1], integrals[c, 3])
+            rates(v_00, integrals[c, 0])
+            + rates(v_10, integrals[c, 1])
+            + rates(v_01, integrals[c, 2])
+            + rates(v_11, integrals[c, 3])
         )
         gradient[c] = mat22(L[0], L[1], L[2], L[3])
         if wp.static(viscous):
             dilation_rate[c] = L[0] + L[3] + L[4]
         stress_step[c] = step_of(L, time_step, shear_modulus, bulk_modulus)
+        if wp.static(even):
+            evening[c] = time_step * (
+                v_00[0] * evening_weights[c, 0]
+                + v_10[0] * evening_weights[c, 1]
+                + v_01[0] * evening_weights[c, 2]
+                + v_11[0] * evening_weights[c, 3]
+                + (v_00[1] - v_10[1] - v_01[1] + v_11[1]) * evening_weights[c, 4]
+            )
 
     return cell_rates

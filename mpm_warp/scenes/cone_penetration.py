@@ -28,6 +28,8 @@ RAMP = 1.0
 """Penetration in which the speed rises from rest, in cone radii."""
 SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
+FORGETTING = 1.5
+"""Penetration at the final speed in which the soil forgets the approach, in cone radii."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
 
@@ -41,7 +43,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",
@@ -238,6 +240,8 @@ class ConePenetration(ReadyScene):
             far_field=FarField.around(grid, material),
             contact=surface.contact,
             window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
+            # Cells that the surface cuts have no edge along it.
+            even_flow=self.contact_surface == "fitted",
             energy_audit=True,
             precision=self.precision,
         )
@@ -259,10 +263,10 @@ class ConePenetration(ReadyScene):
         )
 
     def _unsteady_penetration(self, window: Window | None) -> float:
-        """Penetration of the ramp, or of the approach and one more, over the radius."""
+        """Penetration of the ramp, or until the approach is forgotten, over the radius."""
         if window is None or window.approach is None:
             return 2.0
-        return window.approach.travel / self.cone_radius + 1.0
+        return window.approach.travel / self.cone_radius + FORGETTING
 
     def step_count_bound(self, plan: StepPlan) -> int:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""

@@ -114,7 +114,7 @@ def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves() -> None:
     spare = simulation.array("particle.cell")[:, 0] < 0
     for name in ("cell", "position", "mass"):  # as if every place were taken
         values = simulation.array(f"particle.{name}")
-        values[spare] = values[0]
+        values[spare] = values[~spare][: spare.sum()]
     penetration = Penetration(surface=surface, greatest=5.0, unsteady=2.0, tolerance=0.0)
     with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
         penetration.run(simulation, progress=None)
