@@ -40,7 +40,8 @@ def even_flow_weights(grid: Grid) -> Floats:
         Weights [1/m] of the radial velocities of the four nodes in the order of
         `Grid.cell_nodes`, then that of C_z; shape [cell_count, 5, 3].
     """
-    assert not (grid.polar or grid.planar), "flow is made even about an axis, in horizontal rows"
+    assert not grid.polar, "flow is made even in horizontal rows"
+    assert not grid.planar, "flow is made even about an axis"
     radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
     left, right = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
     middle, width, tall = 0.5 * (left + right), right - left, height[:, 2] - height[:, 0]

@@ -36,14 +36,13 @@ class Window:
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
         approach: a hurried start, or none.
         spare_fraction: places for particles beyond those of the full grid, over their number,
-            dimensionless, > 0: in the long run the cells along a rough shaft are filled with the
-            many small particles from near the axis.
+            dimensionless, > 0.
     """
 
     speed: float
     ramp_travel: float
+    spare_fraction: float
     approach: Approach | None = None
-    spare_fraction: float = 0.4
 
     @property
     def first_speed(self) -> float:

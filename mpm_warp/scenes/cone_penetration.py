@@ -30,6 +30,9 @@ SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
 FORGETTING = 1.5
 """Penetration at the final speed in which the soil forgets the approach, in cone radii."""
+SPARE_FRACTION, SPARE_FRACTION_OF_FRICTION = 0.15, 0.4
+"""Places for material points beside those that fill the grid, over their number: the cells along a
+rough shaft come to hold the many small ones from near the axis, with friction more of them."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
 
@@ -239,7 +242,14 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
+            window=Window(
+                speed=speed,
+                ramp_travel=RAMP * radius,
+                approach=self._approach(speed),
+                spare_fraction=SPARE_FRACTION_OF_FRICTION
+                if self.friction_coefficient > 0.0
+                else SPARE_FRACTION,
+            ),
             # Cells that the surface cuts have no edge along it.
             even_flow=self.contact_surface == "fitted",
             energy_audit=True,

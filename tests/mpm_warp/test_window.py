@@ -17,6 +17,7 @@ from mpm_warp.window import Approach, Window
 HURRIED = Window(
     speed=1.0,
     ramp_travel=1.0,
+    spare_fraction=0.1,
     approach=Approach(speed=4.0, travel=8.0, slowing_travel=2.0),
 )
 
