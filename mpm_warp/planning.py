@@ -10,7 +10,6 @@ import numpy as np
 
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
-from mpm_warp.even_flow import even_flow_weights
 from mpm_warp.kernels.boundaries import make_far_field, make_fixed
 from mpm_warp.kernels.contact import make_surface_contact
 from mpm_warp.kernels.energy import make_kinetic_energy
@@ -302,10 +301,12 @@ def _add_cell_rates(plan: Plan) -> None:
     viscous = plan.scene.bulk_viscosity is not None
     plan.add_array("cell.volume", "real", grid.cell_volumes)
     plan.add_zeros("cell.stress_step", "vec7", grid.cell_count)
-    evening: tuple[str | None, ...] = (None, None)
+    evening: tuple[object, ...] = (None, None, 0.0, None)
     if plan.scene.even_flow:
-        weights = plan.add_array("cell.evening_weights", "vec3", even_flow_weights(grid))
-        evening = (weights, plan.add_zeros("cell.evening", "vec3", grid.cell_count))
+        assert not grid.polar, "flow is made even in horizontal rows"
+        assert not grid.planar, "flow is made even about an axis"
+        plan.add_zeros("cell.evening", "vec3", grid.cell_count)
+        evening = ("grid.columns", "grid.rows", grid.outer_radius, "cell.evening")
     plan.add_launch(
         make_cell_rates(viscous, plan.scene.even_flow, plan.precision),
         grid.cell_count,

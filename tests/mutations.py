@@ -93,9 +93,9 @@ MUTATIONS = (
     ),
     Mutation(
         "even flow without the hoop's part",
-        "mpm_warp/even_flow.py",
-        "hoop = 0.5 * sign_eta / middle - 0.25 * rise / middle**2",
-        "hoop = 0.0",
+        f"{KERNELS}/even_flow.py",
+        "hoop = half * per_r * (r0 * e1 - r1 * e0) / (r0 * r1)",
+        "hoop = zero",
     ),
     Mutation(
         "rotation of the stress turned round",

@@ -2,7 +2,8 @@
 
 Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle,
 L velocity gradient, D its symmetric part, W its spin, tr the trace, beta the blend, U the velocity
-of the soil past the grid, E what makes the flow even within cells (`mpm_warp.even_flow`) or 0.
+of the soil past the grid, E what makes the flow even within cells, of
+`mpm_warp.kernels.even_flow`, or 0.
 
     v_p  <- (1 - beta) (v_p + N (v - u)) + beta N v
     x_p  <- x_p + dt (N v + U + E)
@@ -48,7 +49,7 @@ def make_grid_to_particles(
     Args:
         polar: whether the grid is one of rings and rays.
         yielding: returns a trial stress to the yield surface; None where the material never yields.
-        even: whether flow is made even within cells, see `mpm_warp.even_flow`.
+        even: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`.
         window: whether particles that rise above the grid leave it; otherwise they stay below.
         precision: floating point types.
     """

@@ -17,6 +17,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.kernels.even_flow import make_even_flow
 from mpm_warp.kernels.precision import Precision
 
 
@@ -184,13 +185,14 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
 
     Args:
         viscous: whether there is a bulk viscosity, which needs the rate of dilation.
-        even: whether flow is made even within cells, see `mpm_warp.even_flow`.
+        even: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`.
         precision: floating point types.
     """
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
     one = wp.constant(real(1.0))
     step_of = make_stress_step(precision)
+    even_flow = make_even_flow(precision)
 
     @wp.func
     def rates(v: vec4, G: vec3) -> vec5:
@@ -212,11 +214,14 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
         gradient: wp.array(dtype=mat22),
         dilation_rate: wp.array(dtype=real),
         stress_step: wp.array(dtype=vec7),
-        evening_weights: wp.array2d(dtype=vec3),
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
         evening: wp.array(dtype=vec3),
     ):
         c = first + wp.tid()
-        node = c + c / column_count
+        j = c / column_count
+        node = c + j
         upper = node + column_count + 1
         v_00, v_10, v_01, v_11 = motion[node], motion[node + 1], motion[upper], motion[upper + 1]
         L = (one / volume[c]) * (
@@ -230,12 +235,9 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
             dilation_rate[c] = L[0] + L[3] + L[4]
         stress_step[c] = step_of(L, time_step, shear_modulus, bulk_modulus)
         if wp.static(even):
-            evening[c] = time_step * (
-                v_00[0] * evening_weights[c, 0]
-                + v_10[0] * evening_weights[c, 1]
-                + v_01[0] * evening_weights[c, 2]
-                + v_11[0] * evening_weights[c, 3]
-                + (v_00[1] - v_10[1] - v_01[1] + v_11[1]) * evening_weights[c, 4]
+            column = columns[c - j * column_count]
+            evening[c] = time_step * even_flow(
+                v_00, v_10, v_01, v_11, column, rows[j], outer_radius
             )
 
     return cell_rates
