@@ -132,7 +132,7 @@ def test_energy_audit_is_a_sample_of_what_the_transfers_do() -> None:
     soil = ConePenetration(cells_per_radius=2.0, approach=0.0).simulated_scene()
     simulation = Simulation(soil)
     created, left = 0.0, 0.0
-    for _ in range(800):
+    for _ in range(960):
         simulation.advance(1)
         mass, motion = simulation.array("node.mass"), simulation.array("node.motion")
         created += 0.5 * float(mass @ np.sum(motion[:, 2:] ** 2, axis=1)) - left

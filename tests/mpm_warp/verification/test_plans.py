@@ -33,7 +33,7 @@ def test_wave_column_has_no_part_that_it_does_not_need() -> None:
     assert parts == {"particle", "grid", "cell", "node", "fixed"}
     assert not {"cell.viscosity", "cell.dilation_rate"} & set(plan.arrays)
     modules = " ".join(launch.kernel.module.name for launch in plan.step)
-    assert "elastic.closed" in modules
+    assert "elastic.bilinear.closed" in modules
     assert "inviscid" in modules
 
 
