@@ -61,10 +61,12 @@ class Penetration:
         first_steady = round(self.unsteady / SAMPLE_SPACING)
         for sample in range(1, sample_count + 1):
             travel.advance_to(sample * spacing)
-            force = self.surface.forces(simulation.take_contact_forces())
+            # Where soil is fast in coarse cells, one step may go past several samples.
+            if travel.distance > before:
+                force = self.surface.forces(simulation.take_contact_forces())
+                self.work += force.upward * (travel.distance - before)
+                before = travel.distance
             self.forces.append(force)
-            self.work += force.upward * (travel.distance - before)
-            before = travel.distance
             if progress is not None:
                 progress(sample / sample_count)
             resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
@@ -73,30 +75,45 @@ class Penetration:
         simulation.check()
 
     def curves(self) -> xr.Dataset:
-        """Resistance, its shear part, and friction of the shaft over penetration."""
+        """Resistance, its shear part, friction of the shaft and contact over penetration."""
         # Each sample is a mean over the travel since the one before; it stands in the middle.
         penetration = (np.arange(len(self.forces)) + 0.5) * SAMPLE_SPACING
         base_area = 0.5 * self.surface.penetrometer.radius**2
-        normal, shear, shaft = (
-            np.array([(it.face_normal, it.face_shear, it.shaft_shear) for it in self.forces])
-            .reshape(-1, 3)
+        normal, shear, shaft, share = (
+            np.array(
+                [
+                    (it.face_normal, it.face_shear, it.shaft_shear, it.contact_share)
+                    for it in self.forces
+                ]
+            )
+            .reshape(-1, 4)
             .T
         )
         curves = {
-            "penetration_resistance": ((normal + shear) / base_area, "net cone resistance"),
+            "penetration_resistance": (
+                (normal + shear) / base_area,
+                "Pa",
+                "net cone resistance",
+            ),
             "penetration_resistance_shear": (
                 shear / base_area,
+                "Pa",
                 "net cone resistance, shear part",
             ),
-            "shaft_friction": (shaft / self.surface.shaft_area, "mean shear stress on the shaft"),
+            "shaft_friction": (
+                shaft / self.surface.shaft_area,
+                "Pa",
+                "mean shear stress on the shaft",
+            ),
+            "contact_share": (share, "1", "share of cone and shaft in contact"),
         }
         axis = variable(
             penetration, unit="1", meaning="penetration over cone radius", dims=("penetration",)
         )
         return xr.Dataset(
             {
-                name: variable(values, unit="Pa", meaning=meaning, dims=("penetration",))
-                for name, (values, meaning) in curves.items()
+                name: variable(values, unit=unit, meaning=meaning, dims=("penetration",))
+                for name, (values, unit, meaning) in curves.items()
             },
             coords={"penetration": axis},
         )

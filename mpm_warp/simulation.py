@@ -8,11 +8,10 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.execution import Execution
-from mpm_warp.grids import Floats, Integers, cell_lengths
+from mpm_warp.grids import Floats, Integers
 from mpm_warp.health import (
     Fault,
     SimulationDiverged,
-    check_cells,
     check_particles,
     check_time_step,
     check_yield,
@@ -22,6 +21,7 @@ from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.recording import AUDIT_INTERVAL, Player
 from mpm_warp.scene import Scene
+from mpm_warp.watch import SoilWatch
 
 LOOKED_AT_ONCE = 50_000
 """Particles that the watch looks at together."""
@@ -88,12 +88,15 @@ class TimeLoop:
         last = self.step_count + step_count
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
-            block = min(last, next_check) - self.step_count
+            is_watched = self.step_count == next_check - 1
+            if is_watched:
+                self._prepare_look()
+            block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             steps = range(self.step_count, self.step_count + block)
             self._player.play(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
-            if self.step_count == next_check:
+            if is_watched:
                 self.check()
 
     def check(self) -> None:
@@ -111,6 +114,9 @@ class TimeLoop:
             ) from None
         self._healthy_step = self.step_count
 
+    def _prepare_look(self) -> None:
+        """Note what is to be seen before the last step that a look is at."""
+
     def _look(self) -> None:
         check_time_step(time_step=self.plan.time_step, longest=self.plan.longest_time_step)
         names = ("position", "velocity", "stress", "mass")
@@ -119,7 +125,7 @@ class TimeLoop:
         # In parts, because what is compared is copied.
         for first in range(0, len(present), LOOKED_AT_ONCE):
             part = present[first : first + LOOKED_AT_ONCE]
-            self._look_at(part, {name: values[part] for name, values in particles.items()})
+            self._look_at(part, {name: it.take(part, axis=0) for name, it in particles.items()})
 
     def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         check_particles(
@@ -153,23 +159,14 @@ class Simulation(TimeLoop):
         self.scene = scene
         self.setup_time += planning_time
         self._forces_taken_at = 0.0
+        self._watch = SoilWatch(plan, self.array, self._present())
+
+    def _prepare_look(self) -> None:
+        self._watch.prepare(self._present())
 
     def _look(self) -> None:
         super()._look()
-        present, grid, material = self._present(), self.scene.grid, self.scene.material
-        volume = self.array("cell.volume")
-        column, row = self.array("particle.cell")[present].T
-        check_cells(
-            cell=row * grid.column_count + column,
-            mass=self.array("particle.mass")[present],
-            full_mass=material.density * volume,
-            particles_per_cell=self.scene.particles_per_side**2,
-        )
-        if self.scene.moving_wall is not None:
-            shortest = float(cell_lengths(self.array("cell.integrals"), volume).min())
-            check_time_step(
-                time_step=self.plan.time_step, longest=shortest / material.pressure_wave_speed
-            )
+        self._watch.look(self._present())
 
     def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         super()._look_at(number, particles)
