@@ -212,7 +212,7 @@ def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) ->
 
 
 def check_mean_stress(
-    *, number: Integers, position: Floats, stress: Floats, change: Floats, expected: Floats
+    *, number: Integers, position: Floats, stress: Floats, change: Floats, step: Floats
 ) -> None:
     """Check that the mean stress has changed in a step by what the change of volume gives.
 
@@ -221,13 +221,14 @@ def check_mean_stress(
         position: coordinates [m], shape [particle_count, 2].
         stress: after the step [Pa], shape [particle_count, 4].
         change: of the sum of the normal stresses [Pa], shape [particle_count].
-        expected: three times the bulk modulus times the volume strain of the particle's cell
-            [Pa], shape [particle_count].
+        step: elastic change of the stress in the particle's cell [Pa], [particle_count, 4]; the
+            sum of its normal components is three bulk moduli times the volume strain.
 
     Raises:
         Fault: one has not; the mean stress drifts.
     """
-    greatest = _greatest(stress) + np.abs(expected)
+    expected = step[:, 0] + step[:, 1] + step[:, 3]
+    greatest = _greatest(stress) + _greatest(step)
     drift = np.abs(change - expected) - STRESS_ROUNDINGS * np.finfo(stress.dtype).eps * greatest
     worst = int(np.argmax(drift))
     if not drift[worst] <= 0.0:

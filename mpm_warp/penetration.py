@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from mpm_warp.health import SimulationDiverged
-from mpm_warp.history import variable
+from mpm_warp.history import curves_kept, variable
 from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
 from mpm_warp.simulation import Simulation
 from mpm_warp.steady_state import is_steady
@@ -48,11 +47,8 @@ class Penetration:
             SimulationDiverged: its `history` holds the curves up to there.
             WindowOverfull: see `Travel`.
         """
-        try:
+        with curves_kept(self.curves):
             self._push(simulation, progress)
-        except SimulationDiverged as error:
-            error.history = self.curves()
-            raise
 
     def _push(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
         travel, before = Travel(simulation), 0.0

@@ -328,26 +328,32 @@ class SlidingBlock(ReadyScene):
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.bodies.history import BodyHistory
-        from mpm_warp.bodies.sliding_dataset import sliding_dataset
-        from mpm_warp.history import cost
+        from mpm_warp.bodies.sliding_dataset import sliding_curves, sliding_dataset
+        from mpm_warp.history import cost, curves_kept
         from mpm_warp.simulation import TimeLoop
 
         loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
         loop.advance(round(self.start / loop.plan.time_step))
         history = BodyHistory(loop)
-        for sample in range(1, SAMPLE_COUNT + 1):
-            until = self.start + self.duration * sample / SAMPLE_COUNT
-            loop.advance(round(until / loop.plan.time_step) - loop.step_count)
-            history.sample()
-            if progress is not None:
-                progress(sample / SAMPLE_COUNT)
-        loop.check()
+        along = self._frame.along
+        with curves_kept(
+            lambda: sliding_curves(
+                history, along=along, start=self.start, sample_count=SAMPLE_COUNT
+            )
+        ):
+            for sample in range(1, SAMPLE_COUNT + 1):
+                until = self.start + self.duration * sample / SAMPLE_COUNT
+                loop.advance(round(until / loop.plan.time_step) - loop.step_count)
+                history.sample()
+                if progress is not None:
+                    progress(sample / SAMPLE_COUNT)
+            loop.check()
         run_time = time.perf_counter() - begin
         result = sliding_dataset(
             history,
             self.motion,
-            along=self._frame.along,
+            along=along,
             length=self.length,
             start=self.start,
             settled_time=self.settled_time,
