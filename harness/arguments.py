@@ -34,7 +34,7 @@ def make_parser() -> argparse.ArgumentParser:
     where = run.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
-        type=_worker_count,
+        type=_count,
         metavar="N",
         help="processes, each with a case at a time; default: one for each core",
     )
@@ -42,6 +42,13 @@ def make_parser() -> argparse.ArgumentParser:
         "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
     )
     _add_execution(run)
+    run.add_argument(
+        "--batch",
+        type=_count,
+        default=1,
+        metavar="N",
+        help="cases that a process computes together, to fill a GPU; default: 1",
+    )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
         "--case-timeout",
@@ -202,7 +209,7 @@ def _share(text: str) -> float:
     return share
 
 
-def _worker_count(text: str) -> int:
+def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
     return int(text)

@@ -69,8 +69,12 @@ def _run(options: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, _raise_terminated)
     if options.dask is not None and options.case_timeout < math.inf:
         raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
-    if options.dask is not None and (options.threads or options.device != "cpu"):
-        raise HarnessError("--threads and --device are of this machine; leave them out with --dask")
+    if options.dask is not None and (
+        options.threads or options.device != "cpu" or options.batch > 1
+    ):
+        raise HarnessError(
+            "--threads, --device and --batch are of this machine; leave them out with --dask"
+        )
     study = load_study(options.study, options.set)
     cases = cases_of(study)
     run = (
@@ -80,6 +84,7 @@ def _run(options: argparse.Namespace) -> int:
             options.case_timeout,
             device=options.device,
             threads=options.threads,
+            batch=options.batch,
         )
         if options.dask is None
         else on_cluster(study, options.dask)

@@ -44,15 +44,15 @@ class Measurement:
         self._started = time.perf_counter()
         self._reset = _reset_peak_memory()
 
-    def seconds(self) -> float:
-        """Wall-clock time since the start [s]."""
-        return time.perf_counter() - self._started
+    def seconds(self, idle_time: float = 0.0) -> float:
+        """Wall-clock time since the start [s], without that for which the case stood still."""
+        return time.perf_counter() - self._started - idle_time
 
-    def variables(self) -> dict[str, xr.Variable]:
-        """What was measured up to now, as variables of a case's dataset."""
+    def variables(self, idle_time: float = 0.0) -> dict[str, xr.Variable]:
+        """What was measured up to now, as variables of a case's dataset; see :meth:`seconds`."""
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {
-            "case_time": case_time(self.seconds()),
+            "case_time": case_time(self.seconds(idle_time)),
             "peak_memory": xr.Variable(
                 (),
                 _peak_memory(self._reset),
@@ -68,6 +68,14 @@ class Measurement:
 def case_time(seconds: float) -> xr.Variable:
     """The time of a whole case [s] as a variable of its dataset."""
     return xr.Variable((), seconds, {"units": "s", "long_name": "wall-clock time of the case"})
+
+
+def without_idle_time(dataset: xr.Dataset, idle_time: float) -> xr.Dataset:
+    """The dataset with a run time that leaves out for how long [s] other cases were computed."""
+    if idle_time == 0.0 or "run_time" not in dataset:
+        return dataset
+    run_time = dataset["run_time"]
+    return dataset.assign(run_time=run_time.copy(data=run_time.values - idle_time))
 
 
 def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:

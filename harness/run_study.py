@@ -28,6 +28,7 @@ def on_this_machine(
     *,
     device: str = "cpu",
     threads: int | None = None,
+    batch: int = 1,
 ) -> RunCases:
     """How to run the cases of a study in worker processes here.
 
@@ -37,11 +38,14 @@ def on_this_machine(
         time_limit: time that a case may take [s].
         device: where the cases are computed.
         threads: of each case; None: those that are idle, or one where the study asks for timing.
+        batch: greatest number of cases that a process computes together.
 
     Raises:
-        HarnessError: there is no such device.
+        HarnessError: there is no such device, or cases to be timed are to be computed together.
     """
     check_device(device)
+    if batch > 1 and study.timing_repeats:
+        raise HarnessError("[timing] repeats: cases are timed one at a time, without --batch")
     repeats = study.timing_repeats
     workers = 1 if repeats else worker_count or os.cpu_count() or 1
     if repeats:
@@ -55,6 +59,7 @@ def on_this_machine(
         threads=1 if threads is None and repeats else threads,
         time_limit=time_limit,
         repeats=repeats,
+        batch=batch,
     )
 
 

@@ -50,6 +50,7 @@ def run_cases(
     threads: int | None = None,
     time_limit: float = math.inf,
     repeats: int = 0,
+    batch: int = 1,
 ) -> None:
     """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
 
@@ -65,8 +66,11 @@ def run_cases(
         device: where the cases are computed.
         threads: for each case; None: the cases at work share the cores, whose number may be more
             than theirs where there are few, or few left.
-        time_limit: time that a case may take [s]; one that takes more is ended.
+        time_limit: time that a case may take [s]; one that takes more is ended. Cases that a
+            process runs together have the sum of theirs.
         repeats: times to run each case again to measure its run time warm.
+        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
+            those of them that are not done are run again one by one.
 
     Raises:
         harness.case_files.ArchiveError: a result cannot be written.
@@ -74,32 +78,42 @@ def run_cases(
     # Starting this helper of multiprocessing lets signals through that are held; so it comes first.
     resource_tracker.ensure_running()
     waiting = deque(cases)
+    alone: deque[Case] = deque()
     workers: list[_Worker] = []
 
-    def next_case() -> Case | None:
-        while waiting:
-            case = waiting.popleft()
+    def next_case(queue: deque[Case]) -> Case | None:
+        while queue:
+            case = queue.popleft()
             if not is_complete(folder, case, repeats):
                 return case
             watcher.finished(case, Outcome(COMPLETED, "by another run"))
         return None
 
+    def next_cases() -> list[Case]:
+        if case := next_case(alone):
+            return [case]
+        count = min(batch, math.ceil(len(waiting) / worker_count))
+        return [case for _ in range(count) if (case := next_case(waiting))]
+
     try:
-        while waiting or workers:
-            while len(workers) < worker_count and (case := next_case()):
-                workers.append(_Worker(folder, case, device, repeats))
+        while waiting or alone or workers:
+            while len(workers) < worker_count and (following := next_cases()):
+                workers.append(_Worker(folder, following, device, repeats))
             for worker in workers:
                 worker.allow(threads or share_of_cores(len(workers)))
             for worker in _with_news(workers, time_limit):
-                news = worker.news(time_limit)
-                if isinstance(news, float):
-                    watcher.advanced(worker.case, news)
+                for case, news in worker.news(time_limit):
+                    if isinstance(news, float):
+                        watcher.advanced(case, news)
+                    elif news.status == MISSING:
+                        raise ArchiveError(news.message)  # of no use to compute what is not kept
+                    else:
+                        watcher.finished(case, news)
+                if worker.is_at_work:
                     continue
-                if news.status == MISSING:
-                    raise ArchiveError(news.message)  # computing what cannot be kept is of no use
-                watcher.finished(worker.case, news)
-                following = next_case() if worker.process.is_alive() else None
-                if following is not None:
+                alone.extend(worker.left.values())
+                following = next_cases() if worker.process.is_alive() else []
+                if following:
                     worker.begin(following)
                 else:
                     workers.remove(worker)
@@ -109,9 +123,15 @@ def run_cases(
 
 
 class _Worker:
-    """The parent's end of a worker process, and the case that it is at."""
+    """The parent's end of a worker process.
 
-    def __init__(self, folder: Path, case: Case, device: str, repeats: int) -> None:
+    Attributes:
+        given: cases that it was given to run together.
+        left: those that are not done, by their number among them.
+        is_at_work: whether it is at them.
+    """
+
+    def __init__(self, folder: Path, cases: Sequence[Case], device: str, repeats: int) -> None:
         self.folder = folder
         self.repeats = repeats
         self.threads = 1
@@ -123,13 +143,15 @@ class _Worker:
             self.process.start()
         # With this copy closed, the death of the worker reads as an end of file.
         theirs.close()
-        self.begin(case)
+        self.begin(cases)
 
-    def begin(self, case: Case) -> None:
-        self.case = case
+    def begin(self, cases: Sequence[Case]) -> None:
+        self.given = tuple(cases)
+        self.left = dict(enumerate(cases))
+        self.is_at_work = True
         self.fraction = 0.0
         self.began = math.inf  # a new worker needs its time to start
-        self._send(case)
+        self._send(self.given)
 
     def allow(self, threads: int) -> None:
         """Tell the worker how many threads to use from now on."""
@@ -137,40 +159,56 @@ class _Worker:
             self.threads = threads
             self._send(threads)
 
-    def _send(self, message: Case | int) -> None:
+    def _send(self, message: tuple[Case, ...] | int) -> None:
         with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
             self.connection.send(message)
 
-    def is_late(self, time_limit: float) -> bool:
-        return time.monotonic() >= self.began + time_limit
+    def deadline(self, time_limit: float) -> float:
+        return self.began + time_limit * len(self.given)
 
-    def news(self, time_limit: float) -> float | Outcome:
-        """What the worker has to say, or what became of it."""
+    def is_late(self, time_limit: float) -> bool:
+        return time.monotonic() >= self.deadline(time_limit)
+
+    def news(self, time_limit: float) -> list[tuple[Case, float | Outcome]]:
+        """What the worker has to say, or what became of its cases."""
         if not self.connection.poll():
             assert self.is_late(time_limit)
             _end([self])
             return self._lost(TIMED_OUT, f"ended after {time_limit:g} s")
         try:
-            news: float | Outcome = self.connection.recv()
+            number, news = self.connection.recv()
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode or 0
             end = signal.Signals(-code).name if code < 0 else f"code {code}"
             return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
+        case = self.given[number]
         if isinstance(news, float):
             self.fraction = news
             self.began = min(self.began, time.monotonic())
-        return news
+        else:
+            del self.left[number]
+            self.is_at_work = bool(self.left)
+        return [(case, news)]
 
-    def _lost(self, status: str, end: str) -> Outcome:
-        """Note the end of a case whose worker is no more."""
-        if is_complete(self.folder, self.case, self.repeats):
-            return Outcome(COMPLETED)  # it came to write the result, not to tell of it
-        seconds = max(0.0, time.monotonic() - self.began)
-        message = f"{end}, at {self.fraction:.0%} of the case"
-        dataset = xr.Dataset({"case_time": case_time(seconds)})
-        write_case(self.folder, self.case, dataset, status, message)
-        return Outcome(status, message, seconds=seconds)
+    def _lost(self, status: str, end: str) -> list[tuple[Case, float | Outcome]]:
+        """Note what became of the cases of a worker that is no more, but not of all of many."""
+        self.is_at_work = False
+        news: list[tuple[Case, float | Outcome]] = []
+        for number, case in list(self.left.items()):
+            if is_complete(self.folder, case, self.repeats):
+                outcome = Outcome(COMPLETED)  # it came to write the result, not to tell of it
+            elif len(self.given) == 1:
+                seconds = max(0.0, time.monotonic() - self.began)
+                message = f"{end}, at {self.fraction:.0%} of the case"
+                outcome = Outcome(status, message, seconds=seconds)
+                dataset = xr.Dataset({"case_time": case_time(seconds)})
+                write_case(self.folder, case, dataset, status, message)
+            else:
+                continue
+            del self.left[number]
+            news.append((case, outcome))
+        return news
 
 
 def share_of_cores(cases_at_work: int) -> int:
@@ -181,7 +219,7 @@ def share_of_cores(cases_at_work: int) -> int:
 
 def _with_news(workers: Sequence[_Worker], time_limit: float) -> list[_Worker]:
     """Wait for workers that have something to say or have taken too long."""
-    deadline = min((worker.began + time_limit for worker in workers), default=0.0)
+    deadline = min((worker.deadline(time_limit) for worker in workers), default=0.0)
     left = None if math.isinf(deadline) else max(0.0, deadline - time.monotonic())
     wait([worker.connection for worker in workers], left)
     return [it for it in workers if it.connection.poll() or it.is_late(time_limit)]

@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -57,7 +58,7 @@ def compute(
     """
     import xarray as xr
 
-    from harness.measuring import Measurement
+    from harness.measuring import Measurement, without_idle_time
     from harness.provenance import provenance
 
     execution = execution or Execution()
@@ -74,10 +75,12 @@ def compute(
     headline = next(
         (f"{str(name).replace('_', ' ')} {array.item():.4g}" for name, array in scalars), ""
     )
-    dataset = dataset.assign(measurement.variables()).assign_attrs(
-        provenance(), device=execution.device
+    idle_time = execution.idle_time
+    dataset = without_idle_time(dataset, idle_time)
+    dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
+        provenance(), device=execution.device, cases_together=execution.case_count
     )
-    return Result(Outcome(status, message, headline, measurement.seconds()), dataset)
+    return Result(Outcome(status, message, headline, measurement.seconds(idle_time)), dataset)
 
 
 def run_case(
@@ -102,8 +105,9 @@ def run_case(
 def serve(connection: Connection, folder: Path, device: str, repeats: int) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
-    A number that comes instead, before a case or during it, is that of the threads to use from then
-    on. Sent back are fractions done, 0 as a case begins, then an :class:`Outcome`. To be called
+    A tuple of cases is run together. A number that comes instead, before cases or during them, is
+    that of the threads to use from then on. Sent back are pairs of the number of a case in its
+    tuple and a fraction done, 0 as the cases begin, or in the end an :class:`Outcome`. To be called
     first thing in a fresh process, which it makes its own: signals, threads of libraries.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
@@ -113,21 +117,31 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
     start_warp_in_silence()
     from harness.case_files import ArchiveError
+    from mpm_warp.batch import Batch
 
-    execution = Execution(device)
+    def run(number: int, case: Case, execution: Execution) -> None:
+        reporter = _Reporter(connection, number, execution)
+        try:
+            outcome = run_case(case, folder, reporter, execution, repeats)
+        except ArchiveError as error:
+            outcome = Outcome(MISSING, str(error))
+        connection.send((number, outcome))
+
+    threads = 1
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
             message = connection.recv()
             if isinstance(message, int):
-                execution.threads = message
+                threads = message
                 continue
-            connection.send(0.0)
-            reporter = _Reporter(connection, execution)
-            try:
-                outcome = run_case(message, folder, reporter, execution, repeats)
-            except ArchiveError as error:
-                outcome = Outcome(MISSING, str(error))
-            connection.send(outcome)
+            connection.send((0, 0.0))
+            if len(message) == 1:
+                execution = Execution(device, threads)
+                run(0, message[0], execution)
+            else:
+                execution = batch = Batch(device, threads)
+                batch.run([partial(run, *it, batch) for it in enumerate(message)])
+            threads = execution.threads
 
 
 def start_warp_in_silence() -> None:
@@ -177,8 +191,9 @@ class _Reporter:
     It ends the process where nobody listens any more.
     """
 
-    def __init__(self, connection: Connection, execution: Execution) -> None:
+    def __init__(self, connection: Connection, number: int, execution: Execution) -> None:
         self.connection = connection
+        self.number = number
         self.execution = execution
         self.next_report = 0.0
 
@@ -188,7 +203,7 @@ class _Reporter:
             return
         self.next_report = now + REPORT_INTERVAL
         try:
-            self.connection.send(fraction)
+            self.connection.send((self.number, fraction))
             while self.connection.poll():
                 self.execution.threads = self.connection.recv()
         except (EOFError, ConnectionError):

@@ -6,8 +6,9 @@ It can be printed, compared and tested. `mpm_warp.planning` makes one from a sce
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -70,6 +71,8 @@ class Launch:
     may run at the same time: what they write does not overlap, or is their `Own`.
     """
 
+    share_axis: ClassVar[int] = 0
+    """Axis of an `Own` array along which the rows of the shares lie."""
     kernel: Any
     dim: tuple[int, ...]
     arguments: tuple[Any, ...]
@@ -98,7 +101,21 @@ class Launch:
             own = Own(item.name, number) if isinstance(item, Own) else item
             arguments.append(begin if item is FIRST else own)
         dim = (end - begin, *self.dim[1:])
-        return Launch(kernel=self.kernel, dim=dim, arguments=tuple(arguments))
+        return replace(self, dim=dim, arguments=tuple(arguments))
+
+    def call(self, arrays: Mapping[str, Any]) -> tuple[tuple[int, ...], list[Any]]:
+        """What the kernel is called with: over which threads, and its arguments.
+
+        Args:
+            arrays: those of the plan on a device, by name.
+        """
+
+        def on_device(item: Any) -> Any:
+            if isinstance(item, Own):
+                return arrays[item.name][(slice(None),) * self.share_axis + (item.number,)]
+            return arrays[item] if isinstance(item, str) else item
+
+        return self.dim, [on_device(item) for item in self.arguments]
 
 
 @dataclass(kw_only=True, eq=False)

@@ -11,7 +11,7 @@ import warp as wp
 
 from mpm_warp.kernels.rendezvous import make_rendezvous
 from mpm_warp.pace import Pace
-from mpm_warp.plan import Launch, Own, StepPlan
+from mpm_warp.plan import Launch, StepPlan
 from mpm_warp.team import team_of
 
 AUDIT_INTERVAL = 16
@@ -66,7 +66,7 @@ class Player:
         self._pace = Pace()
         self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
-        self._recordings = {1: self._record_step(1)}
+        self._recordings: dict[int, _Recordings] = {}
 
     def launch(self, launch: Launch, thread: int = 0, threads: int = 1) -> None:
         """Launch what a thread does of a launch; one that is not shared is the first thread's."""
@@ -108,13 +108,8 @@ class Player:
         self._pace.note(threads, len(steps), time.perf_counter() - start)
 
     def _launch_share(self, share: Launch) -> None:
-        arguments = [self._argument(item) for item in share.arguments]
-        wp.launch(share.kernel, share.dim, arguments, device=self._device)
-
-    def _argument(self, item: Any) -> Any:
-        if isinstance(item, Own):
-            return self._arrays[item.name][item.number]
-        return self._arrays[item] if isinstance(item, str) else item
+        dim, arguments = share.call(self._arrays)
+        wp.launch(share.kernel, dim, arguments, device=self._device)
 
     @property
     def _audited(self) -> list[Launch]:

@@ -19,7 +19,7 @@ from mpm_warp.health import (
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.recording import AUDIT_INTERVAL, Player
+from mpm_warp.recording import AUDIT_INTERVAL
 from mpm_warp.scene import Scene
 from mpm_warp.watch import SoilWatch
 
@@ -57,7 +57,7 @@ class TimeLoop:
         self.setup_time = time.perf_counter() - start
 
         start = time.perf_counter()
-        self._player = Player(plan, self.arrays, execution.device)
+        self._steps = execution.steps(plan, self.arrays)
         self.compile_time = time.perf_counter() - start
 
     @property
@@ -77,7 +77,7 @@ class TimeLoop:
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""
-        self._player.launch(launch)
+        self._steps.launch(launch)
 
     def advance(self, step_count: int) -> None:
         """Take steps.
@@ -93,7 +93,7 @@ class TimeLoop:
                 self._prepare_look()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             steps = range(self.step_count, self.step_count + block)
-            self._player.play(steps, self._execution.threads)
+            self._steps.play(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:

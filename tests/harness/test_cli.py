@@ -189,13 +189,35 @@ def test_threads_and_devices_that_are_not_to_be_had_are_one_line(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("option", ["workers", "batch"])
 @pytest.mark.parametrize("count", ["0", "-1", "two", "1.5", "9" * 5000])
-def test_a_wrong_number_of_workers_is_one_line(
-    count: str, capsys: pytest.CaptureFixture[str]
+def test_a_wrong_number_of_workers_or_cases_is_one_line(
+    option: str, count: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit, match="2"):
-        main(["run", "mesh_size", f"--workers={count}"])
+        main(["run", "mesh_size", f"--{option}={count}"])
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("more", "option", "message"),
+    [
+        ("", "--dask=tcp://127.0.0.1:1", "leave them out with --dask"),
+        ("[timing]\nrepeats = 3\n", "--workers=1", "timed one at a time, without --batch"),
+    ],
+)
+def test_a_batch_where_there_can_be_none_is_refused(
+    more: str,
+    option: str,
+    message: str,
+    small_file: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    small_file.write_text(small_file.read_text() + more)
+    out = tmp_path / "out"
+    assert message in refusal(["run", str(small_file), "--batch=2", f"--out={out}", option], capsys)
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("limit", ["0", "-1", "soon", "nan", "inf"])

@@ -216,3 +216,84 @@ def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Stu
         run_cases(cases, tmp_path / "not there", 1, record)
     assert record.outcomes == {}
     assert not multiprocessing.active_children()
+
+
+def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: Study) -> None:
+    alone = run(small, tmp_path / "alone", 1, Record())
+    folder = case_files.case_folder(tmp_path / "together", small)
+    case_files.prepare(folder)
+    record = Record()
+    run_cases(cases_of(small), folder, 1, record, batch=10)
+    together = archive.collect(small, cases_of(small), folder)
+    assert differing(alone, together) == []
+    assert [outcome.status for outcome in record.outcomes.values()] == [COMPLETED] * 3
+    kept = [case_files.read_case(folder, case) for case in cases_of(small)]
+    assert [it.attrs["cases_together"] for it in kept if it is not None] == [3, 3, 3]
+    assert (together.case_time >= together.run_time).all()
+
+
+def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
+    folder = case_files.case_folder(tmp_path, small)
+    case_files.prepare(folder)
+    run_cases(cases_of(small), folder, 2, Record(), batch=10)
+    kept = [case_files.read_case(folder, case) for case in cases_of(small)]
+    assert [it.attrs["cases_together"] for it in kept if it is not None] == [2, 2, 1]
+
+
+def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run_alone(
+    tmp_path: Path, small_file: Path
+) -> None:
+    study = load_study(str(small_file), ["adhesion_factor=[0, 1]", "penetration=[1, 20]"])
+    folder = case_files.case_folder(tmp_path, study)
+    case_files.prepare(folder)
+
+    class Killer(Record):
+        """Kills the first worker as soon as a case is done."""
+
+        def finished(self, case: Case, outcome: Outcome) -> None:
+            super().finished(case, outcome)
+            if len(self.outcomes) == 1:
+                (worker,) = multiprocessing.active_children()
+                worker.kill()
+
+    record = Killer()
+    run_cases(cases_of(study), folder, 1, record, batch=4)
+    assert [record.outcomes[case.key].status for case in cases_of(study)] == [COMPLETED] * 4
+    kept = [case_files.read_case(folder, case) for case in cases_of(study)]
+    together = [it.attrs["cases_together"] for it in kept if it is not None]
+    assert set(together) == {1, 4}
+
+
+def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
+    tmp_path: Path, small_file: Path
+) -> None:
+    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03]"]
+    study = load_study(str(small_file), settings)
+    folder = case_files.case_folder(tmp_path, study)
+    case_files.prepare(folder)
+    long, short = cases_of(study)
+    record = Record()
+    run_cases([long, short], folder, 1, record, time_limit=4, batch=2)
+    assert record.outcomes[long.key].status == TIMED_OUT
+    assert record.outcomes[short.key].status == COMPLETED
+
+
+def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
+    tmp_path: Path, small_file: Path
+) -> None:
+    study = load_study(str(small_file), ["adhesion_factor=0", "penetration=[200, 1, 2]"])
+    folder = case_files.case_folder(tmp_path, study)
+    case_files.prepare(folder)
+
+    class Killer(Record):
+        """Kills each worker that has come on with the long case."""
+
+        def advanced(self, case: Case, fraction: float) -> None:
+            if case.parameters["penetration"] == 200 and fraction > 0:
+                for worker in multiprocessing.active_children():
+                    worker.kill()
+
+    record = Killer()
+    run_cases(cases_of(study), folder, 1, record, batch=3)
+    statuses = [record.outcomes[case.key].status for case in cases_of(study)]
+    assert statuses == [CRASHED, COMPLETED, COMPLETED]

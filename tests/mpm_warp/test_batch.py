@@ -1,0 +1,183 @@
+"""Runs that take their steps together: the same bits as alone, whoever the others are."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+import xarray as xr
+
+from mpm_warp import batch as batch_module
+from mpm_warp.batch import Batch
+from mpm_warp.execution import Execution
+from mpm_warp.health import SimulationDiverged
+from mpm_warp.kernels.over_cases import make_over_cases
+from mpm_warp.planning import make_plan
+from mpm_warp.recording import Player
+from mpm_warp.scenes.base import ReadyScene
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.simulation import Simulation
+from mpm_warp.stack import likeness, stack
+
+SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
+
+
+def cone(**parameters: Any) -> ConePenetration:
+    return ConePenetration(**SMALL, **{"penetration": 2, **parameters})
+
+
+DIFFERENT = [
+    cone(adhesion_factor=0.2, rigidity_index=50),
+    cone(adhesion_factor=0.8, rigidity_index=300, penetration=1),
+    cone(time_step_fraction=0.4, friction_coefficient=0.3, undrained_shear_strength=5e3),
+    cone(particles_per_cell=9, penetration=1),
+]
+"""Cones of their own materials, contact, time steps and lengths; the last on other points."""
+
+
+def run_together(scenes: list[ReadyScene], execution: Batch) -> list[xr.Dataset]:
+    results: dict[int, xr.Dataset] = {}
+
+    def work(number: int) -> Callable[[], None]:
+        def run() -> None:
+            results[number] = scenes[number].run(execution=execution)
+
+        return run
+
+    execution.run([work(number) for number in range(len(scenes))])
+    return [results[number] for number in range(len(scenes))]
+
+
+def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
+    for name in one.variables:
+        if not str(name).endswith("_time") or name == "time_step":
+            np.testing.assert_array_equal(one[name], other[name], err_msg=str(name))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_batch_does_not_change_a_bit(threads: int) -> None:
+    together = run_together(list(DIFFERENT), Batch(threads=threads))
+    for scene, result in zip(DIFFERENT, together, strict=True):
+        assert_same(scene.run(), result)
+
+
+def test_a_batch_larger_than_the_cache_is_taken_in_portions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        batch_module, "POINTS_IN_CACHE", 2 * make_plan(cone().build()[0]).particle_count
+    )
+    cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
+    for scene, result in zip(cones, run_together(list(cones), Batch()), strict=True):
+        assert_same(scene.run(), result)
+
+
+@pytest.mark.parametrize("make", [GravityColumn, SlidingBlock])
+def test_any_scene_can_be_run_in_a_batch(make: Callable[[], ReadyScene]) -> None:
+    alone = make().run()
+    for result in run_together([make(), make()], Batch()):
+        assert_same(alone, result)
+
+
+def test_a_thread_for_each_item_gives_the_same_bits() -> None:
+    # As on a GPU, where sums are taken in one share.
+    scenes = [cone(adhesion_factor=0.2).build()[0], cone(rigidity_index=300).build()[0]]
+    alone = [Simulation(scene) for scene in scenes]
+    together = [Simulation(scene) for scene in scenes]
+    plans, arrays = [it.plan for it in together], [it.arrays for it in together]
+    player = Player(*stack(plans, arrays, "cpu", chunk_size=1), "cpu")
+    player.play(range(40), threads=1)
+    for one, other in zip(alone, together, strict=True):
+        one.advance(40)
+        for name in one.arrays:
+            np.testing.assert_array_equal(other.array(name), one.array(name), err_msg=name)
+
+
+def test_plans_are_alike_that_differ_in_numbers_only() -> None:
+    like = likeness(make_plan(cone().build()[0]))
+    assert like == likeness(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()[0]))
+    assert like != likeness(make_plan(cone(particles_per_cell=9).build()[0]))
+    assert like != likeness(make_plan(cone(precision="float32").build()[0]))
+    assert like != likeness(make_plan(cone(material="von_mises").build()[0]))
+
+
+def test_one_that_diverges_does_not_disturb_the_others() -> None:
+    good, bad = cone(), cone(time_step_fraction=1.2)
+    results: list[xr.Dataset] = []
+    errors: list[Exception] = []
+    execution = Batch()
+
+    def survive() -> None:
+        results.append(good.run(execution=execution))
+
+    def fail() -> None:
+        simulation = Simulation(bad.build()[0], execution)
+        simulation.advance(10)
+        simulation.array("particle.velocity")[0] = np.nan
+        try:
+            simulation.advance(1000)
+        except SimulationDiverged as error:
+            errors.append(error)
+
+    execution.run([fail, survive, fail])
+    assert len(errors) == 2
+    assert "velocity of particle 0" in str(errors[0])
+    assert_same(good.run(), results[0])
+
+
+def test_an_exception_gives_up_the_others() -> None:
+    execution = Batch()
+    cleaned: list[int] = []
+
+    def go_on(number: int) -> Callable[[], None]:
+        def run() -> None:
+            try:
+                cone(penetration=200).run(execution=execution)
+            finally:
+                cleaned.append(number)
+
+        return run
+
+    def fail() -> None:
+        Simulation(cone().build()[0], execution).advance(100)
+        raise KeyError("as expected")
+
+    with pytest.raises(KeyError, match="as expected"):
+        execution.run([go_on(0), fail, go_on(2)])
+    assert sorted(cleaned) == [0, 2]
+
+
+def test_the_time_of_others_is_idle_time() -> None:
+    execution = Batch()
+    begin = time.perf_counter()
+    spent: list[float] = []
+
+    def work() -> None:
+        start = time.perf_counter()
+        cone().run(execution=execution)
+        spent.append(time.perf_counter() - start - execution.idle_time)
+
+    execution.run([work, work, work])
+    # What the three spent themselves is at most what they took together.
+    assert 0 < sum(spent) <= time.perf_counter() - begin
+    assert execution.case_count == 3
+    assert (Execution().case_count, Execution().idle_time) == (1, 0.0)
+
+
+def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
+    @wp.kernel(enable_backward=False)
+    def first_above(limit: float, values: wp.array(dtype=float), found: wp.array(dtype=int)):  # type: ignore[valid-type]
+        i = wp.tid()
+        for j in range(i):
+            if values[j] > limit:
+                found[i] = j
+                return
+
+    with pytest.raises(NotImplementedError, match="within a loop"):
+        make_over_cases(first_above)
