@@ -21,7 +21,13 @@ TOUCHING = 0.9
 
 
 class SceneError(ValueError):
-    """A scene is not one that can be run; the message is one line."""
+    """A scene is not one that can be run; the message is one line.
+
+    Attributes:
+        status: how a harness files the case.
+    """
+
+    status = "refused"
 
 
 @dataclass(frozen=True, kw_only=True)
