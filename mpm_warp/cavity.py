@@ -153,17 +153,17 @@ class Cavity(ReadyScene):
         assert scene.moving_wall is not None
         simulation = Simulation(scene, execution)
         travel = (self.expansion - 1.0) * RADIUS + scene.moving_wall.ramp_travel
-        step_count = round(travel / scene.moving_wall.speed / simulation.plan.time_step)
+        duration = travel / scene.moving_wall.speed
         start = time.perf_counter()
         expansion: list[float] = []
         pressure: list[float] = []
         before = RADIUS
         with curves_kept(lambda: self._curves(np.array(expansion), np.array(pressure))):
             for sample in range(1, SAMPLE_COUNT + 1):
-                steps = step_count * sample // SAMPLE_COUNT - simulation.step_count
-                simulation.advance(steps)
+                begin = simulation.time
+                simulation.advance_to(duration * sample / SAMPLE_COUNT)
                 now = float(simulation.array("wall.motion")[0, 2])
-                on_rows = simulation.array("wall.impulse") / (steps * simulation.plan.time_step)
+                on_rows = simulation.array("wall.impulse") / (simulation.time - begin)
                 simulation.arrays["wall.impulse"].zero_()
                 middle = 0.5 * (before + now)
                 expansion.append(middle / RADIUS)

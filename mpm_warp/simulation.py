@@ -48,6 +48,7 @@ class TimeLoop:
         self.step_count = 0
         self.particle_updates = 0
         self._healthy_step = 0
+        self._changed_step, self._changed_time = 0, 0.0
         self._execution = execution
 
         start = time.perf_counter()
@@ -63,7 +64,8 @@ class TimeLoop:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self.step_count * self.plan.time_step
+        steps = self.step_count - self._changed_step
+        return self._changed_time + steps * self.plan.time_step
 
     @property
     def particle_count(self) -> int:
@@ -99,20 +101,45 @@ class TimeLoop:
             if is_watched:
                 self.check()
 
+    def advance_to(self, time: float) -> None:
+        """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.
+
+        Raises:
+            SimulationDiverged: see `advance`.
+        """
+        while (left := self._steps_until(time)) > 0:
+            self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
+
+    def _steps_until(self, time: float) -> int:
+        since_change = round((time - self._changed_time) / self.plan.time_step)
+        return self._changed_step + since_change - self.step_count
+
     def check(self) -> None:
-        """Look whether the run is sound.
+        """Look whether the run is sound, and whether its time step is still the right one.
 
         Raises:
             SimulationDiverged: it is not; the message names what, where, when and what may help.
         """
+        control, time_step = self.plan.control, self.plan.time_step
         try:
             self._look()
+            if control is not None:
+                time_step = control.following(time_step, self.array)
         except Fault as fault:
             raise SimulationDiverged(
                 f"{fault}, at step {self.step_count}, t = {self.time:.4g} s; healthy at step "
                 f"{self._healthy_step}; {self.plan.remedy}"
             ) from None
         self._healthy_step = self.step_count
+        if control is not None and time_step != self.plan.time_step:
+            self._go_on_with(control.replan(time_step))
+
+    def _go_on_with(self, changed: StepPlan) -> None:
+        """Take the launches of a plan of the same run with another time step."""
+        self._changed_step, self._changed_time = self.step_count, self.time
+        self.plan.time_step = changed.time_step
+        self.plan.step, self.plan.audited_step = changed.step, changed.audited_step
+        self._steps = self._execution.steps(self.plan, self.arrays)
 
     def _prepare_look(self) -> None:
         """Note what is to be seen before the last step that a look is at."""

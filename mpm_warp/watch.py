@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpm_warp.grids import Floats, Integers, cell_lengths
+from mpm_warp.grids import Floats, Integers
 from mpm_warp.health import (
     block_sums,
     check_blocks,
     check_cells,
     check_contact,
     check_mean_stress,
-    check_time_step,
 )
 from mpm_warp.plan import Plan
 
@@ -97,12 +96,6 @@ class SoilWatch:
         # Elsewhere soil may leave a cell by right: below a free surface, beside one that parts.
         if not (scene.free_surface or self._parts):
             check_blocks(self._blocks(mass), self._first_blocks)
-        if scene.moving_wall is not None:
-            shortest = float(cell_lengths(self._array("cell.integrals"), volume).min())
-            check_time_step(
-                time_step=self._plan.time_step,
-                longest=shortest / scene.material.pressure_wave_speed,
-            )
 
     def _look_at_contact(self, before: _Before) -> None:
         contact = self._plan.scene.contact

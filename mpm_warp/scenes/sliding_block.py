@@ -40,7 +40,7 @@ class SlidingBlock(ReadyScene):
     """
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_length",
         "particles_per_cell",
@@ -334,7 +334,7 @@ class SlidingBlock(ReadyScene):
 
         loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
-        loop.advance(round(self.start / loop.plan.time_step))
+        loop.advance_to(self.start)
         history = BodyHistory(loop)
         along = self._frame.along
         with curves_kept(
@@ -343,8 +343,7 @@ class SlidingBlock(ReadyScene):
             )
         ):
             for sample in range(1, SAMPLE_COUNT + 1):
-                until = self.start + self.duration * sample / SAMPLE_COUNT
-                loop.advance(round(until / loop.plan.time_step) - loop.step_count)
+                loop.advance_to(self.start + self.duration * sample / SAMPLE_COUNT)
                 history.sample()
                 if progress is not None:
                     progress(sample / SAMPLE_COUNT)
