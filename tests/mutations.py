@@ -235,6 +235,24 @@ MUTATIONS = (
         "final_speed + left * (speed - final_speed)",
         "speed + left * (speed - final_speed)",
     ),
+    Mutation(
+        "cases of a batch with the numbers of the first",
+        "mpm_warp/stack.py",
+        "it.arguments[position] for it in alike",
+        "launch.arguments[position] for it in alike",
+    ),
+    Mutation(
+        "runs of a batch with the soil of the first",
+        "mpm_warp/stack.py",
+        "wp.copy(whole[number], own[number])",
+        "wp.copy(whole[number], own[0])",
+    ),
+    Mutation(
+        "runs at different steps taken for alike",
+        "mpm_warp/batch.py",
+        "groups[run.likeness, run.left.start]",
+        "groups[run.likeness]",
+    ),
 )
 
 

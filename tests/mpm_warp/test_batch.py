@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,20 @@ def test_a_batch_larger_than_the_cache_is_taken_in_portions(
     )
     cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
     for scene, result in zip(cones, run_together(list(cones), Batch()), strict=True):
+        assert_same(scene.run(), result)
+
+
+def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
+    first, second, long = cone(penetration=1.3), cone(adhesion_factor=0.1), cone(penetration=4)
+    results: dict[ConePenetration, xr.Dataset] = {}
+    execution = Batch()
+
+    def one_after_the_other(*cones: ConePenetration) -> None:
+        for scene in cones:
+            results[scene] = scene.run(execution=execution)
+
+    execution.run([partial(one_after_the_other, first, second), partial(one_after_the_other, long)])
+    for scene, result in results.items():
         assert_same(scene.run(), result)
 
 
