@@ -57,7 +57,7 @@ COSTS = {
     "run_time": ("s", "wall-clock time of the time loop"),
     "setup_time": ("s", "wall-clock time to set up"),
     "compile_time": ("s", "wall-clock time to compile or load kernels"),
-    "time_step": ("s", "time step"),
+    "time_step": ("s", "time step, the last one"),
     "step_count": ("1", "time steps"),
     "particle_count": ("1", "material points at the start"),
     "particle_updates": ("1", "material points times steps"),
