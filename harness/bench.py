@@ -1,8 +1,8 @@
-"""What a step costs, as text: the result of a study of the scene `step_cost`."""
+"""What a step costs, as tables in Markdown: the result of a study of the scene `step_cost`."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -10,16 +10,19 @@ import xarray as xr
 from harness import HarnessError
 from harness.cases import COMPLETED
 
-LABEL = 40
 SMALL = 0.01
 """Share of a step below which its stages are put together."""
+STAGE_COLUMNS = (
+    *("ns a point", "operations", "divisions", "bytes"),
+    *("by arithmetic, ns", "by memory, ns", "time over the larger"),
+)
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
-    """A line a case: speed as median (least to most), time and memory per material point.
+    """Tables of speed, of what is outside the kernels and of memory, a column a size.
 
-    Below, for the largest case of the most physics, the stages of a step; with the time that their
-    arrays would take at the rate of a bare streaming loop.
+    Below, for the largest case of the most physics, the stages of a step; with the times that their
+    operations, or the bytes that they move, would take at the rates of bare loops.
 
     Raises:
         HarnessError: the dataset is of another scene.
@@ -29,23 +32,46 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     dims = dataset.status.dims
     cases = dataset.stack(it=dims) if dims else dataset.expand_dims("it")
     completed = cases.isel(it=np.flatnonzero(cases.status.values == COMPLETED))
-    rows = [
-        f"{'':{LABEL}}{'points':>9}{'million updates/s':>24}{'ns a point':>12}{'bytes':>15}",
-        *(_case_row(completed.isel(it=place), dims) for place in range(completed.sizes["it"])),
-    ]
-    return [*rows, *_stage_rows(completed)] if "stage_time" in completed else rows
+    each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
+    rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
+    if "stage_time" in completed:
+        clocked = [case for case in each if np.isfinite(case.overhead_share.item())]
+        rows += ["", *_by_size("time outside kernels", clocked, dims, _overhead)]
+    rows += ["", *_by_size("arrays, bytes a point", each, dims, _array_bytes)]
+    return [*rows, "", *_stage_rows(completed)] if "stage_time" in completed else rows
 
 
-def _case_row(case: xr.Dataset, dims: tuple[Hashable, ...]) -> str:
-    label = ", ".join(f"{name}={case[name].item()}" for name in dims)
+def _speed(case: xr.Dataset) -> str:
     rate, low, high = (
         case[name].item() / 1e6
         for name in ("update_rate", "update_rate_lowest", "update_rate_highest")
     )
-    speed = f"{rate:.1f} ({low:.1f} to {high:.1f})"
-    return (
-        f"{label:{LABEL}}{case.particle_count.item():9.0f}{speed:>24}{1e3 / rate:12.1f}"
-        f"{case.array_bytes.item():15.0f}"
+    return f"{rate:.1f} ({low:.1f} to {high:.1f})"
+
+
+def _overhead(case: xr.Dataset) -> str:
+    return f"{case.overhead_share.item():.1%}"
+
+
+def _array_bytes(case: xr.Dataset) -> str:
+    return f"{case.array_bytes.item():.0f}"
+
+
+def _by_size(
+    title: str,
+    cases: Sequence[xr.Dataset],
+    dims: tuple[Hashable, ...],
+    text: Callable[[xr.Dataset], str],
+) -> list[str]:
+    """A table with a column for each size and a row for whatever else varies."""
+    table: dict[str, dict[int, str]] = {}
+    for case in cases:
+        others = ", ".join(f"{name} {case[name].item()}" for name in dims if name != "size")
+        table.setdefault(others, {})[int(case["size"].item())] = text(case)
+    sizes = sorted({size for row in table.values() for size in row})
+    return _markdown(
+        [title, *(f"{size:,} points" for size in sizes)],
+        [[others, *(row.get(size, "") for size in sizes)] for others, row in table.items()],
     )
 
 
@@ -54,19 +80,37 @@ def _stage_rows(cases: xr.Dataset) -> list[str]:
     largest = np.lexsort((cases.particle_count.values, stage_count))[-1]
     case = cases.isel(it=int(largest)).dropna("stage", subset=["stage_time"])
     case = case.sortby("stage_time", ascending=False)
-    streaming, arithmetic = case.streaming_rate.item() / 1e9, case.arithmetic_rate.item() / 1e9
-    times, sizes = case.stage_time.values, case.stage_bytes.values
+    times = case.stage_time.values
+    memory = 1e9 * case.stage_bytes.values / case.streaming_rate.item()
+    arithmetic = 1e9 * (
+        case.stage_operations.values / case.arithmetic_rate.item()
+        + case.stage_divisions.values / case.division_rate.item()
+    )
     is_small = times < SMALL * times.sum()
-    stages = [
-        f"{name:20}{time:12.2f}{size:15.0f}{size / streaming:20.2f}{time * streaming / size:8.1f}"
-        for name, time, size, small in zip(case.stage.values, times, sizes, is_small, strict=True)
-        if not small
+    table = [
+        [
+            f"`{case.stage.values[k]}`",
+            f"{times[k]:.2f}",
+            f"{case.stage_operations.values[k]:.0f}",
+            f"{case.stage_divisions.values[k]:.2f}",
+            f"{case.stage_bytes.values[k]:.0f}",
+            f"{arithmetic[k]:.2f}",
+            f"{memory[k]:.2f}",
+            f"{times[k] / max(arithmetic[k], memory[k]):.1f}",
+        ]
+        for k in np.flatnonzero(~is_small)
     ]
-    bare = f"{streaming:.1f} GB/s of memory traffic, {arithmetic:.1f} GFlop/s"
+    others = ["all others", f"{times[is_small].sum():.2f}", *[""] * (len(STAGE_COLUMNS) - 1)]
+    rates = (case.streaming_rate, case.arithmetic_rate, case.division_rate)
+    streaming, operations, divisions = (rate.item() / 1e9 for rate in rates)
+    bare = f"{streaming:.1f} GB/s, {operations:.1f} GFlop/s, {divisions:.1f} billion divisions/s"
     return [
+        f"A step of {case.particle_count.item():,.0f} points on one thread; bare loops: {bare}",
         "",
-        f"a step of {case.particle_count.item():.0f} points on one thread; bare loops: {bare}",
-        f"{'stage':20}{'ns a point':>12}{'bytes':>15}{'memory alone [ns]':>20}{'ratio':>8}",
-        *stages,
-        f"{'all others':20}{times[is_small].sum():12.2f}",
+        *_markdown(["stage", *STAGE_COLUMNS], [*table, others]),
     ]
+
+
+def _markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    rule = ["---"] * len(header)
+    return ["| " + " | ".join(row) + " |" for row in (header, rule, *rows)]

@@ -26,9 +26,14 @@ MEASURED = frozenset(
         "update_rate",
         "update_rate_lowest",
         "update_rate_highest",
+        "overhead_share",
         "stage_time",
+        "stage_bytes",
+        "stage_operations",
+        "stage_divisions",
         "streaming_rate",
         "arithmetic_rate",
+        "division_rate",
     }
 )
 """Variables of a result that are measurements of the run itself."""

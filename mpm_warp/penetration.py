@@ -39,6 +39,7 @@ class Penetration:
     tolerance: float
     forces: list[PenetrometerForces] = field(default_factory=list)
     work: float = 0.0
+    _sampled_at: float = field(default=0.0, init=False)
 
     def run(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
         """Push it in.
@@ -51,24 +52,43 @@ class Penetration:
             self._push(simulation, progress)
 
     def _push(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
-        travel, before = Travel(simulation), 0.0
-        spacing = SAMPLE_SPACING * self.surface.penetrometer.radius
+        travel = Travel(simulation)
         sample_count = round(self.greatest / SAMPLE_SPACING)
-        first_steady = round(self.unsteady / SAMPLE_SPACING)
         for sample in range(1, sample_count + 1):
-            travel.advance_to(sample * spacing)
-            # Where soil is fast in coarse cells, one step may go past several samples.
-            if travel.distance > before:
-                force = self.surface.forces(simulation.take_contact_forces())
-                self.work += force.upward * (travel.distance - before)
-                before = travel.distance
-            self.forces.append(force)
+            steady = self.push_to(sample * self._spacing, travel, simulation)
             if progress is not None:
                 progress(sample / sample_count)
-            resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
-            if is_steady(resistance, STEADY_SAMPLES, self.tolerance):
+            if steady:
                 break
         simulation.check()
+
+    def push_to(self, distance: float, travel: Travel, simulation: Simulation) -> bool:
+        """Push it in by `distance` [m] since the start; returns whether its resistance is steady.
+
+        Raises:
+            SimulationDiverged: see `Travel`.
+        """
+        steady = False
+        while (next_sample := (len(self.forces) + 1) * self._spacing) <= distance:
+            travel.advance_to(next_sample)
+            moved = travel.distance - self._sampled_at
+            if moved > 0.0:
+                force = self.surface.forces(simulation.take_contact_forces())
+            else:  # one step may go past several samples
+                force = self.forces[-1]
+            self.forces.append(force)
+            self.work += force.upward * moved
+            self._sampled_at = travel.distance
+            first_steady = round(self.unsteady / SAMPLE_SPACING)
+            resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
+            steady = is_steady(resistance, STEADY_SAMPLES, self.tolerance)
+        travel.advance_to(distance)
+        return steady
+
+    @property
+    def _spacing(self) -> float:
+        """Travel between two samples [m]."""
+        return SAMPLE_SPACING * self.surface.penetrometer.radius
 
     def curves(self) -> xr.Dataset:
         """Resistance, its shear part, friction of the shaft and contact over penetration."""

@@ -18,10 +18,6 @@ AUDIT_INTERVAL = 16
 """Steps between two that are audited."""
 
 
-LONG_RUN = 500
-"""Steps after which a run is long enough to be worth the recording of bursts."""
-
-
 @dataclass(kw_only=True)
 class _Recordings:
     """What is replayed by one call: a recording for each thread.
@@ -29,25 +25,14 @@ class _Recordings:
     Attributes:
         plain: a step.
         audited: one that is audited.
-        burst: all steps from one audit to the next, once the run is a long one.
     """
 
     plain: list[Any]
     audited: list[Any]
-    burst: list[Any] | None = None
 
     def sequence(self, steps: range) -> list[list[Any]]:
         """What to replay for these steps."""
-        played, step = [], steps.start
-        while step < steps.stop:
-            is_audited = step % AUDIT_INTERVAL == 0
-            if self.burst is not None and is_audited and steps.stop - step >= AUDIT_INTERVAL:
-                played.append(self.burst)
-                step += AUDIT_INTERVAL
-            else:
-                played.append(self.audited if is_audited else self.plain)
-                step += 1
-        return played
+        return [self.audited if step % AUDIT_INTERVAL == 0 else self.plain for step in steps]
 
 
 class Player:
@@ -90,11 +75,7 @@ class Player:
         threads = self._pace.choose(min(threads, self._plan.share_count))
         if threads not in self._recordings:
             self._recordings[threads] = self._record_step(threads)
-        recordings = self._recordings[threads]
-        if recordings.burst is None and steps.start >= LONG_RUN:
-            plain = self._plan.step * (AUDIT_INTERVAL - 1)
-            recordings.burst = self._record([*self._audited, *plain], threads)
-        sequence = recordings.sequence(steps)
+        sequence = self._recordings[threads].sequence(steps)
 
         def play_part(thread: int) -> None:
             for recording in sequence:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -50,6 +51,8 @@ class TimeLoop:
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
         self._execution = execution
+        self._host = wp.get_device("cpu")
+        self._seen: dict[str, tuple[Any, np.ndarray]] = {}
 
         start = time.perf_counter()
         self.arrays = {
@@ -74,8 +77,20 @@ class TimeLoop:
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
-        values: np.ndarray = self.arrays[name].numpy()
+        array = self.arrays[name]
+        seen, values = self._seen.get(name, (None, None))
+        if values is None or seen is not array:
+            values = array.numpy()
+            if array.device == self._host:
+                self._seen[name] = array, values  # runs of few particles ask often
         return values
+
+    def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
+        """Give an array of the plan other values."""
+        if self.arrays[name].device == self._host:
+            self.array(name)[...] = values
+        else:
+            self.arrays[name].assign(values)
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.kernels.timing import make_arithmetic, make_stamp, make_streaming
+from mpm_warp.kernels.timing import (
+    CHAINS,
+    DIVISION_CHAINS,
+    make_arithmetic,
+    make_division,
+    make_stamp,
+    make_streaming,
+)
 from mpm_warp.simulation import TimeLoop
 
 REPEATS = 5
@@ -22,69 +29,98 @@ class Yardsticks:
     Attributes:
         streaming: bytes read and written per second [byte/s].
         arithmetic: multiplications and additions in double precision per second [1/s].
+        division: divisions in double precision per second [1/s].
     """
 
     streaming: float
     arithmetic: float
+    division: float
 
 
-def stage_times(loop: TimeLoop, step_count: int) -> dict[str, float]:
-    """Mean time of each launch of a step [s], by the name of its kernel, on one thread.
+@dataclass(frozen=True)
+class StepTimes:
+    """Where the processor's time for a step went, on average over a few [s].
 
-    The steps are really taken, with a clock between launches.
+    Attributes:
+        stages: each launch, by the name of its kernel.
+        launching: to launch them all, which is part of the above.
+    """
+
+    stages: dict[str, float]
+    launching: float
+
+    @property
+    def kernels(self) -> float:
+        """The time within kernels."""
+        return sum(self.stages.values()) - self.launching
+
+
+class StageClock:
+    """A clock between the launches of a step, on one thread; other processes do not count.
 
     Args:
         loop: a run on the processor.
-        step_count: steps to take, >= 1.
     """
-    step = loop.plan.step
-    latest = wp.zeros(1, dtype=wp.int64, device="cpu")
-    ticks = wp.zeros(len(step) + 1, dtype=wp.int64, device="cpu")
 
-    def stamp(interval: int) -> None:
-        wp.launch(make_stamp(), 1, [interval, latest, ticks], device="cpu")
+    def __init__(self, loop: TimeLoop) -> None:
+        step = loop.plan.step
+        self._names = [launch.kernel.key.split("__")[-1] for launch in step]
+        adds_up = [launch.adds_up for launch in step]
+        self._launch_count = sum(loop.plan.share_count if it else 1 for it in adds_up)
+        self._latest = wp.zeros(1, dtype=wp.int64, device="cpu")
+        self._ticks = wp.zeros(len(step) + 2, dtype=wp.int64, device="cpu")
+        with wp.ScopedCapture(device="cpu") as capture:
+            self._stamp(len(step))  # what lies between two steps
+            for interval, launch in enumerate(step):
+                loop.launch(launch)
+                self._stamp(interval)
+            self._stamp(len(step) + 1)  # a launch of nothing but the clock
+        self._graph = capture.graph
 
-    with wp.ScopedCapture(device="cpu") as capture:
-        stamp(len(step))  # what lies between two steps
-        for interval, launch in enumerate(step):
-            loop.launch(launch)
-            stamp(interval)
-    wp.capture_launch(capture.graph)  # warm
-    ticks.zero_()
-    start = time.perf_counter()
-    for _ in range(step_count):
-        wp.capture_launch(capture.graph)
-    seconds = time.perf_counter() - start
-    counts = ticks.numpy()
-    per_step = seconds / step_count * counts / counts.sum()
-    return {
-        launch.kernel.key.split("__")[-1]: float(spent)
-        for launch, spent in zip(step, per_step, strict=False)
-    }
+    def time_steps(self, step_count: int) -> StepTimes:
+        """Take steps, which the run does not know of, and tell where their time goes.
 
-
-def stage_bytes(loop: TimeLoop) -> dict[str, int]:
-    """Bytes of the arrays that each launch of a step works on, each counted once."""
-    arrays = loop.plan.arrays
-    return {
-        launch.kernel.key.split("__")[-1]: sum(
-            arrays[name].byte_count for name in set(launch.arrays)
+        Args:
+            step_count: steps to take, >= 1.
+        """
+        wp.capture_launch(self._graph)  # warm
+        self._ticks.zero_()
+        start = time.thread_time()
+        for _ in range(step_count):
+            wp.capture_launch(self._graph)
+        seconds = time.thread_time() - start
+        ticks = self._ticks.numpy()
+        *intervals, _, clock = seconds / step_count * ticks / ticks.sum()
+        return StepTimes(
+            stages={
+                name: float(interval - clock)
+                for name, interval in zip(self._names, intervals, strict=True)
+            },
+            launching=float(self._launch_count * clock),
         )
-        for launch in loop.plan.step
-    }
+
+    def _stamp(self, interval: int) -> None:
+        wp.launch(make_stamp(), 1, [interval, self._latest, self._ticks], device="cpu")
 
 
 def yardsticks() -> Yardsticks:
-    """Measure the two bare loops on the processor."""
+    """Measure the bare loops on the processor."""
     count = 4_000_000  # far beyond any cache
     x, y = (wp.zeros(count, dtype=wp.float64, device="cpu") for _ in range(2))
     streaming = _least_time(lambda: wp.launch(make_streaming(), count, [x, y], device="cpu"))
-    chains, length = 1000, 1000
-    start = wp.zeros(chains, dtype=wp.mat44d, device="cpu")
-    arguments = [length, 0.5, 1.0, start]
-    arithmetic = _least_time(lambda: wp.launch(make_arithmetic(), chains, arguments, device="cpu"))
+    threads, length = 250, 1000
+    sums = wp.zeros(threads, dtype=CHAINS, device="cpu")
+    quotients = wp.ones(threads, dtype=DIVISION_CHAINS, device="cpu")
+    arithmetic = _least_time(
+        lambda: wp.launch(make_arithmetic(), threads, [length, 0.5, 1.0, sums], device="cpu")
+    )
+    division = _least_time(
+        lambda: wp.launch(make_division(), threads, [length, 1.5, quotients], device="cpu")
+    )
     return Yardsticks(
-        streaming=3 * 8 * count / streaming, arithmetic=2 * 16 * chains * length / arithmetic
+        streaming=3 * 8 * count / streaming,
+        arithmetic=2 * CHAINS._length_ * threads * length / arithmetic,
+        division=DIVISION_CHAINS._length_ * threads * length / division,
     )
 
 

@@ -11,6 +11,9 @@ from mpm_warp.health import WindowOverfull
 from mpm_warp.plan import Launch, share_bounds
 from mpm_warp.simulation import Simulation
 
+ROUNDING = 1e-6
+"""Share of a step that counts as rounding: no step beyond a distance is taken for it."""
+
 
 class Travel:
     """Advances a simulation whose scene has a window, and lets soil in on the way.
@@ -48,7 +51,7 @@ class Travel:
             remaining = min(distance, next_layer) - now
             # Where the speed rises or falls this falls short, and the loop goes round again.
             per_step = self._window.highest_speed_from(now) * self._simulation.plan.time_step
-            self._simulation.advance(max(1, math.floor(remaining / per_step)))
+            self._simulation.advance(max(1, math.ceil(remaining / per_step - ROUNDING)))
             if (now := self.distance) >= next_layer:
                 self._admit_layer(lift=now - next_layer)
 
@@ -70,11 +73,11 @@ class Travel:
                 "it has places for: it piles up on the shaft; try more cells_per_radius or a "
                 "shorter penetration"
             )
-        simulation.arrays["layer.lift"].assign([lift])
-        simulation.arrays["layer.places"].assign(self._chosen(free))
+        simulation.assign("layer.lift", [lift])
+        simulation.assign("layer.places", self._chosen(free))
         simulation.launch(self._admission)
         self._layer_count += 1
         if simulation.scene.far_field is not None and self._layer_count % self._layers_per_row == 0:
             # The springs at the side belong to the soil there, which has risen by a row.
-            springs = simulation.arrays["far_field.displacement"]
-            springs.assign(np.concatenate([[0.0], springs.numpy()[:-1]]))
+            springs = simulation.array("far_field.displacement")
+            simulation.assign("far_field.displacement", np.concatenate([[0.0], springs[:-1]]))

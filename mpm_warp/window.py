@@ -69,5 +69,7 @@ class Window:
 
     def highest_speed_from(self, travel: float) -> float:
         """The highest speed that the grid has beyond some travel [m/s]."""
-        hurries = self.approach is not None and travel < self.approach.travel
-        return self.first_speed if hurries else self.speed
+        if self.approach is None:
+            return self.speed
+        left = (self.approach.travel - travel) / self.approach.slowing_travel
+        return self.speed + min(1.0, max(0.0, left)) * (self.approach.speed - self.speed)

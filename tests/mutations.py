@@ -236,6 +236,36 @@ MUTATIONS = (
         "speed + left * (speed - final_speed)",
     ),
     Mutation(
+        "operations counted as often as they are written",
+        "mpm_warp/counting_numbers.py",
+        "if key not in self._known:",
+        "if key:",
+    ),
+    Mutation(
+        "divisions counted as other operations",
+        "mpm_warp/counting_numbers.py",
+        'is_division = name in {"/", "root"}',
+        "is_division = False",
+    ),
+    Mutation(
+        "a comparison turned round where operations are counted",
+        "mpm_warp/counting_numbers.py",
+        "self.value >= other.value",
+        "self.value < other.value",
+    ),
+    Mutation(
+        "bytes that threads share counted for each",
+        "mpm_warp/counting.py",
+        "min(self._size, count * self._element_size / share)",
+        "count * self._element_size / share",
+    ),
+    Mutation(
+        "the window taken for slower than it is on its way",
+        "mpm_warp/window.py",
+        "min(1.0, max(0.0, left)) * (self",
+        "min(1.0, max(0.0, left)) ** 2 * (self",
+    ),
+    Mutation(
         "cases of a batch with the numbers of the first",
         "mpm_warp/stack.py",
         "it.arguments[position] for it in alike",

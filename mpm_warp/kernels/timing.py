@@ -1,4 +1,4 @@
-"""What measures the speed of the kernels: a clock between launches, and two bare loops.
+"""What measures the speed of the kernels: a clock between launches, and three bare loops.
 
 The loops say what the machine gives to any kernel, so that figures of different machines can be
 set side by side.
@@ -8,6 +8,11 @@ import functools
 from typing import Any
 
 import warp as wp
+
+CHAINS = wp.types.vector(64, wp.float64)
+"""Numbers worked on at a time: fewer would wait for each other's results."""
+DIVISION_CHAINS = wp.types.vector(16, wp.float64)
+"""The same of divisions, each of which keeps the processor busy for longer."""
 
 
 @functools.cache
@@ -49,16 +54,31 @@ def make_streaming() -> Any:
 
 @functools.cache
 def make_arithmetic() -> Any:
-    """The kernel x <- a x + b, so many times over, 16 at a time: hardly any memory."""
+    """The kernel x <- a x + b, so many times over: as many numbers as keep the processor busy."""
 
     @wp.kernel(module="mpm_warp.arithmetic", enable_backward=False)
-    def arithmetic(count: int, a: wp.float64, b: wp.float64, x: wp.array(dtype=wp.mat44d)):
+    def arithmetic(count: int, a: wp.float64, b: wp.float64, x: wp.array(dtype=CHAINS)):
         i = wp.tid()
         y = x[i]
-        row = wp.vec4d(b)
-        shift = wp.matrix_from_rows(row, row, row, row)
+        shift = CHAINS(b)
         for _ in range(count):
             y = a * y + shift
         x[i] = y
 
     return arithmetic
+
+
+@functools.cache
+def make_division() -> Any:
+    """The kernel x <- a / x, so many times over."""
+
+    @wp.kernel(module="mpm_warp.division", enable_backward=False)
+    def division(count: int, a: wp.float64, x: wp.array(dtype=DIVISION_CHAINS)):
+        i = wp.tid()
+        y = x[i]
+        dividend = DIVISION_CHAINS(a)
+        for _ in range(count):
+            y = wp.cw_div(dividend, y)
+        x[i] = y
+
+    return division

@@ -11,7 +11,7 @@ from harness.bench import bench_rows
 from harness.cli import main
 from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.simulation import Simulation
-from mpm_warp.timing import stage_times, yardsticks
+from mpm_warp.timing import StageClock, yardsticks
 
 QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
 
@@ -29,9 +29,23 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
     assert (dataset.update_rate_lowest <= dataset.update_rate).all()
     assert (dataset.update_rate <= dataset.update_rate_highest).all()
     rows = bench_rows(dataset)
-    assert sum("physics=" in row for row in rows) == 6
-    stages = [row.split()[0] for row in rows[rows.index("") + 3 : -1]]
-    assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(stages)
+    first = rows[: rows.index("")]
+    assert sum(row.startswith("| physics ") for row in first) == 6
+    case = dataset.sel(physics="cone", threads=1)
+    assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(case.stage.values)
+    stages = {row.split("`")[1]: row.split("|")[3:-1] for row in rows if row.startswith("| `")}
+    assert stages
+    for name, cells in stages.items():
+        operations, *_, over = map(float, cells)
+        stage = case.sel(stage=name)
+        assert operations == round(float(stage.stage_operations))
+        by_memory = stage.stage_bytes / case.streaming_rate
+        by_arithmetic = (
+            stage.stage_operations / case.arithmetic_rate
+            + stage.stage_divisions / case.division_rate
+        )
+        larger = 1e9 * max(float(by_memory), float(by_arithmetic))
+        assert over == pytest.approx(float(stage.stage_time) / larger, abs=0.051)
     assert float(dataset.array_bytes.max()) < 300
 
 
@@ -48,15 +62,13 @@ def test_less_physics_has_fewer_stages() -> None:
     assert stages["plastic"] == stages["elastic"]
 
 
-def test_stage_times_add_up_to_what_the_steps_took() -> None:
+def test_the_clock_tells_where_the_time_of_a_step_goes() -> None:
     simulation = Simulation(StepCost(physics="elastic", size=5000).build())
     before = simulation.array("particle.position").copy()
-    times = stage_times(simulation, step_count=20)
-    assert list(times) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
-    assert all(time > 0 for time in times.values())
-    # Particles take nearly all of it: four of them to a cell, and to a node.
-    particles = times["particles_to_grid"] + times["grid_to_particles"]
-    assert particles > 0.5 * sum(times.values())
+    times = StageClock(simulation).time_steps(20)
+    stages = times.stages
+    assert list(stages) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
+    assert times.kernels == pytest.approx(sum(stages.values()) - times.launching)
     assert (simulation.array("particle.position") == before).all()  # at rest
 
 
@@ -64,6 +76,7 @@ def test_yardsticks_are_within_what_processors_do() -> None:
     machine = yardsticks()
     assert 1e8 < machine.streaming < 1e12
     assert 1e8 < machine.arithmetic < 1e12
+    assert 1e7 < machine.division < machine.arithmetic
 
 
 def test_two_benches_can_be_compared(
@@ -76,3 +89,11 @@ def test_two_benches_can_be_compared(
     assert "update_rate " in capsys.readouterr().out
     # A measurement that came out the same to the last bit would be no measurement.
     assert main(["compare", str(result), str(other), "--tolerance", "0"]) == 1
+
+
+def test_cases_that_are_computed_together_are_measured_together() -> None:
+    result = StepCost(size=600, cases=3, samples=2, sample_time=0.01).run()
+    assert float(result.update_rate) > 0
+    # Of one of them; no stage is clocked, because other cases share its launches.
+    assert float(result.particle_updates) < 3 * float(result.particle_count * result.step_count)
+    assert "stage_time" not in result

@@ -11,6 +11,7 @@ from mpm_warp.health import WindowOverfull
 from mpm_warp.penetration import Penetration
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
+from mpm_warp.travel import Travel
 from mpm_warp.window import Approach, Window
 
 HURRIED = Window(
@@ -55,6 +56,32 @@ def test_a_run_takes_the_steps_that_its_plan_says() -> None:
     result = cone.run()
     assert float(result.step_count) == pytest.approx(float(result.step_count_bound), rel=0.02)
     assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)  # type: ignore[arg-type]
+
+
+def test_the_window_stops_at_the_first_step_beyond_a_distance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And takes its steps in one go wherever its speed is the final one."""
+    cone = ConePenetration(
+        cells_per_radius=1.5, domain_radius=10, domain_above=4, domain_below=4, penetration=12
+    )
+    simulation = Simulation(cone.build()[0])
+    window = simulation.scene.window
+    assert window is not None
+    assert window.approach is not None
+    travel, goes = Travel(simulation), []
+    advance = simulation.advance
+    monkeypatch.setattr(simulation, "advance", lambda count: (goes.append(count), advance(count)))
+    radius = cone.cone_radius
+    for distance in np.linspace(0.5, 11.5, 23) * radius:
+        goes.clear()
+        layers = travel._layer_count
+        travel.advance_to(distance)
+        # Of all speeds that it may have had in its last step, the highest.
+        last = window.highest_speed_from(distance - 0.1 * radius) * simulation.plan.time_step
+        assert distance <= travel.distance < distance + last
+        if distance > window.approach.travel + 0.5 * radius:
+            assert len(goes) <= travel._layer_count - layers + 1
 
 
 @pytest.mark.slow
