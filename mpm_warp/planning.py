@@ -321,13 +321,20 @@ def _add_cell_rates(plan: Plan) -> None:
     viscous = plan.scene.bulk_viscosity is not None
     plan.add_array("cell.volume", "real", grid.cell_volumes)
     plan.add_zeros("cell.stress_step", "vec7", grid.cell_count)
+    evening: tuple[object, ...] = (None, None, 0.0, None)
+    if plan.scene.even_flow:
+        assert not grid.polar, "flow is made even in horizontal rows"
+        assert not grid.planar, "flow is made even about an axis"
+        plan.add_zeros("cell.evening", "vec3", grid.cell_count)
+        evening = ("grid.columns", "grid.rows", grid.outer_radius, "cell.evening")
     plan.add_launch(
-        make_cell_rates(viscous, plan.precision),
+        make_cell_rates(viscous, plan.scene.even_flow, plan.precision),
         grid.cell_count,
         FIRST,
         *("node.motion", "cell.integrals", "cell.volume", grid.column_count, plan.time_step),
         *(material.shear_modulus, material.bulk_modulus),
         *("cell.gradient", "cell.dilation_rate" if viscous else None, "cell.stress_step"),
+        *evening,
     )
 
 
@@ -344,12 +351,14 @@ def _add_grid_to_particles(plan: Plan) -> None:
         make_grid_to_particles(
             grid.polar,
             make_yielding(material, plan.precision),
+            scene.even_flow,
             scene.window is not None,
             plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
         FIRST,
-        *("node.motion", "cell.stress_step", "grid.columns", "grid.rows", grid.outer_radius),
+        *("node.motion", "cell.stress_step", "cell.evening" if scene.even_flow else None),
+        *("grid.columns", "grid.rows", grid.outer_radius),
         *((grid.column_count, grid.row_count), plan.time_step),
         *(plan.time_step / scene.velocity_memory, strength),
         *("particle.position", "particle.velocity", "particle.stress", "particle.cell"),

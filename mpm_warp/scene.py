@@ -37,6 +37,8 @@ class Scene:
         window: travel of the grid through the soil, or none.
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
+        even_flow: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`; for
+            soil that streams along a wall for long. The grid is axisymmetric, of horizontal rows.
         energy_audit: whether to sample what energy the transfers create or dissipate.
         precision: floating point numbers of the run, "float64" or "float32".
     """
@@ -56,5 +58,6 @@ class Scene:
     moving_wall: MovingWall | None = None
     window: Window | None = None
     free_surface: bool = False
+    even_flow: bool = False
     energy_audit: bool = False
     precision: str = "float64"

@@ -36,13 +36,13 @@ class Window:
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
         approach: a hurried start, or none.
         spare_fraction: places for particles beyond those of the full grid, over their number,
-            because soil beside a rough shaft leaves late; dimensionless, > 0.
+            dimensionless, > 0.
     """
 
     speed: float
     ramp_travel: float
+    spare_fraction: float
     approach: Approach | None = None
-    spare_fraction: float = 0.1
 
     @property
     def first_speed(self) -> float:

@@ -2,10 +2,11 @@
 
 Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle,
 L velocity gradient, D its symmetric part, W its spin, tr the trace, beta the blend, U the velocity
-of the soil past the grid.
+of the soil past the grid, E what makes the flow even within cells, of
+`mpm_warp.kernels.even_flow`, or 0.
 
     v_p  <- (1 - beta) (v_p + N (v - u)) + beta N v
-    x_p  <- x_p + dt (N v + U)
+    x_p  <- x_p + dt (N v + U + E)
     D    <- D + (div v of the cell - tr D) / 3        mean dilation: no volumetric locking
     sigma <- yield(R sigma R' + dt (K tr D + 2 G dev D))     R the rotation by dt W (Cayley)
 """
@@ -40,12 +41,15 @@ def make_elastic_trial(precision: Precision) -> Any:
 
 
 @functools.cache
-def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: Precision) -> Any:
+def make_grid_to_particles(
+    polar: bool, yielding: Any, even: bool, window: bool, precision: Precision
+) -> Any:
     """The kernel, launched over particles.
 
     Args:
         polar: whether the grid is one of rings and rays.
         yielding: returns a trial stress to the yield surface; None where the material never yields.
+        even: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`.
         window: whether particles that rise above the grid leave it; otherwise they stay below.
         precision: floating point types.
     """
@@ -57,14 +61,15 @@ def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: 
     yields = yielding is not None
     one = wp.constant(real(1.0))
     behaviour = yielding.key if yields else "elastic"
-    key = f"{'polar' if polar else 'rows'}.{behaviour}.{'window' if window else 'closed'}"
-    key = f"{key}.{precision.numpy_name}"
+    key = f"{'polar' if polar else 'rows'}.{behaviour}.{'even' if even else 'bilinear'}"
+    key = f"{key}.{'window' if window else 'closed'}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
         first: int,
         motion: wp.array(dtype=vec4),
         stress_step: wp.array(dtype=vec7),
+        evening: wp.array(dtype=vec3),
         columns: wp.array(dtype=vec3),
         rows: wp.array(dtype=vec5),
         outer_radius: real,
@@ -101,13 +106,19 @@ def make_grid_to_particles(polar: bool, yielding: Any, window: bool, precision: 
         u = vec2(here[2], here[3])
         velocity[p] = (one - blend) * (velocity[p] + (v - u)) + blend * v
 
-        trial = elastic_trial(stress[p], stress_step[j * cell_counts[0] + i])
+        c = j * cell_counts[0] + i
+        trial = elastic_trial(stress[p], stress_step[c])
         if wp.static(yields):
             stress[p] = yielding(trial, strength)
         else:
             stress[p] = trial
 
         x += time_step * v
+        if wp.static(even):
+            s = evening[c]
+            d_xi = xi * (one - xi) * (s[0] + xi * s[1])
+            d_eta = eta * (one - eta) * s[2]
+            x += vec2(where[2] * d_xi + where[3] * d_eta, rows[j][1] * d_eta)
         if wp.static(window):
             x += vec2(real(0.0), time_step * window_motion[1])
             if x[1] >= top:

@@ -17,6 +17,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.kernels.even_flow import make_even_flow
 from mpm_warp.kernels.precision import Precision
 
 
@@ -179,18 +180,26 @@ def make_stress_step(precision: Precision) -> Any:
 
 
 @functools.cache
-def make_cell_rates(viscous: bool, precision: Precision) -> Any:
-    """Velocity gradient of each cell and what a step of it does to stress; launched over cells."""
+def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
+    """Velocity gradient of each cell and what a step of it does to stress; launched over cells.
+
+    Args:
+        viscous: whether there is a bulk viscosity, which needs the rate of dilation.
+        even: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`.
+        precision: floating point types.
+    """
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
     one = wp.constant(real(1.0))
     step_of = make_stress_step(precision)
+    even_flow = make_even_flow(precision)
 
     @wp.func
     def rates(v: vec4, G: vec3) -> vec5:
         return vec5(v[0] * G[0], v[0] * G[1], v[1] * G[0], v[1] * G[1], v[0] * G[2])
 
-    key = f"{'viscous' if viscous else 'inviscid'}.{precision.numpy_name}"
+    key = f"{'viscous' if viscous else 'inviscid'}.{'even' if even else 'bilinear'}"
+    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(
@@ -205,19 +214,30 @@ def make_cell_rates(viscous: bool, precision: Precision) -> Any:
         gradient: wp.array(dtype=mat22),
         dilation_rate: wp.array(dtype=real),
         stress_step: wp.array(dtype=vec7),
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        evening: wp.array(dtype=vec3),
     ):
         c = first + wp.tid()
-        node = c + c / column_count
+        j = c / column_count
+        node = c + j
         upper = node + column_count + 1
+        v_00, v_10, v_01, v_11 = motion[node], motion[node + 1], motion[upper], motion[upper + 1]
         L = (one / volume[c]) * (
-            rates(motion[node], integrals[c, 0])
-            + rates(motion[node + 1], integrals[c, 1])
-            + rates(motion[upper], integrals[c, 2])
-            + rates(motion[upper + 1], integrals[c, 3])
+            rates(v_00, integrals[c, 0])
+            + rates(v_10, integrals[c, 1])
+            + rates(v_01, integrals[c, 2])
+            + rates(v_11, integrals[c, 3])
         )
         gradient[c] = mat22(L[0], L[1], L[2], L[3])
         if wp.static(viscous):
             dilation_rate[c] = L[0] + L[3] + L[4]
         stress_step[c] = step_of(L, time_step, shear_modulus, bulk_modulus)
+        if wp.static(even):
+            column = columns[c - j * column_count]
+            evening[c] = time_step * even_flow(
+                v_00, v_10, v_01, v_11, column, rows[j], outer_radius
+            )
 
     return cell_rates

@@ -28,6 +28,11 @@ RAMP = 1.0
 """Penetration in which the speed rises from rest, in cone radii."""
 SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
+FORGETTING = 1.5
+"""Penetration at the final speed in which the soil forgets the approach, in cone radii."""
+SPARE_FRACTION, SPARE_FRACTION_OF_FRICTION = 0.15, 0.4
+"""Places for material points beside those that fill the grid, over their number: the cells along a
+rough shaft come to hold the many small ones from near the axis, with friction more of them."""
 LARGEST_INERTIA = 7.0
 """What rho V^2 / su may be on the way by default."""
 
@@ -41,7 +46,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",
@@ -237,7 +242,16 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(speed=speed, ramp_travel=RAMP * radius, approach=self._approach(speed)),
+            window=Window(
+                speed=speed,
+                ramp_travel=RAMP * radius,
+                approach=self._approach(speed),
+                spare_fraction=SPARE_FRACTION_OF_FRICTION
+                if self.friction_coefficient > 0.0
+                else SPARE_FRACTION,
+            ),
+            # Cells that the surface cuts have no edge along it.
+            even_flow=self.contact_surface == "fitted",
             energy_audit=True,
             precision=self.precision,
         )
@@ -259,10 +273,10 @@ class ConePenetration(ReadyScene):
         )
 
     def _unsteady_penetration(self, window: Window | None) -> float:
-        """Penetration of the ramp, or of the approach and one more, over the radius."""
+        """Penetration of the ramp, or until the approach is forgotten, over the radius."""
         if window is None or window.approach is None:
             return 2.0
-        return window.approach.travel / self.cone_radius + 1.0
+        return window.approach.travel / self.cone_radius + FORGETTING
 
     def step_count_bound(self, plan: StepPlan) -> int:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""

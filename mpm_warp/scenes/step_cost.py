@@ -89,6 +89,7 @@ class StepCost(ReadyScene):
             far_field=None,
             contact=None,
             window=None,
+            even_flow=False,
             energy_audit=False,
         )
         if self.physics == "plastic":

@@ -17,6 +17,7 @@ from mpm_warp.window import Approach, Window
 HURRIED = Window(
     speed=1.0,
     ramp_travel=1.0,
+    spare_fraction=0.1,
     approach=Approach(speed=4.0, travel=8.0, slowing_travel=2.0),
 )
 
@@ -114,7 +115,7 @@ def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves() -> None:
     spare = simulation.array("particle.cell")[:, 0] < 0
     for name in ("cell", "position", "mass"):  # as if every place were taken
         values = simulation.array(f"particle.{name}")
-        values[spare] = values[0]
+        values[spare] = values[~spare][: spare.sum()]
     penetration = Penetration(surface=surface, greatest=5.0, unsteady=2.0, tolerance=0.0)
     with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
         penetration.run(simulation, progress=None)

@@ -1,0 +1,195 @@
+"""Flow made even within cells: its divergence, its kernels, and what it is for."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.grids import GAUSS_POINTS, Floats, Grid, bilinear
+from mpm_warp.materials import LinearElastic
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.simulation import Simulation
+from mpm_warp.travel import Travel
+
+DIFFERENCE = 1e-4
+"""Of natural coordinates, in a difference quotient; the field is a quartic at most."""
+
+
+def even_flow_weights(grid: Grid) -> Floats:
+    """What (X_0, X_1 - X_0, Y) of `mpm_warp.kernels.even_flow` owe to the velocities of the nodes.
+
+    Of each cell: weights [1/m] of the radial velocities of the four nodes in the order of
+    `Grid.cell_nodes`, then that of C_z; shape [cell_count, 5, 3].
+    """
+    radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
+    left, right = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
+    middle, width, tall = 0.5 * (left + right), right - left, height[:, 2] - height[:, 0]
+    rise = 0.5 * (radius[:, 2] - radius[:, 0] + radius[:, 3] - radius[:, 1])
+    centroid = (0.5 * left + width / 3.0) / middle
+    on_axis = left == 0.0
+
+    first, last, along = np.zeros((3, grid.cell_count, 5))
+    first[:, 4] = np.where(on_axis, 1.0 / 3.0, centroid) / tall
+    last[:, 4] = (1.0 - centroid) / tall
+    for side, weight in enumerate((-right, left)):
+        by_left = np.divide(weight, 4.0 * middle * left, out=np.zeros_like(left), where=~on_axis)
+        by_right = np.where(on_axis, 0.0, weight / (4.0 * middle * right))
+        first[:, [side, side + 2]] = by_left[:, None]
+        last[:, [side, side + 2]] = by_right[:, None]
+    for node, (sign_xi, sign_eta) in enumerate(((-1, -1), (1, -1), (-1, 1), (1, 1))):
+        twist = sign_xi * sign_eta / width
+        hoop = 0.5 * sign_eta / middle - 0.25 * rise / middle**2
+        along[:, node] = 0.5 * (twist + hoop)
+    along[:, 4] = -0.5 * rise / (tall * width)
+    return np.stack([first, last - first, along], axis=-1)
+
+
+def velocity(grid: Grid, nodal: Floats, cell: Floats, xi: Floats, eta: Floats) -> Floats:
+    """Velocity (r, z) at natural coordinates of cells, from that of all nodes; [count, 2]."""
+    corner = nodal[grid.cell_nodes[cell]]
+    shape = bilinear(xi, eta)[0]
+    v = np.einsum("nc,cnk->ck", shape, corner)
+    weights = even_flow_weights(grid)[cell]
+    twist = corner[:, :, 1] @ [1.0, -1.0, -1.0, 1.0]
+    rates = np.einsum("cn,cnk->kc", corner[..., 0], weights[:, :4]) + twist * weights[:, 4].T
+    d_xi = xi * (1 - xi) * (rates[0] + xi * rates[1])
+    d_eta = eta * (1 - eta) * rates[2]
+    r, z = np.moveaxis(grid.node_positions[grid.cell_nodes[cell]], -1, 0)
+    r_xi = (1 - eta) * (r[:, 1] - r[:, 0]) + eta * (r[:, 3] - r[:, 2])
+    r_eta = (1 - xi) * (r[:, 2] - r[:, 0]) + xi * (r[:, 3] - r[:, 1])
+    even = np.stack([r_xi * d_xi + r_eta * d_eta, (z[:, 2] - z[:, 0]) * d_eta], axis=-1)
+    return np.asarray(v + even)
+
+
+def divergence(grid: Grid, nodal: Floats, xi: float, eta: float) -> Floats:
+    """Of that velocity about the axis, in every cell of a grid of upright cells, [cell_count]."""
+    cell = np.arange(grid.cell_count)
+
+    def at(x: float, y: float) -> Floats:
+        ones = np.ones(grid.cell_count)
+        return velocity(grid, nodal, cell, x * ones, y * ones)
+
+    r, z = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
+    d_r = (at(xi + DIFFERENCE, eta) - at(xi - DIFFERENCE, eta))[:, 0] / (2 * DIFFERENCE)
+    d_z = (at(xi, eta + DIFFERENCE) - at(xi, eta - DIFFERENCE))[:, 1] / (2 * DIFFERENCE)
+    radius = r[:, 0] + xi * (r[:, 1] - r[:, 0])
+    hoop = at(xi, eta)[:, 0] / np.maximum(radius, 1e-12)
+    return np.asarray(d_r / (r[:, 1] - r[:, 0]) + d_z / (z[:, 2] - z[:, 0]) + hoop)
+
+
+def mean_divergence(grid: Grid, nodal: Floats) -> Floats:
+    """Of the bilinear velocity, over each cell."""
+    corner, integrals = nodal[grid.cell_nodes], grid.gradient_integrals
+    flux = np.einsum("cnk,cnk->c", integrals[..., :2], corner)
+    flux += np.einsum("cn,cn->c", integrals[..., 2], corner[..., 0])
+    return np.asarray(flux / grid.cell_volumes)
+
+
+@pytest.fixture
+def nodal(rectilinear: Grid) -> Floats:
+    """Any velocities of the nodes that leave the axis where it is."""
+    velocities = np.random.default_rng(3).normal(size=(rectilinear.node_count, 2))
+    velocities[rectilinear.node_positions[:, 0] == 0.0, 0] = 0.0
+    return velocities
+
+
+def test_in_a_cell_on_the_axis_the_divergence_is_the_same_everywhere(
+    rectilinear: Grid, nodal: Floats
+) -> None:
+    on_axis = np.arange(rectilinear.cell_count) % rectilinear.column_count == 0
+    mean = mean_divergence(rectilinear, nodal)[on_axis]
+    for xi, eta in ((0.1, 0.9), (0.5, 0.2), (0.9, 0.6)):
+        there = divergence(rectilinear, nodal, xi, eta)[on_axis]
+        np.testing.assert_allclose(there, mean, rtol=1e-6)
+
+
+def test_every_height_of_a_cell_has_its_mean_divergence(rectilinear: Grid, nodal: Floats) -> None:
+    points, weights = np.polynomial.legendre.leggauss(4)
+    xi = 0.5 + 0.5 * points
+    radius = rectilinear.node_positions[rectilinear.cell_nodes, 0]
+    share = weights * (radius[:, :1] + xi * (radius[:, 1:2] - radius[:, :1]))
+    for eta in (0.1, 0.5, 0.9):
+        across = np.stack([divergence(rectilinear, nodal, x, eta) for x in xi], axis=-1)
+        mean = np.sum(across * share, axis=-1) / share.sum(axis=-1)
+        np.testing.assert_allclose(mean, mean_divergence(rectilinear, nodal), rtol=1e-6)
+
+
+def test_either_edge_of_a_cell_has_its_mean_divergence(rectilinear: Grid, nodal: Floats) -> None:
+    """So that nothing gathers at a wall: the divergence that there is beside it is the cell's."""
+    beside = np.arange(rectilinear.cell_count) % rectilinear.column_count > 0
+    for xi in (0.0, 1.0):
+        along = [divergence(rectilinear, nodal, xi, eta) for eta in GAUSS_POINTS]
+        mean = mean_divergence(rectilinear, nodal)
+        np.testing.assert_allclose(np.mean(along, axis=0)[beside], mean[beside], rtol=1e-6)
+
+
+def test_particles_move_with_it(fitted: Grid) -> None:
+    soil = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
+    scene = Scene(
+        grid=fitted, material=soil, particles_per_side=3, time_step_fraction=0.5,
+        velocity_memory=1.0, even_flow=True,
+    )  # fmt: skip
+    simulation = Simulation(scene)
+    position = simulation.array("particle.position").copy()
+    column, row = simulation.array("particle.cell").copy().T
+    random = np.random.default_rng(5).normal(size=position.shape)
+    simulation.arrays["particle.velocity"].assign(random)
+    simulation.advance(1)
+    cell = row * fitted.column_count + column
+    corners = fitted.node_positions[fitted.cell_nodes[cell]]
+    eta = (position[:, 1] - corners[:, 0, 1]) / (corners[:, 2, 1] - corners[:, 0, 1])
+    left = (1 - eta) * corners[:, 0, 0] + eta * corners[:, 2, 0]
+    right = (1 - eta) * corners[:, 1, 0] + eta * corners[:, 3, 0]
+    xi = (position[:, 0] - left) / (right - left)
+    moved = simulation.plan.time_step * velocity(
+        fitted, simulation.array("node.motion")[:, :2], cell, xi, eta
+    )
+    free = ~((column == 0) & (xi < 0.2))  # elsewhere a surface may push them back
+    expected = position + moved
+    found = simulation.array("particle.position")
+    np.testing.assert_allclose(found[free], expected[free], atol=1e-12)
+    assert np.abs(moved).max() > 1e-5
+
+
+def test_it_adds_an_array_and_no_launch(rectilinear: Grid) -> None:
+    soil = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
+    scene = Scene(
+        grid=rectilinear, material=soil, particles_per_side=2, time_step_fraction=0.5,
+        velocity_memory=1.0,
+    )  # fmt: skip
+    bare, even = make_plan(scene), make_plan(dataclasses.replace(scene, even_flow=True))
+    assert set(even.arrays) - set(bare.arrays) == {"cell.evening"}
+    assert len(even.step) == len(bare.step)
+
+
+def test_no_soil_piles_up_beside_a_rough_shaft() -> None:
+    """After 160 radii no cell has more of it than an undisturbed lattice can put there.
+
+    A box with n layers of particles to its side holds n + 1 layers at most.
+    """
+    cone = ConePenetration(
+        friction_coefficient=1.0, poissons_ratio=0.2, cells_per_radius=1.5, penetration=160,
+        domain_radius=20, domain_above=7, domain_below=7,
+    )  # fmt: skip
+    scene, surface = cone.build()
+    grid, simulation = scene.grid, Simulation(scene)
+    travel, resistance = Travel(simulation), []
+    for penetration in (35, 40, 155, 160):
+        travel.advance_to(penetration * cone.cone_radius)
+        forces = surface.forces(simulation.take_contact_forces())
+        resistance.append(forces.face_normal + forces.face_shear)
+    present = simulation.array("particle.cell")[:, 0] >= 0
+    column, row = simulation.array("particle.cell")[present].T
+    mass = np.bincount(
+        row * grid.column_count + column,
+        weights=simulation.array("particle.mass")[present],
+        minlength=grid.cell_count,
+    )
+    filling = mass / (scene.material.density * grid.cell_volumes)
+    assert filling.max() < (1 + 1 / scene.particles_per_side) ** 2
+    # And it is steady: means over five radii, 120 radii apart.
+    assert resistance[3] == pytest.approx(resistance[1], rel=cone.steady_tolerance)
