@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 import warp as wp
@@ -17,6 +16,7 @@ from mpm_warp.health import (
     check_time_step,
     check_yield,
 )
+from mpm_warp.host_arrays import HostArrays
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
@@ -51,13 +51,12 @@ class TimeLoop:
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
         self._execution = execution
-        self._host = wp.get_device("cpu")
-        self._seen: dict[str, tuple[Any, np.ndarray]] = {}
 
         start = time.perf_counter()
         self.arrays = {
             name: array.allocate(execution.device) for name, array in plan.arrays.items()
         }
+        self._on_host = HostArrays(self.arrays)
         self.setup_time = time.perf_counter() - start
 
         start = time.perf_counter()
@@ -77,20 +76,11 @@ class TimeLoop:
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
-        array = self.arrays[name]
-        seen, values = self._seen.get(name, (None, None))
-        if values is None or seen is not array:
-            values = array.numpy()
-            if array.device == self._host:
-                self._seen[name] = array, values  # runs of few particles ask often
-        return values
+        return self._on_host(name)
 
     def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
         """Give an array of the plan other values."""
-        if self.arrays[name].device == self._host:
-            self.array(name)[...] = values
-        else:
-            self.arrays[name].assign(values)
+        self._on_host.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""
@@ -139,7 +129,7 @@ class TimeLoop:
         try:
             self._look()
             if control is not None:
-                time_step = control.following(time_step, self.array)
+                time_step = control.following(time_step, self._on_host)
         except Fault as fault:
             raise SimulationDiverged(
                 f"{fault}, at step {self.step_count}, t = {self.time:.4g} s; healthy at step "
@@ -201,7 +191,7 @@ class Simulation(TimeLoop):
         self.scene = scene
         self.setup_time += planning_time
         self._forces_taken_at = 0.0
-        self._watch = SoilWatch(plan, self.array, self._present())
+        self._watch = SoilWatch(plan, self._on_host, self._present())
 
     def _prepare_look(self) -> None:
         self._watch.prepare(self._present())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +16,7 @@ from mpm_warp.health import (
     check_contact,
     check_mean_stress,
 )
+from mpm_warp.host_arrays import HostArrays
 from mpm_warp.plan import Plan
 
 SAMPLED = 2_000
@@ -45,11 +45,11 @@ class SoilWatch:
 
     Args:
         plan: of the run.
-        array: gives an array of the run by its name.
+        array: gives arrays of the run by name.
         present: places of the particles that are in the grid at the start.
     """
 
-    def __init__(self, plan: Plan, array: Callable[[str], NDArray[Any]], present: Integers) -> None:
+    def __init__(self, plan: Plan, array: HostArrays, present: Integers) -> None:
         self._plan = plan
         self._array = array
         self._first_blocks = self._blocks(self._mass_in(self._cell_of(present), present))
