@@ -9,11 +9,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.definition import StudyError
-from harness.designs import Combination, combination_count, combinations, rounded
+from harness.designs import (
+    LATIN_HYPERCUBE,
+    Combination,
+    combination_count,
+    combinations,
+    rounded,
+)
 from harness.expressions import ExpressionError
 from harness.study import LARGEST_STUDY, ScenePart, Study
 from mpm_warp.parameters import ParameterError, Value, from_mapping, parameters_of
-from mpm_warp.scenes import scene_class
+from mpm_warp.scenes import ReadyScene, scene_class
 
 COMPLETED = "completed"
 MISSING = "missing"
@@ -52,9 +58,10 @@ class Outcome:
     """How a case ended.
 
     Attributes:
-        status: ``completed``, ``failed``, ``diverged``, ``crashed``, ``timed_out``; ``missing``
-            where there is no file, ``damaged`` where the file is of no use, ``untimed`` where
-            it completed without the timed runs that its study asks for.
+        status: ``completed``; ``refused``, by its scene before it began; ``diverged``,
+            ``inaccurate``, ``failed``, ``crashed``, ``timed_out``; ``missing`` where there is no
+            file, ``damaged`` where the file is of no use, ``untimed`` where it completed without
+            the timed runs that its study asks for.
         message: why it did not complete, one line.
         headline: name and value of the first scalar that the scene returned.
         seconds: time that the case took in all.
@@ -71,8 +78,12 @@ class Outcome:
 def cases_of(study: Study) -> list[Case]:
     """All cases of a study, each once, scene by scene in the order of its design.
 
+    A combination that the scene does not allow is a case all the same where nobody has chosen it,
+    but chance: one that its scene will refuse.
+
     Raises:
-        StudyError: the scene does not allow a combination, or there are too many, or none.
+        StudyError: the scene does not allow a combination, or none that chance has chosen; or there
+            are too many, or none.
     """
     counts = [combination_count(study.design, it.varied, it.listed) for it in study.parts]
     if sum(counts) > LARGEST_STUDY:
@@ -80,32 +91,55 @@ def cases_of(study: Study) -> list[Case]:
             f"{study.source}: gives {sum(counts)} cases; a study has at most {LARGEST_STUDY}"
         )
     cases: dict[str, Case] = {}
+    refusals: dict[str, StudyError] = {}
     for part in study.parts:
         definitions = parameters_of(scene_class(part.scene))
         for values in combinations(study.design, part.varied, part.listed, definitions):
-            case = _case(study, part, values)
+            case, refusal = _case(study, part, values)
             if case is not None:
                 cases.setdefault(case.key, case)
+                if refusal is not None:
+                    refusals[case.key] = refusal
     if not cases:
         raise StudyError(f"{study.source}: exclude: leaves no case")
+    if len(refusals) == len(cases):
+        raise next(iter(refusals.values()))
     return list(cases.values())
 
 
-def _case(study: Study, part: ScenePart, values: Combination) -> Case | None:
-    """The case of one combination; None where the study excludes it."""
+def _case(
+    study: Study, part: ScenePart, values: Combination
+) -> tuple[Case | None, StudyError | None]:
+    """The case of one combination, None where the study excludes it; why its scene refuses it."""
     scene = scene_class(part.scene)
     text = ", ".join(f"{name}={value}" for name, value in values.items())
     of_many = [part.scene] if len(study.parts) > 1 else []
     label = ", ".join([*of_many, *([text] if text else [])]) or part.scene
     given: dict[str, Value] = {**part.fixed, **values}
+    refusal = None
     try:
-        for name, expression in part.derived.items():
-            value = expression.value(dataclasses.asdict(scene(**given)))
-            given[name] = rounded(value) if isinstance(value, float) else value
-        complete = dataclasses.asdict(from_mapping(scene, given))
+        try:
+            complete = _complete(scene, part, given)
+        except ParameterError as error:
+            refusal = StudyError(f"{study.source}: {label}: {error}")
+            if study.design.kind != LATIN_HYPERCUBE:
+                raise refusal from None
+            defaults = {name: it.default for name, it in parameters_of(scene).items()}
+            complete = {**defaults, **given}
         excluded = any(condition.is_true(complete) for condition in part.excluded)
-    except (ParameterError, ExpressionError) as error:
+    except ExpressionError as error:
         raise StudyError(f"{study.source}: {label}: {error}") from None
     if excluded:
-        return None
-    return Case(scene=part.scene, scene_version=scene.version, parameters=complete, label=label)
+        return None, None
+    case = Case(scene=part.scene, scene_version=scene.version, parameters=complete, label=label)
+    return case, refusal
+
+
+def _complete(
+    scene: type[ReadyScene], part: ScenePart, given: dict[str, Value]
+) -> dict[str, Value | None]:
+    """All parameters of a scene, those that the study derives too, which are added to `given`."""
+    for name, expression in part.derived.items():
+        value = expression.value(dataclasses.asdict(scene(**given)))
+        given[name] = rounded(value) if isinstance(value, float) else value
+    return dataclasses.asdict(from_mapping(scene, given))

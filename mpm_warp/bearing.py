@@ -136,10 +136,10 @@ class Bearing(ReadyScene):
         curve = press(
             simulation,
             displacement=self.displacement / self.rigidity_index * RADIUS,
+            length=RADIUS,
             sample_count=SAMPLE_COUNT,
             load=lambda nodal: self.load(scene.grid, nodal),
             progress=progress,
         )
         run_time = time.perf_counter() - start
-        result = curve.beside(self.exact_load, length=RADIUS)
-        return result.assign(cost(simulation, run_time=run_time))
+        return curve.beside(self.exact_load).assign(cost(simulation, run_time=run_time))

@@ -145,59 +145,68 @@ class Cavity(ReadyScene):
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
-        import xarray as xr
 
-        from mpm_warp.history import cost, variable
+        from mpm_warp.history import cost, curves_kept, variable
         from mpm_warp.simulation import Simulation
 
         scene = self.simulated_scene()
         assert scene.moving_wall is not None
         simulation = Simulation(scene, execution)
         travel = (self.expansion - 1.0) * RADIUS + scene.moving_wall.ramp_travel
-        step_count = round(travel / scene.moving_wall.speed / simulation.plan.time_step)
+        duration = travel / scene.moving_wall.speed
         start = time.perf_counter()
-        radius, pressure = [], []
+        expansion: list[float] = []
+        pressure: list[float] = []
         before = RADIUS
-        for sample in range(1, SAMPLE_COUNT + 1):
-            steps = step_count * sample // SAMPLE_COUNT - simulation.step_count
-            simulation.advance(steps)
-            now = float(simulation.array("wall.motion")[0, 2])
-            on_rows = simulation.array("wall.impulse") / (steps * simulation.plan.time_step)
-            simulation.arrays["wall.impulse"].zero_()
-            radius.append(0.5 * (before + now))
-            area = self.wall_area(scene.grid, radius[-1])
-            pressure.append(on_rows.sum() / area / STRENGTH)
-            before = now
-            if progress is not None:
-                progress(sample / SAMPLE_COUNT)
-        simulation.check()
+        with curves_kept(lambda: self._curves(np.array(expansion), np.array(pressure))):
+            for sample in range(1, SAMPLE_COUNT + 1):
+                begin = simulation.time
+                simulation.advance_to(duration * sample / SAMPLE_COUNT)
+                now = float(simulation.array("wall.motion")[0, 2])
+                on_rows = simulation.array("wall.impulse") / (simulation.time - begin)
+                simulation.arrays["wall.impulse"].zero_()
+                middle = 0.5 * (before + now)
+                expansion.append(middle / RADIUS)
+                pressure.append(on_rows.sum() / self.wall_area(scene.grid, middle) / STRENGTH)
+                before = now
+                if progress is not None:
+                    progress(sample / SAMPLE_COUNT)
+            simulation.check()
         run_time = time.perf_counter() - start
 
-        expansion, computed = np.array(radius) / RADIUS, np.array(pressure)
-        exact = self.exact(expansion)
+        curves = self._curves(np.array(expansion), np.array(pressure))
+        difference = curves.cavity_pressure - curves.cavity_pressure_exact
         limit = self.factor * (1.0 + math.log(self.rigidity_index))
-        dims = ("expansion",)
-        variables = {
-            "error": variable(
-                np.abs(computed - exact).max() / limit,
-                unit="1",
-                meaning="error of the cavity pressure",
-                description="greatest difference over the whole curve, over the limit pressure",
-            ),
-            "cavity_pressure": variable(
-                computed, unit="1", meaning="cavity pressure over su", dims=dims
-            ),
-            "cavity_pressure_exact": variable(
-                exact, unit="1", meaning="cavity pressure over su, exact", dims=dims
-            ),
-        }
-        meaning = "radius of the cavity over that at the start"
-        axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
+        error = variable(
+            float(np.abs(difference).max()) / limit,
+            unit="1",
+            meaning="error of the cavity pressure",
+            description="greatest difference over the whole curve, over the limit pressure",
+        )
         return (
-            xr.Dataset(variables, coords={"expansion": axis})
+            curves.assign(error=error)
             .assign(self.shape(scene.grid, on_rows))
             .assign(cost(simulation, run_time=run_time))
         )
+
+    def _curves(self, expansion: np.ndarray, pressure: np.ndarray) -> xarray.Dataset:
+        """Pressure over su against radius over that at the start, computed and exact."""
+        import xarray as xr
+
+        from mpm_warp.history import variable
+
+        dims = ("expansion",)
+        meaning = "radius of the cavity over that at the start"
+        axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
+        variables = {
+            "cavity_pressure": variable(
+                pressure, unit="1", meaning="cavity pressure over su", dims=dims
+            ),
+            "cavity_pressure_exact": variable(
+                self.exact(expansion), unit="1", meaning="cavity pressure over su, exact", dims=dims
+            ),
+        }
+        return xr.Dataset(variables, coords={"expansion": axis})
 
     def shape(self, grid: Grid, on_rows: np.ndarray) -> dict[str, xarray.Variable]:
         """What tells how well the cavity keeps its shape, from the forces on the wall's nodes."""

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from mpm_warp.grids import Floats, Integers
+from mpm_warp.materials import LinearElastic, PerfectlyPlastic
+
+PARTED = 1e-3
+"""Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,3 +37,29 @@ class SurfaceContact:
     friction: float
     in_situ_stress: float
     speed: float = 0.0
+
+    def share_in_touch(self, forces: Floats) -> float:
+        """Share of the area on which something has pressed.
+
+        Args:
+            forces: mean normal forces of the simulated stress over some time [N], [node_count].
+        """
+        pressure = forces / self.normal_areas + self.in_situ_stress
+        touching = pressure > PARTED * self.in_situ_stress
+        return float(self.normal_areas[touching].sum() / self.normal_areas.sum())
+
+    def can_part(self, material: LinearElastic, speed: float) -> bool:
+        """Whether the soil may pull at the surface by more than the in-situ stress presses.
+
+        Nothing draws it together by more than the limit pressure of a spherical cavity,
+        4/3 su (1 + ln G/su) (Hill 1950), and rho v^2 where it has to follow; twice that is taken.
+
+        Args:
+            material: the soil's.
+            speed: of the body through the soil [m/s].
+        """
+        if not isinstance(material, PerfectlyPlastic):
+            return True
+        strength = material.strength
+        limit = 4.0 / 3.0 * strength * (1.0 + math.log(material.shear_modulus / strength))
+        return self.in_situ_stress < 2.0 * (limit + material.density * speed**2)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.grids import Floats
+from mpm_warp.health import SimulationDiverged
 from mpm_warp.simulation import TimeLoop
 
 
@@ -34,11 +36,28 @@ def variable(
     return xr.Variable(dims, np.asarray(value), labels)
 
 
+@contextmanager
+def curves_kept(curves: Callable[[], xr.Dataset]) -> Iterator[None]:
+    """Let a run that diverges in the block keep its curves up to there.
+
+    Args:
+        curves: gives them; a run may have none as yet.
+
+    Raises:
+        SimulationDiverged: from the block, with its `history`.
+    """
+    try:
+        yield
+    except SimulationDiverged as error:
+        error.history = curves()
+        raise
+
+
 COSTS = {
     "run_time": ("s", "wall-clock time of the time loop"),
     "setup_time": ("s", "wall-clock time to set up"),
     "compile_time": ("s", "wall-clock time to compile or load kernels"),
-    "time_step": ("s", "time step"),
+    "time_step": ("s", "time step, the last one"),
     "step_count": ("1", "time steps"),
     "particle_count": ("1", "material points at the start"),
     "particle_updates": ("1", "material points times steps"),

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grids import Floats
-from mpm_warp.history import variable
+from mpm_warp.history import curves_kept, variable
 from mpm_warp.simulation import Simulation
 
 PLATEAU_SHARE = 0.25
@@ -24,7 +24,7 @@ class LoadCurve:
     """Load against displacement.
 
     Attributes:
-        displacement: displacement of the surface [m], rising, shape [sample_count].
+        displacement: of the surface, over a length of it, rising, shape [sample_count].
         load: mean load since the sample before, over area and su, shape [sample_count].
     """
 
@@ -40,19 +40,15 @@ class LoadCurve:
         change = abs(slope) * (displacement[-1] - displacement[0])
         return float(load.mean()) if change <= PLATEAU_CHANGE * abs(load.mean()) else math.nan
 
-    def beside(self, exact: float, *, length: float) -> xr.Dataset:
-        """The curve and its limit, beside the exact limit load.
+    def curves(self) -> xr.Dataset:
+        """The curve alone."""
+        dims = ("displacement",)
+        axis = variable(self.displacement, unit="1", meaning="displacement over radius", dims=dims)
+        resistance = variable(self.load, unit="1", meaning="load over area and su", dims=dims)
+        return xr.Dataset({"resistance": resistance}, coords={"displacement": axis})
 
-        Args:
-            exact: exact limit load, over area and su.
-            length: to measure the displacement by [m].
-        """
-        axis = variable(
-            self.displacement / length,
-            unit="1",
-            meaning="displacement over radius",
-            dims=("displacement",),
-        )
+    def beside(self, exact: float) -> xr.Dataset:
+        """The curve and its limit, beside the exact limit load, over area and su."""
         variables = {
             "error": variable(
                 abs(self.limit / exact - 1),
@@ -70,17 +66,15 @@ class LoadCurve:
             "bearing_capacity_exact": variable(
                 exact, unit="1", meaning="limit load over area and su, exact"
             ),
-            "resistance": variable(
-                self.load, unit="1", meaning="load over area and su", dims=("displacement",)
-            ),
         }
-        return xr.Dataset(variables, coords={"displacement": axis})
+        return self.curves().assign(variables)
 
 
 def press(
     simulation: Simulation,
     *,
     displacement: float,
+    length: float,
     sample_count: int,
     load: Callable[[Floats], float],
     progress: Callable[[float], None] | None = None,
@@ -90,25 +84,32 @@ def press(
     Args:
         simulation: a simulation of a scene with contact and without a window.
         displacement: how far [m], > 0.
+        length: to measure the displacement by [m], > 0.
         sample_count: samples of the curve, > 0.
         load: the load over area and su, out of the forces of the contact nodes.
         progress: called with the fraction done.
 
     Raises:
-        SimulationDiverged: the run became unstable.
+        SimulationDiverged: the run became unstable; its `history` is the curve up to there.
     """
     contact = simulation.scene.contact
     assert contact is not None, "nothing is pressed into the soil"
     travel_per_step = contact.speed * simulation.plan.time_step
-    reached, loads = [], []
-    for sample in range(1, sample_count + 1):
-        step = round(sample / sample_count * displacement / travel_per_step)
-        simulation.advance(step - simulation.step_count)
-        loads.append(load(simulation.take_contact_forces()))
+    reached: list[float] = []
+    loads: list[float] = []
+
+    def curve() -> LoadCurve:
         # A mean over the steps since the sample before stands in their middle.
-        reached.append(step * travel_per_step)
-        if progress is not None:
-            progress(sample / sample_count)
-    simulation.check()
-    middles = 0.5 * (np.array(reached) + np.array([0.0, *reached[:-1]]))
-    return LoadCurve(displacement=middles, load=np.array(loads))
+        middles = 0.5 * (np.array(reached) + np.array([0.0, *reached])[: len(reached)])
+        return LoadCurve(displacement=middles / length, load=np.array(loads))
+
+    with curves_kept(lambda: curve().curves()):
+        for sample in range(1, sample_count + 1):
+            step = round(sample / sample_count * displacement / travel_per_step)
+            simulation.advance(step - simulation.step_count)
+            loads.append(load(simulation.take_contact_forces()))
+            reached.append(step * travel_per_step)
+            if progress is not None:
+                progress(sample / sample_count)
+        simulation.check()
+    return curve()

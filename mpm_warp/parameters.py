@@ -24,7 +24,10 @@ class ParameterError(ValueError):
 
     Attributes:
         key: name of the offending parameter, as it was given.
+        status: how a harness files the case.
     """
+
+    status = "refused"
 
     def __init__(self, key: str, message: str) -> None:
         super().__init__(message)

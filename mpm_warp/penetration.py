@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from mpm_warp.health import SimulationDiverged
-from mpm_warp.history import variable
+from mpm_warp.history import curves_kept, variable
 from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
 from mpm_warp.simulation import Simulation
 from mpm_warp.steady_state import is_steady
@@ -49,11 +48,8 @@ class Penetration:
             SimulationDiverged: its `history` holds the curves up to there.
             WindowOverfull: see `Travel`.
         """
-        try:
+        with curves_kept(self.curves):
             self._push(simulation, progress)
-        except SimulationDiverged as error:
-            error.history = self.curves()
-            raise
 
     def _push(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
         travel = Travel(simulation)
@@ -95,30 +91,45 @@ class Penetration:
         return SAMPLE_SPACING * self.surface.penetrometer.radius
 
     def curves(self) -> xr.Dataset:
-        """Resistance, its shear part, and friction of the shaft over penetration."""
+        """Resistance, its shear part, friction of the shaft and contact over penetration."""
         # Each sample is a mean over the travel since the one before; it stands in the middle.
         penetration = (np.arange(len(self.forces)) + 0.5) * SAMPLE_SPACING
         base_area = 0.5 * self.surface.penetrometer.radius**2
-        normal, shear, shaft = (
-            np.array([(it.face_normal, it.face_shear, it.shaft_shear) for it in self.forces])
-            .reshape(-1, 3)
+        normal, shear, shaft, share = (
+            np.array(
+                [
+                    (it.face_normal, it.face_shear, it.shaft_shear, it.contact_share)
+                    for it in self.forces
+                ]
+            )
+            .reshape(-1, 4)
             .T
         )
         curves = {
-            "penetration_resistance": ((normal + shear) / base_area, "net cone resistance"),
+            "penetration_resistance": (
+                (normal + shear) / base_area,
+                "Pa",
+                "net cone resistance",
+            ),
             "penetration_resistance_shear": (
                 shear / base_area,
+                "Pa",
                 "net cone resistance, shear part",
             ),
-            "shaft_friction": (shaft / self.surface.shaft_area, "mean shear stress on the shaft"),
+            "shaft_friction": (
+                shaft / self.surface.shaft_area,
+                "Pa",
+                "mean shear stress on the shaft",
+            ),
+            "contact_share": (share, "1", "share of cone and shaft in contact"),
         }
         axis = variable(
             penetration, unit="1", meaning="penetration over cone radius", dims=("penetration",)
         )
         return xr.Dataset(
             {
-                name: variable(values, unit="Pa", meaning=meaning, dims=("penetration",))
-                for name, (values, meaning) in curves.items()
+                name: variable(values, unit=unit, meaning=meaning, dims=("penetration",))
+                for name, (values, unit, meaning) in curves.items()
             },
             coords={"penetration": axis},
         )

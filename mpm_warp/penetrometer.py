@@ -81,11 +81,13 @@ class PenetrometerForces:
         face_normal: from the normal traction on the cone's face.
         face_shear: from the shear traction on it.
         shaft_shear: from the shear traction on the shaft.
+        contact_share: share of face and shaft that the soil touches, dimensionless.
     """
 
     face_normal: float
     face_shear: float
     shaft_shear: float
+    contact_share: float
 
     @property
     def upward(self) -> float:
@@ -185,4 +187,5 @@ class PenetrometerSurface:
             face_normal=float(np.sum(traction * face) * np.sin(half)),
             face_shear=float(np.sum(nodal[:, 1] * face_share) * np.cos(half)),
             shaft_shear=float(np.sum(nodal[:, 1] * (1.0 - face_share))),
+            contact_share=self.contact.share_in_touch(nodal[:, 0]),
         )

@@ -16,6 +16,7 @@ import warp as wp
 from mpm_warp.grids import Floats, Integers
 from mpm_warp.kernels.precision import Precision
 from mpm_warp.scene import Scene
+from mpm_warp.time_step import TimeStepControl
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,10 +125,11 @@ class StepPlan:
 
     Attributes:
         precision: floating point types.
-        time_step: length of every step [s].
+        time_step: length of every step [s], of the first ones where there is a control.
         longest_time_step: beyond which a run is not stable [s].
         speed_limit: speed of the fastest wave, which no particle exceeds in a sound run [m/s].
         particle_bounds: lowest and highest coordinates that particles may have [m].
+        control: changes the time step during the run; None where what is stable stays the same.
         share_count: into how many shares launches may be split: so many sums does a step add up,
             in one order, whether the shares run one after the other or at the same time.
         remedy: what may help where a run diverges.
@@ -142,6 +144,7 @@ class StepPlan:
     longest_time_step: float
     speed_limit: float
     particle_bounds: tuple[Floats, Floats]
+    control: TimeStepControl | None = None
     share_count: int = 1
     remedy: str = "try a smaller time_step_fraction"
     particle_count: int = 0

@@ -6,10 +6,15 @@ to use, and its launch.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
+from mpm_warp.grids import cell_lengths
 from mpm_warp.kernels.boundaries import make_far_field, make_fixed
 from mpm_warp.kernels.contact import make_surface_contact
 from mpm_warp.kernels.energy import make_kinetic_energy
@@ -33,6 +38,7 @@ from mpm_warp.particles import seed_rows
 from mpm_warp.plan import FIRST, Launch, Own, Plan, share_bounds
 from mpm_warp.polar import PolarGrid
 from mpm_warp.scene import Scene
+from mpm_warp.time_step import TimeStepControl
 from mpm_warp.window import Window
 
 PARTICLE_STATE = (
@@ -49,12 +55,13 @@ ABSURD_SPEED = 100.0
 """Speed over that of the pressure wave beyond which a node is left out of the step."""
 
 
-def make_plan(scene: Scene, share_count: int = SHARE_COUNT) -> Plan:
+def make_plan(scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None) -> Plan:
     """The plan of a run of `scene`, complete.
 
     Args:
         scene: what to run.
         share_count: into how many shares its launches are split, >= 1.
+        time_step: length of a step [s]; default: the scene's fraction of the critical one.
     """
     wave_speed = scene.material.pressure_wave_speed
     # Soil carries its waves along.
@@ -64,11 +71,18 @@ def make_plan(scene: Scene, share_count: int = SHARE_COUNT) -> Plan:
         scene=scene,
         precision=PRECISIONS[scene.precision],
         share_count=share_count,
-        time_step=scene.time_step_fraction * critical_time_step,
+        time_step=time_step or scene.time_step_fraction * critical_time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=wave_speed,
         particle_bounds=scene.grid.particle_bounds,
     )
+    if scene.moving_wall is not None:
+        plan.control = TimeStepControl(
+            first=plan.time_step,
+            fraction=scene.time_step_fraction,
+            critical=lambda array: _critical_time_step(scene, array),
+            replan=lambda time_step: make_plan(scene, share_count, time_step),
+        )
     _add_particles(plan)
     if scene.window is not None:
         _add_admission(plan, scene.window)
@@ -98,6 +112,12 @@ def make_plan(scene: Scene, share_count: int = SHARE_COUNT) -> Plan:
     if scene.energy_audit:
         _add_energy_audit(plan)
     return plan
+
+
+def _critical_time_step(scene: Scene, array: Callable[[str], NDArray[Any]]) -> float:
+    """In which a wave crosses the shortest cell, as the wall has left them."""
+    lengths = cell_lengths(array("cell.integrals"), array("cell.volume"))
+    return float(lengths.min()) / scene.material.pressure_wave_speed
 
 
 def _add_particles(plan: Plan) -> None:

@@ -91,8 +91,7 @@ def follow_shock(
 
     fronts = []
     for share in (0.5, 1.0):
-        until = share * TRAVEL * places[-1] / shock.front_speed
-        loop.advance(round(until / loop.plan.time_step) - loop.step_count)
+        loop.advance_to(share * TRAVEL * places[-1] / shock.front_speed)
         fronts.append((loop.time, front()))
         if progress is not None:
             progress(share)

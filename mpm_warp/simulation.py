@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 import warp as wp
 
 from mpm_warp.execution import Execution
-from mpm_warp.grids import Floats, Integers, cell_lengths
+from mpm_warp.grids import Floats, Integers
 from mpm_warp.health import (
     Fault,
     SimulationDiverged,
-    check_cells,
     check_particles,
     check_time_step,
     check_yield,
 )
+from mpm_warp.host_arrays import HostArrays
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.recording import AUDIT_INTERVAL
 from mpm_warp.scene import Scene
+from mpm_warp.watch import SoilWatch
 
 LOOKED_AT_ONCE = 50_000
 """Particles that the watch looks at together."""
@@ -49,14 +49,14 @@ class TimeLoop:
         self.step_count = 0
         self.particle_updates = 0
         self._healthy_step = 0
+        self._changed_step, self._changed_time = 0, 0.0
         self._execution = execution
-        self._host = wp.get_device("cpu")
-        self._seen: dict[str, tuple[Any, np.ndarray]] = {}
 
         start = time.perf_counter()
         self.arrays = {
             name: array.allocate(execution.device) for name, array in plan.arrays.items()
         }
+        self._on_host = HostArrays(self.arrays)
         self.setup_time = time.perf_counter() - start
 
         start = time.perf_counter()
@@ -66,7 +66,8 @@ class TimeLoop:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self.step_count * self.plan.time_step
+        steps = self.step_count - self._changed_step
+        return self._changed_time + steps * self.plan.time_step
 
     @property
     def particle_count(self) -> int:
@@ -75,20 +76,11 @@ class TimeLoop:
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
-        array = self.arrays[name]
-        seen, values = self._seen.get(name, (None, None))
-        if values is None or seen is not array:
-            values = array.numpy()
-            if array.device == self._host:
-                self._seen[name] = array, values  # runs of few particles ask often
-        return values
+        return self._on_host(name)
 
     def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
         """Give an array of the plan other values."""
-        if self.arrays[name].device == self._host:
-            self.array(name)[...] = values
-        else:
-            self.arrays[name].assign(values)
+        self._on_host.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""
@@ -103,28 +95,59 @@ class TimeLoop:
         last = self.step_count + step_count
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
-            block = min(last, next_check) - self.step_count
+            is_watched = self.step_count == next_check - 1
+            if is_watched:
+                self._prepare_look()
+            block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             steps = range(self.step_count, self.step_count + block)
             self._steps.play(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
-            if self.step_count == next_check:
+            if is_watched:
                 self.check()
 
+    def advance_to(self, time: float) -> None:
+        """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.
+
+        Raises:
+            SimulationDiverged: see `advance`.
+        """
+        while (left := self._steps_until(time)) > 0:
+            self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
+
+    def _steps_until(self, time: float) -> int:
+        since_change = round((time - self._changed_time) / self.plan.time_step)
+        return self._changed_step + since_change - self.step_count
+
     def check(self) -> None:
-        """Look whether the run is sound.
+        """Look whether the run is sound, and whether its time step is still the right one.
 
         Raises:
             SimulationDiverged: it is not; the message names what, where, when and what may help.
         """
+        control, time_step = self.plan.control, self.plan.time_step
         try:
             self._look()
+            if control is not None:
+                time_step = control.following(time_step, self._on_host)
         except Fault as fault:
             raise SimulationDiverged(
                 f"{fault}, at step {self.step_count}, t = {self.time:.4g} s; healthy at step "
                 f"{self._healthy_step}; {self.plan.remedy}"
             ) from None
         self._healthy_step = self.step_count
+        if control is not None and time_step != self.plan.time_step:
+            self._go_on_with(control.replan(time_step))
+
+    def _go_on_with(self, changed: StepPlan) -> None:
+        """Take the launches of a plan of the same run with another time step."""
+        self._changed_step, self._changed_time = self.step_count, self.time
+        self.plan.time_step = changed.time_step
+        self.plan.step, self.plan.audited_step = changed.step, changed.audited_step
+        self._steps = self._execution.steps(self.plan, self.arrays)
+
+    def _prepare_look(self) -> None:
+        """Note what is to be seen before the last step that a look is at."""
 
     def _look(self) -> None:
         check_time_step(time_step=self.plan.time_step, longest=self.plan.longest_time_step)
@@ -134,7 +157,7 @@ class TimeLoop:
         # In parts, because what is compared is copied.
         for first in range(0, len(present), LOOKED_AT_ONCE):
             part = present[first : first + LOOKED_AT_ONCE]
-            self._look_at(part, {name: values[part] for name, values in particles.items()})
+            self._look_at(part, {name: it.take(part, axis=0) for name, it in particles.items()})
 
     def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         check_particles(
@@ -168,23 +191,14 @@ class Simulation(TimeLoop):
         self.scene = scene
         self.setup_time += planning_time
         self._forces_taken_at = 0.0
+        self._watch = SoilWatch(plan, self._on_host, self._present())
+
+    def _prepare_look(self) -> None:
+        self._watch.prepare(self._present())
 
     def _look(self) -> None:
         super()._look()
-        present, grid, material = self._present(), self.scene.grid, self.scene.material
-        volume = self.array("cell.volume")
-        column, row = self.array("particle.cell")[present].T
-        check_cells(
-            cell=row * grid.column_count + column,
-            mass=self.array("particle.mass")[present],
-            full_mass=material.density * volume,
-            particles_per_cell=self.scene.particles_per_side**2,
-        )
-        if self.scene.moving_wall is not None:
-            shortest = float(cell_lengths(self.array("cell.integrals"), volume).min())
-            check_time_step(
-                time_step=self.plan.time_step, longest=shortest / material.pressure_wave_speed
-            )
+        self._watch.look(self._present())
 
     def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         super()._look_at(number, particles)

@@ -295,6 +295,48 @@ MUTATIONS = (
         "groups[run.likeness, run.left.start]",
         "groups[run.likeness]",
     ),
+    Mutation(
+        "a return to the yield surface that adds pressure",
+        f"{KERNELS}/yielding.py",
+        "new_highest = mean_of_extremes + strength",
+        "new_highest = mean_of_extremes + real(1.001) * strength",
+    ),
+    Mutation(
+        "emptied cells not looked for",
+        "mpm_warp/watch.py",
+        "check_blocks(self._blocks(mass), self._first_blocks)",
+        "pass",
+    ),
+    Mutation(
+        "lost contact not looked for",
+        "mpm_warp/watch.py",
+        "check_contact(contact, velocity, speed=before.speed)",
+        "pass",
+    ),
+    Mutation(
+        "mean stress noted after the step instead of before it",
+        "mpm_warp/simulation.py",
+        "            if is_watched:\n                self._prepare_look()\n",
+        "",
+    ),
+    Mutation(
+        "no curves of a run that diverged",
+        "mpm_warp/history.py",
+        "error.history = curves()",
+        "pass",
+    ),
+    Mutation(
+        "time that forgets the steps before a change",
+        "mpm_warp/simulation.py",
+        "self._changed_step, self._changed_time = self.step_count, self.time",
+        "self._changed_step, self._changed_time = self.step_count, 0.0",
+    ),
+    Mutation(
+        "critical time step of the body at rest",
+        "mpm_warp/bodies/planning.py",
+        "body.critical_time_step(scene.grid.cell_size, thinning)",
+        "body.critical_time_step(scene.grid.cell_size)",
+    ),
 )
 
 

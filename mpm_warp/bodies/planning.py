@@ -6,10 +6,14 @@ to use, and its launches. Arrays over "field" have a row for each body and a col
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, UniformGrid
 from mpm_warp.grids import Integers
@@ -26,6 +30,7 @@ from mpm_warp.kernels.body_to_grid import make_body_prediction, make_body_to_gri
 from mpm_warp.kernels.grid_to_body import make_grid_to_body
 from mpm_warp.kernels.precision import FLOAT64, Precision
 from mpm_warp.plan import StepPlan
+from mpm_warp.time_step import TimeStepControl
 
 CLOSED_GAP = 0.05
 """Gap below which bodies touch, over cell size: a block at rest must not chatter on its base."""
@@ -42,17 +47,31 @@ class BodyPlan(StepPlan):
     scene: BodyScene
 
 
-def make_body_plan(scene: BodyScene, precision: Precision = FLOAT64) -> BodyPlan:
-    """The plan of a run of `scene`, complete."""
+def make_body_plan(
+    scene: BodyScene, precision: Precision = FLOAT64, time_step: float | None = None
+) -> BodyPlan:
+    """The plan of a run of `scene`, complete.
+
+    Args:
+        scene: what to run.
+        precision: floating point types.
+        time_step: length of a step [s]; default: the scene's fraction of the critical one.
+    """
     critical_time_step = min(body.critical_time_step(scene.grid.cell_size) for body in scene.bodies)
     plan = BodyPlan(
         scene=scene,
         precision=precision,
-        time_step=scene.time_step_fraction * critical_time_step,
+        time_step=time_step or scene.time_step_fraction * critical_time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),
         particle_count=sum(body.particle_count for body in scene.bodies),
         particle_bounds=scene.grid.particle_bounds,
+        control=TimeStepControl(
+            first=scene.time_step_fraction * critical_time_step,
+            fraction=scene.time_step_fraction,
+            critical=lambda array: _critical_time_step(scene, array),
+            replan=lambda time_step: make_body_plan(scene, precision, time_step),
+        ),
         remedy="try a smaller time_step_fraction, or a wider grid where a body has left it",
     )
     _add_particles(plan)
@@ -72,6 +91,18 @@ def make_body_plan(scene: BodyScene, precision: Precision = FLOAT64) -> BodyPlan
     if loaded:
         plan.add_launch(make_clock(precision), 1, plan.time_step, "load.time")
     return plan
+
+
+def _critical_time_step(scene: BodyScene, array: Callable[[str], NDArray[Any]]) -> float:
+    """The least of all bodies', as they are drawn out by now."""
+    volume, first = array("particle.volume"), 0
+    longest = math.inf
+    for body in scene.bodies:
+        now = volume[first : first + body.particle_count]
+        thinning = float(np.max(now / body.volume))
+        longest = min(longest, body.critical_time_step(scene.grid.cell_size, thinning))
+        first += body.particle_count
+    return longest
 
 
 def _fields(plan: BodyPlan) -> tuple[int, int]:
@@ -114,12 +145,12 @@ def _add_loads(plan: BodyPlan) -> None:
         first += body.particle_count
     plan.add_array("load.schedule", "vec2", np.array(schedule))
     plan.add_array("load.forces", "vec2", np.array(forces))
-    plan.add_array("load.time", "real", np.array([0.5 * plan.time_step]))
+    plan.add_zeros("load.time", "real", 1)
     plan.add_zeros("particle.load", "vec2", plan.particle_count)
     plan.add_launch(
         make_body_loads(plan.precision),
         plan.particle_count,
-        *("load.schedule", "load.forces", "load.time", "particle.load"),
+        *("load.schedule", "load.forces", "load.time", 0.5 * plan.time_step, "particle.load"),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -11,6 +12,37 @@ from mpm_warp.bodies.history import BodyHistory
 from mpm_warp.bodies.sliding import SlidingMotion
 from mpm_warp.grids import Floats
 from mpm_warp.history import variable
+
+
+def sliding_curves(
+    history: BodyHistory, *, along: Floats, start: float, sample_count: int
+) -> xr.Dataset:
+    """Computed curves, of a run to its end or not.
+
+    Args:
+        history: of a block that is body 0; its first sample is the begin of the drive.
+        along: unit vector along the interface, shape [2].
+        start: time at which the drive begins [s].
+        sample_count: samples of the whole run after the first.
+    """
+    curves = {
+        "time": (history.time[1:] - start, "s", "time since the driving force began"),
+        "velocity": (history.velocity[1:] @ along, "m s-1", "velocity of the block"),
+        "displacement": (history.displacement[1:] @ along, "m", "displacement of the block"),
+        "shear_force": (
+            history.contact_force @ along,
+            "N",
+            "base shear, mean since the sample before",
+        ),
+        "kinetic_energy": (history.kinetic_energy[1:], "J", "kinetic energy"),
+        "elastic_energy": (history.elastic_energy[1:], "J", "change of the elastic energy"),
+        "load_work": (history.load_work[1:], "J", "work of the loads"),
+        "slip_work": (history.slip_work[1:], "J", "work taken by slip"),
+        "viscous_work": (history.viscous_work[1:], "J", "work taken by damping"),
+    }
+    fraction = np.arange(1, len(history.time)) / sample_count
+    axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
+    return xr.Dataset(_along_progress(curves), coords={"progress": axis})
 
 
 def sliding_dataset(
@@ -22,7 +54,7 @@ def sliding_dataset(
     start: float,
     settled_time: float,
 ) -> xr.Dataset:
-    """Computed and exact curves, and what they come to.
+    """Computed and exact curves of a whole run, and what they come to.
 
     Args:
         history: of a block that is body 0; its first sample is the begin of the drive.
@@ -77,29 +109,23 @@ def sliding_dataset(
             "greatest error of the energy balance",
         ),
     }
-    curves = {
-        "time": (since[1:], "s", "time since the driving force began"),
-        "velocity": (velocity[1:], "m s-1", "velocity of the block"),
+    exact_and_balances = {
         "velocity_exact": (exact_velocity[1:], "m s-1", "exact velocity"),
-        "displacement": (displacement[1:], "m", "displacement of the block"),
         "displacement_exact": (exact_displacement[1:], "m", "exact displacement"),
-        "shear_force": (shear, "N", "base shear, mean since the sample before"),
         "shear_force_exact": (exact_shear, "N", "exact base shear"),
-        "kinetic_energy": (history.kinetic_energy[1:], "J", "kinetic energy"),
-        "elastic_energy": (history.elastic_energy[1:], "J", "change of the elastic energy"),
-        "load_work": (history.load_work[1:], "J", "work of the loads"),
-        "slip_work": (history.slip_work[1:], "J", "work taken by slip"),
-        "viscous_work": (history.viscous_work[1:], "J", "work taken by damping"),
         "momentum_balance": (history.momentum_error[1:], "1", "error of the momentum balance"),
         "energy_balance": (history.energy_error[1:], "1", "error of the energy balance"),
     }
     variables = {
         name: variable(value, unit=unit, meaning=meaning)
         for name, (value, unit, meaning) in scalars.items()
-    } | {
+    }
+    curves = sliding_curves(history, along=along, start=start, sample_count=len(middle))
+    return curves.assign(_along_progress(exact_and_balances)).assign(variables)
+
+
+def _along_progress(curves: Mapping[str, tuple[Floats, str, str]]) -> dict[str, xr.Variable]:
+    return {
         name: variable(values, unit=unit, meaning=meaning, dims=("progress",))
         for name, (values, unit, meaning) in curves.items()
     }
-    fraction = np.arange(1, len(middle) + 1) / len(middle)
-    axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
-    return xr.Dataset(variables, coords={"progress": axis})

@@ -1,8 +1,8 @@
 """Before the step: dead loads that rise linearly in time, then stay.
 
-f_p = sum over loads min(max((t - t_0) / T, 0), 1) F_p        then t <- t + dt
+f_p = sum over loads min(max((t + dt / 2 - t_0) / T, 0), 1) F_p        then t <- t + dt
 
-t is the middle of the step, so that the impulse of a load is exact while it rises or stays.
+In the middle of the step, so that the impulse of a load is exact while it rises or stays.
 """
 
 import functools
@@ -27,13 +27,15 @@ def make_body_loads(precision: Precision) -> Any:
         schedule: wp.array(dtype=vec2),
         load_forces: wp.array2d(dtype=vec2),
         time: wp.array(dtype=real),
+        half_step: real,
         force: wp.array(dtype=vec2),
     ):
         p = wp.tid()
+        middle = time[0] + half_step
         total = vec2()
         for k in range(schedule.shape[0]):
             total += (
-                wp.clamp((time[0] - schedule[k][0]) / schedule[k][1], zero, one)
+                wp.clamp((middle - schedule[k][0]) / schedule[k][1], zero, one)
                 * (load_forces[k, p])
             )
         force[p] = total

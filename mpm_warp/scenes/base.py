@@ -93,5 +93,6 @@ class ReadyScene(ABC):
             One dataset of scalars and curves, each with ``units`` and ``long_name``.
 
         Raises:
-            mpm_warp.health.SimulationDiverged: the run became unstable.
+            mpm_warp.health.SimulationDiverged: the run became unstable; its `history` holds the
+                curves up to there, where the scene records any.
         """

@@ -140,9 +140,8 @@ class ConeSelfSimilar(ReadyScene):
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
-        import xarray as xr
 
-        from mpm_warp.history import cost, variable
+        from mpm_warp.history import cost, curves_kept, variable
         from mpm_warp.simulation import Simulation
         from mpm_warp.travel import Travel
 
@@ -151,20 +150,21 @@ class ConeSelfSimilar(ReadyScene):
         travel = Travel(simulation)
         final = FINAL_DEPTH * self._penetrometer.cone_height
         start = time.perf_counter()
-        reached, loads = [0.0], []
-        for sample in range(1, SAMPLE_COUNT + 1):
-            travel.advance_to(final * sample / SAMPLE_COUNT)
-            forces = surface.forces(simulation.take_contact_forces())
-            reached.append(travel.distance)
-            loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))
-            if progress is not None:
-                progress(sample / SAMPLE_COUNT)
-        simulation.check()
+        reached: list[float] = [0.0]
+        loads: list[float] = []
+        with curves_kept(lambda: _curve(reached, loads)):
+            for sample in range(1, SAMPLE_COUNT + 1):
+                travel.advance_to(final * sample / SAMPLE_COUNT)
+                forces = surface.forces(simulation.take_contact_forces())
+                reached.append(travel.distance)
+                loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))
+                if progress is not None:
+                    progress(sample / SAMPLE_COUNT)
+            simulation.check()
         run_time = time.perf_counter() - start
 
-        # A mean over the travel since the sample before stands in its middle.
-        depth = 0.5 * (np.array(reached[1:]) + np.array(reached[:-1]))
-        load = np.array(loads)
+        curve = _curve(reached, loads)
+        depth, load = curve["depth"].values, curve["load"].values
         late = depth > FITTED_FROM * final
         exponent = float(np.polyfit(np.log(depth[late]), np.log(load[late]), 1)[0])
         factor = load / (
@@ -186,9 +186,18 @@ class ConeSelfSimilar(ReadyScene):
                 unit="1",
                 meaning="load over su and the cone's section at the ground's first level",
             ),
-            "load": variable(load, unit="N", meaning="load", dims=("depth",)),
         }
-        axis = variable(depth, unit="m", meaning="depth of the tip", dims=("depth",))
-        return xr.Dataset(variables, coords={"depth": axis}).assign(
-            cost(simulation, run_time=run_time)
-        )
+        return curve.assign(variables).assign(cost(simulation, run_time=run_time))
+
+
+def _curve(reached: list[float], loads: list[float]) -> xarray.Dataset:
+    """Mean loads over the travel since the sample before, which stand in its middle."""
+    import numpy as np
+    import xarray as xr
+
+    from mpm_warp.history import variable
+
+    depth = 0.5 * (np.array(reached[1:]) + np.array(reached[:-1]))
+    load = variable(np.array(loads), unit="N", meaning="load", dims=("depth",))
+    axis = variable(depth, unit="m", meaning="depth of the tip", dims=("depth",))
+    return xr.Dataset({"load": load}, coords={"depth": axis})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -19,8 +20,10 @@ if TYPE_CHECKING:
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
 
-    Results = dict[str, tuple[np.ndarray | float, str, str, str | None]]
-    """By name: value, unit, meaning, description."""
+    Curves = dict[str, tuple[np.ndarray, str, str]]
+    """By name: values, unit, meaning."""
+    Scalars = dict[str, tuple[float, str, str]]
+    """By name: value, meaning, description."""
 
 HEIGHT = 1.0
 CONSTRAINED_MODULUS = 1e7
@@ -112,9 +115,8 @@ class ElasticColumnWave(ReadyScene):
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
-        import xarray as xr
 
-        from mpm_warp.history import cost, variable
+        from mpm_warp.history import cost, curves_kept, variable
         from mpm_warp.simulation import Simulation
 
         scene, column = self.build()
@@ -124,36 +126,41 @@ class ElasticColumnWave(ReadyScene):
             self._set_off(simulation)
         period = 4 * HEIGHT / scene.material.pressure_wave_speed
         phase = self._sampled_phases(simulation.plan.time_step / period)
-        samples = []
-        for step in np.rint(phase * period / simulation.plan.time_step).astype(int):
-            simulation.advance(step - simulation.step_count)
-            samples.append(self._sample(simulation, column))
-            if progress is not None:
-                progress(simulation.time / (phase[-1] * period))
-        simulation.check()
+        samples: list[tuple[float, ...]] = []
+        with curves_kept(lambda: self._curves(phase, samples)):
+            for step in np.rint(phase * period / simulation.plan.time_step).astype(int):
+                simulation.advance(step - simulation.step_count)
+                samples.append(self._sample(simulation, column))
+                if progress is not None:
+                    progress(simulation.time / (phase[-1] * period))
+            simulation.check()
         run_time = time.perf_counter() - start
 
-        values = np.array(samples)
-        computed = dict(
-            zip(("displacement", "velocity", "stress", "energy"), values.T, strict=True)
-        )
+        curves = self._curves(phase, samples)
+        errors = {"sudden_load": _sudden_load_error, "standing_wave": _standing_wave_errors}
+        scalars = {
+            name: variable(value, unit="1", meaning=meaning, description=description)
+            for name, (value, meaning, description) in errors[self.excitation](curves).items()
+        }
+        return curves.assign(scalars).assign(cost(simulation, run_time=run_time))
+
+    def _curves(self, phase: np.ndarray, samples: list[tuple[float, ...]]) -> xarray.Dataset:
+        """What was sampled so far, beside the exact solution."""
+        import numpy as np
+        import xarray as xr
+
+        from mpm_warp.history import variable
+
+        phase = phase[: len(samples)]
+        names = ("displacement", "velocity", "stress", "energy")
+        computed = dict(zip(names, np.array(samples).reshape(-1, 4).T, strict=True))
         compare = {"sudden_load": _sudden_load, "standing_wave": _standing_wave}
         variables = {
-            name: variable(
-                value,
-                unit=unit,
-                meaning=meaning,
-                description=description,
-                dims=("phase",) if np.ndim(value) else (),
-            )
-            for name, (value, unit, meaning, description) in compare[self.excitation](
-                phase, computed
-            ).items()
+            name: variable(values, unit=unit, meaning=meaning, dims=("phase",))
+            for name, (values, unit, meaning) in compare[self.excitation](phase, computed).items()
         }
         axis = variable(phase, unit="1", meaning="time over period", dims=("phase",))
-        return xr.Dataset(variables, coords={"phase": axis}).assign(
-            cost(simulation, run_time=run_time)
-        )
+        return xr.Dataset(variables, coords={"phase": axis})
 
     def _sampled_phases(self, step: float) -> np.ndarray:
         """Time over period of the steps that are sampled; `step` is that of a step."""
@@ -192,17 +199,30 @@ class ElasticColumnWave(ReadyScene):
         return float(top), float(middle), float(stress[0, 1]), float(energy)
 
 
-def _sudden_load(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
-    """Plateaus, arrival and reflection beside the exact ones; the period is 4 H/c."""
+def _sudden_load(phase: np.ndarray, computed: Mapping[str, np.ndarray]) -> Curves:
+    """Stress at the base and velocity at half height; the period is 4 H/c."""
     import numpy as np
 
-    pressure = CONSTRAINED_MODULUS * STRAIN
-    speed = STRAIN * math.sqrt(CONSTRAINED_MODULUS / DENSITY)
-    stress, velocity = computed["stress"], computed["velocity"]
-    exact_stress = np.where((phase > 0.25) & (phase < 0.75), -2 * pressure, 0.0)
+    pressure, speed = _plateaus()
     # Down, back from the base with the soil behind it at rest, back from the top rising.
     edges = np.array([0.125, 0.375, 0.625, 0.875])
     exact_velocity = np.array([0.0, -speed, 0.0, speed, 0.0])[np.searchsorted(edges, phase)]
+    exact_stress = np.where((phase > 0.25) & (phase < 0.75), -2 * pressure, 0.0)
+    return {
+        "base_stress": (computed["stress"], "Pa", "stress at the base"),
+        "base_stress_exact": (exact_stress, "Pa", "stress at the base, exact"),
+        "velocity": (computed["velocity"], "m s-1", "velocity at half height"),
+        "velocity_exact": (exact_velocity, "m s-1", "velocity at half height, exact"),
+    }
+
+
+def _sudden_load_error(curves: xarray.Dataset) -> Scalars:
+    """Plateaus, arrival and reflection beside the exact ones."""
+    import numpy as np
+
+    pressure, speed = _plateaus()
+    phase = curves["phase"].values
+    stress, velocity = curves["base_stress"].values, curves["velocity"].values
     plateaus = (
         (stress, 0.25, 0.75, -2 * pressure),
         (velocity, 0.125, 0.375, -speed),
@@ -217,19 +237,20 @@ def _sudden_load(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
     return {
         "error": (
             max(plateau_error, arrival_error),
-            "1",
             "error of plateaus and arrivals",
             (
                 "greatest relative error of the plateaus of stress at the base and of velocity at "
                 "half height, each a mean over its middle half, and of the times at which the "
                 "stress at the base passes half its plateau"
             ),
-        ),
-        "base_stress": (stress, "Pa", "stress at the base", None),
-        "base_stress_exact": (exact_stress, "Pa", "stress at the base, exact", None),
-        "velocity": (velocity, "m s-1", "velocity at half height", None),
-        "velocity_exact": (exact_velocity, "m s-1", "velocity at half height, exact", None),
+        )
     }
+
+
+def _plateaus() -> tuple[float, float]:
+    """Pressure on the top [Pa] and the speed behind its front [m/s]."""
+    speed = STRAIN * math.sqrt(CONSTRAINED_MODULUS / DENSITY)
+    return CONSTRAINED_MODULUS * STRAIN, speed
 
 
 def _period(phase: np.ndarray, period_count: int) -> np.ndarray:
@@ -245,32 +266,39 @@ def _plateau(phase: np.ndarray, values: np.ndarray, start: float, end: float) ->
     return float(values[(phase > start + quarter) & (phase < end - quarter)].mean())
 
 
-def _standing_wave(phase: np.ndarray, computed: dict[str, np.ndarray]) -> Results:
-    """Displacement of the top over the first period, and energy over all."""
+def _standing_wave(phase: np.ndarray, computed: Mapping[str, np.ndarray]) -> Curves:
+    """Displacement of the top, and energy."""
     import numpy as np
 
-    displacement, energy = computed["displacement"], computed["energy"]
     amplitude = STRAIN * 2 * HEIGHT / math.pi
     exact = amplitude * np.sin(2 * math.pi * phase)
+    return {
+        "displacement": (computed["displacement"], "m", "displacement of the top"),
+        "displacement_exact": (exact, "m", "displacement of the top, exact"),
+        "energy": (computed["energy"], "J", "kinetic and strain energy per radian"),
+    }
+
+
+def _standing_wave_errors(curves: xarray.Dataset) -> Scalars:
+    """Of the displacement over the first period, and of the energy over all."""
+    import numpy as np
+
+    phase, energy = curves["phase"].values, curves["energy"].values
+    exact = curves["displacement_exact"].values
     first = phase <= 1.0
-    difference = np.linalg.norm((displacement - exact)[first])
+    difference = np.linalg.norm((curves["displacement"].values - exact)[first])
     # Over whole periods: kinetic and strain energy are those of times half a step apart.
     period = _period(phase, round(phase[-1]))
     energies = np.array([energy[period == number].mean() for number in np.unique(period)])
     return {
         "error": (
             float(difference / np.linalg.norm(exact[first])),
-            "1",
             "error of displacement",
             "L2 norm over a period of the error of the top's displacement, over that of the exact",
         ),
         "energy_drift": (
             float(np.abs(energies / energies[0] - 1).max()),
-            "1",
             "change of energy",
             "mean over a period, over that of the first, less 1; the greatest of those sampled",
         ),
-        "displacement": (displacement, "m", "displacement of the top", None),
-        "displacement_exact": (exact, "m", "displacement of the top, exact", None),
-        "energy": (energy, "J", "kinetic and strain energy per radian", None),
     }

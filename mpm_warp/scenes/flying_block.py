@@ -99,58 +99,39 @@ class FlyingBlock(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-        import xarray as xr
-
-        from mpm_warp.history import cost, variable
+        from mpm_warp.history import cost, curves_kept, variable
         from mpm_warp.simulation import TimeLoop
 
         loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
         self._set_off(loop)
         samples = [self._sample(loop)]
-        for sample in range(1, SAMPLE_COUNT + 1):
-            loop.advance(round(self.step_count * sample / SAMPLE_COUNT) - loop.step_count)
-            samples.append(self._sample(loop))
-            if progress is not None:
-                progress(sample / SAMPLE_COUNT)
-        loop.check()
+        with curves_kept(lambda: _curves(samples)):
+            for sample in range(1, SAMPLE_COUNT + 1):
+                loop.advance(round(self.step_count * sample / SAMPLE_COUNT) - loop.step_count)
+                samples.append(self._sample(loop))
+                if progress is not None:
+                    progress(sample / SAMPLE_COUNT)
+            loop.check()
         run_time = time.perf_counter() - begin
 
-        momentum, spin, distance = (np.array(values) for values in zip(*samples, strict=True))
-        curves = {
-            "shape_change": (
-                np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max(),
-                "greatest change of a distance in the block, over its diagonal",
-            ),
-            "momentum_change": (
-                np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0]),
-                "change of linear momentum",
-            ),
-            "spin_change": (
-                np.abs(spin / spin[0] - 1.0),
-                "change of angular momentum about the middle",
-            ),
+        curves = _curves(samples)
+        greatest = {
+            name: variable(
+                float(curves[curve].max()),
+                unit="1",
+                meaning=f"{curves[curve].attrs['long_name']}, at most",
+            )
+            for name, curve in (
+                ("error", "shape_change"),
+                ("momentum_error", "momentum_change"),
+                ("spin_error", "spin_change"),
+            )
         }
-        variables = {
-            name: variable(values[1:], unit="1", meaning=meaning, dims=("progress",))
-            for name, (values, meaning) in curves.items()
-        }
-        for name, curve in (
-            ("error", "shape_change"),
-            ("momentum_error", "momentum_change"),
-            ("spin_error", "spin_change"),
-        ):
-            values, meaning = curves[curve]
-            variables[name] = variable(values.max(), unit="1", meaning=f"{meaning}, at most")
-        variables["turns"] = variable(
+        turns = variable(
             self._angular_velocity * loop.time / (2.0 * math.pi), unit="1", meaning="turns"
         )
-        fraction = np.arange(1, SAMPLE_COUNT + 1) / SAMPLE_COUNT
-        axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
-        return xr.Dataset(variables, coords={"progress": axis}).assign(
-            cost(loop, run_time=run_time)
-        )
+        return curves.assign(greatest).assign(turns=turns).assign(cost(loop, run_time=run_time))
 
     @property
     def _angular_velocity(self) -> float:
@@ -179,3 +160,34 @@ class FlyingBlock(ReadyScene):
         own = 0.25 * self.cell_size**2 * (affine[:, 1, 0] - affine[:, 0, 1])
         distance = np.linalg.norm(position[:, None] - position, axis=-1)
         return momentum, float(mass @ (orbital + own)), distance
+
+
+def _curves(samples: list[tuple[Floats, float, Floats]]) -> xarray.Dataset:
+    """Changes since the first of the samples, see `FlyingBlock._sample`."""
+    import numpy as np
+    import xarray as xr
+
+    from mpm_warp.history import variable
+
+    momentum, spin, distance = (np.array(values) for values in zip(*samples, strict=True))
+    curves = {
+        "shape_change": (
+            np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max(),
+            "greatest change of a distance in the block, over its diagonal",
+        ),
+        "momentum_change": (
+            np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0]),
+            "change of linear momentum",
+        ),
+        "spin_change": (
+            np.abs(spin / spin[0] - 1.0),
+            "change of angular momentum about the middle",
+        ),
+    }
+    variables = {
+        name: variable(values[1:], unit="1", meaning=meaning, dims=("progress",))
+        for name, (values, meaning) in curves.items()
+    }
+    fraction = np.arange(1, len(samples)) / SAMPLE_COUNT
+    axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
+    return xr.Dataset(variables, coords={"progress": axis})

@@ -40,7 +40,7 @@ class SlidingBlock(ReadyScene):
     """
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_length",
         "particles_per_cell",
@@ -328,26 +328,31 @@ class SlidingBlock(ReadyScene):
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.bodies.history import BodyHistory
-        from mpm_warp.bodies.sliding_dataset import sliding_dataset
-        from mpm_warp.history import cost
+        from mpm_warp.bodies.sliding_dataset import sliding_curves, sliding_dataset
+        from mpm_warp.history import cost, curves_kept
         from mpm_warp.simulation import TimeLoop
 
         loop = TimeLoop(self.plan(), execution)
         begin = time.perf_counter()
-        loop.advance(round(self.start / loop.plan.time_step))
+        loop.advance_to(self.start)
         history = BodyHistory(loop)
-        for sample in range(1, SAMPLE_COUNT + 1):
-            until = self.start + self.duration * sample / SAMPLE_COUNT
-            loop.advance(round(until / loop.plan.time_step) - loop.step_count)
-            history.sample()
-            if progress is not None:
-                progress(sample / SAMPLE_COUNT)
-        loop.check()
+        along = self._frame.along
+        with curves_kept(
+            lambda: sliding_curves(
+                history, along=along, start=self.start, sample_count=SAMPLE_COUNT
+            )
+        ):
+            for sample in range(1, SAMPLE_COUNT + 1):
+                loop.advance_to(self.start + self.duration * sample / SAMPLE_COUNT)
+                history.sample()
+                if progress is not None:
+                    progress(sample / SAMPLE_COUNT)
+            loop.check()
         run_time = time.perf_counter() - begin
         result = sliding_dataset(
             history,
             self.motion,
-            along=self._frame.along,
+            along=along,
             length=self.length,
             start=self.start,
             settled_time=self.settled_time,

@@ -88,6 +88,43 @@ def test_the_seed_decides_the_samples(tmp_path: Path) -> None:
     assert not set(one) & set(other)
 
 
+BLOCKS = """title = "t"
+scene = "sliding_block"
+design = "latin_hypercube"
+samples = 10
+seed = 1
+[fixed]
+height_ratio = 0.3
+[vary]
+cells_per_length = { from = 4, to = 16 }
+friction = { from = 0, to = 0.5 }
+"""
+"""Below 10 cells along the block it is less than 3 cells high, which its scene refuses."""
+
+
+def test_what_chance_chose_and_the_scene_refuses_is_a_case_all_the_same(tmp_path: Path) -> None:
+    cells = [it for (it,) in values(cases_of(study(tmp_path, BLOCKS)), "cells_per_length")]
+    assert len(cells) == 10
+    assert min(cells) < 10
+    excluding = 'exclude = ["cells_per_length < 10"]\n' + BLOCKS
+    assert len(cases_of(study(tmp_path, excluding))) == sum(it >= 10 for it in cells)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BLOCKS.replace("from = 4, to = 16", "from = 4, to = 5"),
+        BLOCKS.replace("{ from = 4, to = 16 }", "[5, 10]")
+        .replace("{ from = 0, to = 0.5 }", "[0.2]")
+        .replace('design = "latin_hypercube"\nsamples = 10\nseed = 1\n', ""),
+    ],
+    ids=["all of chance", "one of choice"],
+)
+def test_what_the_scene_refuses_is_an_error_of_the_study(tmp_path: Path, text: str) -> None:
+    with pytest.raises(StudyError, match=r"cells_per_length=.* the block must be 3 cells high"):
+        cases_of(study(tmp_path, text))
+
+
 def test_integers_are_sampled_evenly(tmp_path: Path) -> None:
     text = 'title = "t"\nscene = "material_point"\ndesign = "latin_hypercube"\nsamples = 30\n'
     text += "seed = 1\n[vary]\nstep_count = { from = 11, to = 13 }\n"

@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 from typing import NoReturn
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -14,8 +15,11 @@ from harness import archive, case_files
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
 from harness.measuring import differing
 from harness.runner import Watcher, run_cases, share_of_cores
+from harness.stability import shows_stability
+from harness.stability_map import stability_rows
 from harness.study import Study, load_study
 from harness.worker import run_case
+from mpm_warp.bodies.scene import SceneError
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
 
@@ -207,6 +211,36 @@ def test_an_exception_may_name_the_status(
 
     monkeypatch.setattr(ConePenetration, "run", diverge)
     assert run_case(cases_of(small)[0], tmp_path).status == "diverged"
+
+
+def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: Path) -> None:
+    path = tmp_path / "blocks.toml"
+    path.write_text(
+        'title = "t"\nscene = "sliding_block"\ndesign = "latin_hypercube"\nsamples = 4\nseed = 1\n'
+        "[fixed]\ntravel = 0.1\n[vary]\ncells_per_length = { from = 6, to = 13 }\n"
+    )
+    study = load_study(str(path))
+    dataset = run(study, tmp_path, 2, Record())
+    expected = np.where(dataset.cells_per_length < 10, "refused", COMPLETED)
+    assert dataset.status.values.tolist() == expected.tolist()
+    assert set(expected.tolist()) == {"refused", COMPLETED}
+    for message in dataset.message.values[expected == "refused"].tolist():
+        assert re.fullmatch(
+            r"ParameterError: height_ratio = .* must be 3 cells high or more", message
+        )
+    assert shows_stability(dataset)
+    assert any("refused" in cell for row in stability_rows(dataset) for cell in row)
+
+
+def test_a_scene_that_can_not_be_made_is_refused(
+    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(scene: object, progress: object, execution: object) -> NoReturn:
+        raise SceneError("bodies 0 and 1 overlap")
+
+    monkeypatch.setattr(ConePenetration, "run", refuse)
+    outcome = run_case(cases_of(small)[0], tmp_path)
+    assert (outcome.status, outcome.message) == ("refused", "SceneError: bodies 0 and 1 overlap")
 
 
 def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 
-from mpm_warp import health
-from mpm_warp.materials import PerfectlyPlastic, Tresca, VonMises
+from mpm_warp import health, planning
+from mpm_warp.kernels.precision import Precision
+from mpm_warp.materials import LinearElastic, PerfectlyPlastic, Tresca, VonMises
 from mpm_warp.parameters import from_mapping
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
@@ -16,6 +19,8 @@ from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation, TimeLoop
 
 NOTICED_WITHIN = 500
+BLOCK = 3
+"""Cells along the side of a block that is watched for its soil."""
 GRID_SCENES = [name for name in scene_names() if scene_class(name)().plan() is not None]
 SOIL_SCENES = [name for name in GRID_SCENES if scene_class(name)().simulated_scene() is not None]
 
@@ -119,6 +124,89 @@ def test_cell_that_holds_more_soil_than_it_can_is_noticed() -> None:
     simulation.array("particle.cell")[:200] = [3, 2]
     with pytest.raises(health.SimulationDiverged, match="soil in cell"):
         simulation.check()
+
+
+def with_blocks(name: str) -> bool:
+    """Whether a scene has cells around which there are others, whose soil leaves by no right."""
+    scene = scene_class(name)().simulated_scene()
+    assert scene is not None
+    wide = min(scene.grid.row_count, scene.grid.column_count) > BLOCK
+    return wide and not scene.free_surface
+
+
+@pytest.mark.parametrize("name", list(filter(with_blocks, SOIL_SCENES)))
+def test_cells_that_have_lost_their_soil_are_noticed(name: str) -> None:
+    """Their particles are put into the cell beside them."""
+    loop = started(name)
+    loop.check()
+    cell = loop.array("particle.cell")
+    cell[np.all((cell >= 1) & (cell <= BLOCK), axis=1)] = [BLOCK + 1, 1]
+    with pytest.raises(health.SimulationDiverged, match="soil in 3 x 3 cells from row"):
+        loop.check()
+
+
+def test_soil_may_leave_cells_where_it_may_part_from_the_surface() -> None:
+    soil = ConePenetration(cells_per_radius=2.0, in_situ_stress=0.0).simulated_scene()
+    simulation = Simulation(soil)
+    cell = simulation.array("particle.cell")
+    cell[np.all((cell >= 1) & (cell <= BLOCK), axis=1)] = [BLOCK + 1, 1]
+    simulation.check()
+
+
+def touches(name: str) -> bool:
+    """Whether a scene has a surface from which soil parts by no right."""
+    scene = scene_class(name)().simulated_scene()
+    assert scene is not None
+    return scene.contact is not None and scene.contact.in_situ_stress > 0.0
+
+
+@pytest.mark.parametrize("name", list(filter(touches, SOIL_SCENES)))
+def test_contact_that_is_lost_is_noticed(name: str) -> None:
+    """It acts on a node amid the soil instead of those of the surface."""
+    loop = started(name)
+    loop.array("contact.nodes")[:] = len(loop.array("node.mass")) // 2
+    with pytest.raises(health.SimulationDiverged, match=r"contact is lost on \d+% of the"):
+        loop.advance(NOTICED_WITHIN)
+
+
+def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull() -> None:
+    """By the limit pressure of a sphere, 4/3 su (1 + ln 100) = 7.5 su, twice taken."""
+    surface = ConePenetration().build()[1]
+    strength, index = 1e3, 100.0
+    material = Tresca(
+        shear_modulus=index * strength, poissons_ratio=0.3, density=1.0, strength=strength
+    )
+    elastic = LinearElastic(shear_modulus=1e5, poissons_ratio=0.3, density=1.0)
+    for in_situ, may_part in ((14e3, True), (16e3, False)):
+        contact = replace(surface.contact, in_situ_stress=in_situ)
+        assert contact.can_part(material, speed=0.0) is may_part
+        assert contact.can_part(elastic, speed=0.0)
+        assert contact.can_part(material, speed=100.0)
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_drift_of_the_mean_stress_is_noticed(
+    precision: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A return to the yield surface that adds a thousandth of a strength a step to the pressure."""
+    plain = planning.make_yielding
+
+    def make_drifting(material: LinearElastic, precision: Precision) -> Any:
+        real, vec4 = precision.real, precision.vec4
+        yielding = plain(material, precision)
+
+        @wp.func
+        def drifting(stress: vec4, strength: real) -> vec4:
+            added = real(1e-3) * strength
+            return yielding(stress, strength) + vec4(added, added, real(0.0), added)
+
+        return drifting
+
+    soil = ConePenetration(cells_per_radius=2.0, precision=precision).simulated_scene()
+    Simulation(soil).advance(NOTICED_WITHIN)
+    monkeypatch.setattr(planning, "make_yielding", make_drifting)
+    with pytest.raises(health.SimulationDiverged, match=r"mean stress of particle \d+ at"):
+        Simulation(soil).advance(NOTICED_WITHIN)
 
 
 def test_a_sound_run_is_left_alone_and_its_energy_error_recorded() -> None:

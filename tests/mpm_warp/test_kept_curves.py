@@ -1,0 +1,68 @@
+"""A run that diverges keeps its curves up to there, in every scene that records any."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.health import SimulationDiverged
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scenes import scene_class
+from mpm_warp.simulation import TimeLoop
+
+KEPT = 7
+"""Samples before the run diverges."""
+RECORDING: list[tuple[str, dict[str, Any], str]] = [
+    ("cavity_cylinder", {"cells_per_radius": 2, "rigidity_index": 10.0}, "expansion"),
+    ("cone_bearing", {"cells_per_radius": 4}, "displacement"),
+    ("cone_penetration", {"cells_per_radius": 1.0, "penetration": 3.0}, "penetration"),
+    ("cone_self_similar", {"cells_per_radius": 5}, "depth"),
+    ("elastic_column_wave", {"cell_count": 10, "excitation": "standing_wave"}, "phase"),
+    ("elastic_column_wave", {"cell_count": 10, "excitation": "sudden_load"}, "phase"),
+    ("flying_block", {"step_count": 2000, "travel": 1.0}, "progress"),
+    ("sliding_block", {"cells_per_length": 10}, "progress"),
+    ("stretched_bar", {"stretch": 1.5}, "progress"),
+]
+
+
+@pytest.mark.parametrize(("name", "parameters", "axis"), RECORDING)
+def test_curves_up_to_the_failure_are_those_of_the_whole_run(
+    name: str, parameters: dict[str, Any], axis: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = from_mapping(scene_class(name), parameters)
+    advance = TimeLoop.advance
+    steps_taken: list[int] = []
+    sampled_at: list[int] = []
+
+    def watched(loop: TimeLoop, step_count: int) -> None:
+        advance(loop, step_count)
+        steps_taken.append(loop.step_count)
+
+    def note(fraction: float) -> None:
+        sampled_at.append(steps_taken[-1])
+
+    monkeypatch.setattr(TimeLoop, "advance", watched)
+    whole = scene.run(note)
+
+    def diverging(loop: TimeLoop, step_count: int) -> None:
+        advance(loop, step_count)
+        if loop.step_count > sampled_at[KEPT - 1]:
+            raise SimulationDiverged("on purpose")
+
+    monkeypatch.setattr(TimeLoop, "advance", diverging)
+    with pytest.raises(SimulationDiverged) as end:
+        scene.run()
+    history = end.value.history
+    assert history is not None
+    assert history.sizes[axis] == KEPT
+    curves = [str(curve) for curve, values in whole.items() if values.dims == (axis,)]
+    kept = [curve for curve in curves if curve in history]
+    assert kept
+    assert set(kept) == set(history.data_vars)
+    for curve in kept:
+        np.testing.assert_array_equal(history[curve], whole[curve][:KEPT])
+        assert history[curve].attrs == whole[curve].attrs
+    xr.testing.assert_identical(history[axis].variable, whole[axis][:KEPT].variable)
