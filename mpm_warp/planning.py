@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
+from mpm_warp.even_flow import even_flow_weights
 from mpm_warp.grids import cell_lengths
 from mpm_warp.kernels.boundaries import make_far_field, make_fixed
 from mpm_warp.kernels.contact import make_surface_contact
@@ -320,21 +321,18 @@ def _add_cell_rates(plan: Plan) -> None:
     grid, material = plan.scene.grid, plan.scene.material
     viscous = plan.scene.bulk_viscosity is not None
     plan.add_array("cell.volume", "real", grid.cell_volumes)
-    plan.add_zeros("cell.stress_step", "vec7", grid.cell_count)
-    evening: tuple[object, ...] = (None, None, 0.0, None)
+    evening = None
     if plan.scene.even_flow:
-        assert not grid.polar, "flow is made even in horizontal rows"
-        assert not grid.planar, "flow is made even about an axis"
-        plan.add_zeros("cell.evening", "vec3", grid.cell_count)
-        evening = ("grid.columns", "grid.rows", grid.outer_radius, "cell.evening")
+        evening = plan.add_array("cell.evening", "vec10", even_flow_weights(grid))
+    plan.add_zeros("cell.step", "vec11" if plan.scene.even_flow else "vec7", grid.cell_count)
     plan.add_launch(
         make_cell_rates(viscous, plan.scene.even_flow, plan.precision),
         grid.cell_count,
         FIRST,
         *("node.motion", "cell.integrals", "cell.volume", grid.column_count, plan.time_step),
         *(material.shear_modulus, material.bulk_modulus),
-        *("cell.gradient", "cell.dilation_rate" if viscous else None, "cell.stress_step"),
-        *evening,
+        *("cell.gradient", "cell.dilation_rate" if viscous else None, "cell.step"),
+        evening,
     )
 
 
@@ -357,8 +355,7 @@ def _add_grid_to_particles(plan: Plan) -> None:
         ),
         plan.arrays["particle.mass"].shape,
         FIRST,
-        *("node.motion", "cell.stress_step", "cell.evening" if scene.even_flow else None),
-        *("grid.columns", "grid.rows", grid.outer_radius),
+        *("node.motion", "cell.step", "grid.columns", "grid.rows", grid.outer_radius),
         *((grid.column_count, grid.row_count), plan.time_step),
         *(plan.time_step / scene.velocity_memory, strength),
         *("particle.position", "particle.velocity", "particle.stress", "particle.cell"),

@@ -18,6 +18,10 @@ AUDIT_INTERVAL = 16
 """Steps between two that are audited."""
 
 
+LONG_RUN = 500
+"""Steps after which a run is long enough to be worth the recording of bursts."""
+
+
 @dataclass(kw_only=True)
 class _Recordings:
     """What is replayed by one call: a recording for each thread.
@@ -25,14 +29,26 @@ class _Recordings:
     Attributes:
         plain: a step.
         audited: one that is audited.
+        burst: all steps from one audit to the next, for several threads in a long run: between
+            calls they would wait for each other in Python.
     """
 
     plain: list[Any]
     audited: list[Any]
+    burst: list[Any] | None = None
 
     def sequence(self, steps: range) -> list[list[Any]]:
         """What to replay for these steps."""
-        return [self.audited if step % AUDIT_INTERVAL == 0 else self.plain for step in steps]
+        played, step = [], steps.start
+        while step < steps.stop:
+            is_audited = step % AUDIT_INTERVAL == 0
+            if self.burst is not None and is_audited and steps.stop - step >= AUDIT_INTERVAL:
+                played.append(self.burst)
+                step += AUDIT_INTERVAL
+            else:
+                played.append(self.audited if is_audited else self.plain)
+                step += 1
+        return played
 
 
 class Player:
@@ -75,7 +91,11 @@ class Player:
         threads = self._pace.choose(min(threads, self._plan.share_count))
         if threads not in self._recordings:
             self._recordings[threads] = self._record_step(threads)
-        sequence = self._recordings[threads].sequence(steps)
+        recordings = self._recordings[threads]
+        if threads > 1 and recordings.burst is None and steps.start >= LONG_RUN:
+            plain = self._plan.step * (AUDIT_INTERVAL - 1)
+            recordings.burst = self._record([*self._audited, *plain], threads)
+        sequence = recordings.sequence(steps)
 
         def play_part(thread: int) -> None:
             for recording in sequence:
@@ -90,7 +110,16 @@ class Player:
 
     def _launch_share(self, share: Launch) -> None:
         dim, arguments = share.call(self._arrays)
+        kinds = [argument.type for argument in share.kernel.adj.args]
+        arguments = [
+            self._empty(kind) if argument is None else argument
+            for kind, argument in zip(kinds, arguments, strict=True)
+        ]
         wp.launch(share.kernel, dim, arguments, device=self._device)
+
+    def _empty(self, kind: Any) -> Any:
+        """An array of nothing: one that is None would take Warp's slower code for a processor."""
+        return wp.empty((0,) * kind.ndim, dtype=kind.dtype, device=self._device)
 
     @property
     def _audited(self) -> list[Launch]:

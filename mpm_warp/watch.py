@@ -105,7 +105,7 @@ class SoilWatch:
 
     def _look_at_mean_stress(self, before: _Before) -> None:
         # What the step did to the stress in the cell that each was in; without the rotation.
-        step = self._array("cell.stress_step").take(before.cell, axis=0)[:, :4]
+        step = self._array("cell.step").take(before.cell, axis=0)[:, :4]
         check_mean_stress(
             number=before.particle,
             position=self._of("position", before.particle),

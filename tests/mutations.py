@@ -88,14 +88,14 @@ MUTATIONS = (
     Mutation(
         "flow not made even within cells",
         f"{KERNELS}/grid_to_particles.py",
-        "x += vec2(where[2] * d_xi + where[3] * d_eta, rows[j][1] * d_eta)",
-        "x += real(0.0) * vec2(where[2] * d_xi + where[3] * d_eta, rows[j][1] * d_eta)",
+        "x += vec2(across + upright * step[9], upright * step[10])",
+        "x += real(0.0) * vec2(across + upright * step[9], upright * step[10])",
     ),
     Mutation(
         "even flow without the hoop's part",
         f"{KERNELS}/even_flow.py",
-        "hoop = half * per_r * (r0 * e1 - r1 * e0) / (r0 * r1)",
-        "hoop = zero",
+        "- weight[3] * left\n",
+        "\n",
     ),
     Mutation(
         "rotation of the stress turned round",

@@ -6,21 +6,21 @@ say, piles up without end. So particles take a part in their motion that makes i
 vanishes on the edges of the cell that it would cross: conservative velocity interpolation (Meyer &
 Jenny 2004, PAMM 4:466-467), here about an axis.
 
-Symbols: xi, eta natural coordinates; at half the height of a cell r0 and r1 radii of its left and
-right edge, r their mean, e0 and e1 radial velocities there, c centroid in xi; w width, h height;
-l lean of the edges, the rise of their radius over the height, and v_ri that of the radial velocity
-along edge i; C = v_00 - v_10 - v_01 + v_11 over the nodes (xi, eta).
+Symbols: xi, eta natural coordinates of the cell, u_ij velocity (r, z) of its nodes, d change over
+the step. At half the height, r0 and r1 radii of the left and right edge, r their mean, c centroid
+in xi, w width; h height, l lean of the edges: the rise of their radius over the height.
 
-    dxi/dt  = xi (1 - xi) (X_0 + xi (X_1 - X_0))
-    deta/dt = eta (1 - eta) Y
+    d r = xi (1 - xi) (P + xi Q) + eta (1 - eta) S l / h
+    d z = eta (1 - eta) S
 
-    X_0 = c C_z / h       + (r0 e1 - r1 e0) / (2 r r0)
-    X_1 = (1 - c) C_z / h + (r0 e1 - r1 e0) / (2 r r1)
-    Y   = (C_r - l C_z / h) / (2 w) + ((v_r0 + v_r1) / 2 - (e0 + e1) l / (2 r)) / (2 r)
+    P     = w (c T / h + (r0 e1 - r1 e0) / (2 r r0))            T = u_00 - u_10 - u_01 + u_11, its z
+    P + Q = w ((1 - c) T / h + (r0 e1 - r1 e0) / (2 r r1))      e_i = mean of u_i0 and u_i1, its r
+    S     = h (C - l T / h) / (2 w)                             C = the r of what T is the z of
+            + h ((a_0 + a_1) / 2 - (e0 + e1) l / (2 r)) / (2 r) a_i = u_i1 - u_i0, its r
 
 In an upright cell all heights, and along their length both edges, have the divergence of the cell
 exactly; in between it is off by about w / r of what it was, as where edges lean. In a cell on the
-axis r0 and e0 are 0, X = C_z / (3 h) all over, and the divergence is the same everywhere.
+axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same everywhere.
 """
 
 import functools
@@ -33,42 +33,25 @@ from mpm_warp.kernels.precision import Precision
 
 @functools.cache
 def make_even_flow(precision: Precision) -> Any:
-    """The function (motion of the four nodes, column, row, outer radius) -> (X_0, X_1 - X_0, Y).
+    """The function (motion of the four nodes, weights of the cell) -> (P, Q, S l / h, S).
 
-    Columns and rows are those of `mpm_warp.kernels.location`, of a grid with horizontal rows about
-    an axis.
+    The weights are those of `mpm_warp.even_flow`; results are per time.
     """
-    real, vec3, vec4, vec5 = precision.real, precision.vec3, precision.vec4, precision.vec5
-    zero, half, one, third = (wp.constant(real(x)) for x in (0.0, 0.5, 1.0, 1.0 / 3.0))
+    vec4, vec10 = precision.vec4, precision.vec10
 
     @wp.func
-    def even_flow(
-        v_00: vec4, v_10: vec4, v_01: vec4, v_11: vec4, column: vec3, row: vec5, outer_radius: real
-    ) -> vec3:
-        surface = row[3] + half * row[4]
-        span = outer_radius - surface
-        w = span * column[1]
-        r0 = surface + span * column[0]
-        r1 = r0 + w
-        r = r0 + half * w
-        lean = row[4] * (one - column[0] - half * column[1])
-        # Divisions cost most: one for both of these, one for both of those below.
-        per_r_w = one / (r * w)
-        per_r, per_w = w * per_r_w, r * per_r_w
-
-        C_r = v_00[0] - v_10[0] - v_01[0] + v_11[0]
-        C_z_per_h = row[2] * (v_00[1] - v_10[1] - v_01[1] + v_11[1])
-        e0 = half * (v_00[0] + v_01[0])
-        e1 = half * (v_10[0] + v_11[0])
-        rise = half * (v_01[0] - v_00[0] + v_11[0] - v_10[0])
-        twist = per_w * (C_r - lean * C_z_per_h)
-        Y = half * (twist + per_r * (rise - half * per_r * lean * (e0 + e1)))
-        if r0 <= zero:
-            return vec3(third * C_z_per_h, zero, Y)
-        c = per_r * (half * r0 + third * w)
-        hoop = half * per_r * (r0 * e1 - r1 * e0) / (r0 * r1)
-        X_0 = c * C_z_per_h + r1 * hoop
-        X_1 = (one - c) * C_z_per_h + r0 * hoop
-        return vec3(X_0, X_1 - X_0, Y)
+    def even_flow(u_00: vec4, u_10: vec4, u_01: vec4, u_11: vec4, weight: vec10) -> vec4:
+        T = (u_00[1] - u_10[1]) - (u_01[1] - u_11[1])
+        left, right = u_00[0] + u_01[0], u_10[0] + u_11[0]
+        a_0, a_1 = u_01[0] - u_00[0], u_11[0] - u_10[0]
+        P = weight[0] * T + weight[2] * (right - left) - weight[3] * left
+        Q = weight[1] * T + weight[3] * left + weight[4] * right
+        S = (
+            weight[5] * (a_1 - a_0)
+            + weight[6] * (a_0 + a_1)
+            + weight[7] * (left + right)
+            + weight[8] * T
+        )
+        return vec4(P, Q, weight[9] * S, S)
 
     return even_flow

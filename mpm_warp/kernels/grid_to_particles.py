@@ -16,6 +16,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.kernels.grid_update import cell_step_type
 from mpm_warp.kernels.location import make_location
 from mpm_warp.kernels.precision import Precision
 
@@ -23,11 +24,11 @@ from mpm_warp.kernels.precision import Precision
 @functools.cache
 def make_elastic_trial(precision: Precision) -> Any:
     """The function (stress, step of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
-    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
+    real, vec4 = precision.real, precision.vec4
     two = wp.constant(real(2.0))
 
     @wp.func
-    def elastic_trial(stress: vec4, step: vec7) -> vec4:
+    def elastic_trial(stress: vec4, step: Any) -> vec4:
         rr, zz, rz = stress[0], stress[1], stress[2]
         cc, ss, cs = step[4], step[5], step[6]
         return vec4(
@@ -54,7 +55,7 @@ def make_grid_to_particles(
         precision: floating point types.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    vec5, vec7 = precision.vec5, precision.vec7
+    vec5 = precision.vec5
     location = make_location(polar, precision)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
     elastic_trial = make_elastic_trial(precision)
@@ -68,8 +69,7 @@ def make_grid_to_particles(
     def grid_to_particles(
         first: int,
         motion: wp.array(dtype=vec4),
-        stress_step: wp.array(dtype=vec7),
-        evening: wp.array(dtype=vec3),
+        cell_step: wp.array(dtype=cell_step_type(even, precision)),
         columns: wp.array(dtype=vec3),
         rows: wp.array(dtype=vec5),
         outer_radius: real,
@@ -106,8 +106,8 @@ def make_grid_to_particles(
         u = vec2(here[2], here[3])
         velocity[p] = (one - blend) * (velocity[p] + (v - u)) + blend * v
 
-        c = j * cell_counts[0] + i
-        trial = elastic_trial(stress[p], stress_step[c])
+        step = cell_step[j * cell_counts[0] + i]
+        trial = elastic_trial(stress[p], step)
         if wp.static(yields):
             stress[p] = yielding(trial, strength)
         else:
@@ -115,10 +115,9 @@ def make_grid_to_particles(
 
         x += time_step * v
         if wp.static(even):
-            s = evening[c]
-            d_xi = xi * (one - xi) * (s[0] + xi * s[1])
-            d_eta = eta * (one - eta) * s[2]
-            x += vec2(where[2] * d_xi + where[3] * d_eta, rows[j][1] * d_eta)
+            upright = eta * (one - eta)
+            across = xi * (one - xi) * (step[7] + xi * step[8])
+            x += vec2(across + upright * step[9], upright * step[10])
         if wp.static(window):
             x += vec2(real(0.0), time_step * window_motion[1])
             if x[1] >= top:

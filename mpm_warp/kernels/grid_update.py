@@ -179,6 +179,11 @@ def make_stress_step(precision: Precision) -> Any:
     return stress_step
 
 
+def cell_step_type(even: bool, precision: Precision) -> Any:
+    """Type of what a step does to the soil of a cell: that to its stress, and its even flow."""
+    return precision.vec11 if even else precision.vec7
+
+
 @functools.cache
 def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
     """Velocity gradient of each cell and what a step of it does to stress; launched over cells.
@@ -189,7 +194,8 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
         precision: floating point types.
     """
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
-    vec5, vec7, mat22 = precision.vec5, precision.vec7, precision.mat22
+    vec5, mat22 = precision.vec5, precision.mat22
+    vec10, vec11 = precision.vec10, precision.vec11
     one = wp.constant(real(1.0))
     step_of = make_stress_step(precision)
     even_flow = make_even_flow(precision)
@@ -213,15 +219,11 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
         bulk_modulus: real,
         gradient: wp.array(dtype=mat22),
         dilation_rate: wp.array(dtype=real),
-        stress_step: wp.array(dtype=vec7),
-        columns: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
-        outer_radius: real,
-        evening: wp.array(dtype=vec3),
+        cell_step: wp.array(dtype=cell_step_type(even, precision)),
+        evening: wp.array(dtype=vec10),
     ):
         c = first + wp.tid()
-        j = c / column_count
-        node = c + j
+        node = c + c / column_count
         upper = node + column_count + 1
         v_00, v_10, v_01, v_11 = motion[node], motion[node + 1], motion[upper], motion[upper + 1]
         L = (one / volume[c]) * (
@@ -233,11 +235,23 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
         gradient[c] = mat22(L[0], L[1], L[2], L[3])
         if wp.static(viscous):
             dilation_rate[c] = L[0] + L[3] + L[4]
-        stress_step[c] = step_of(L, time_step, shear_modulus, bulk_modulus)
+        step = step_of(L, time_step, shear_modulus, bulk_modulus)
         if wp.static(even):
-            column = columns[c - j * column_count]
-            evening[c] = time_step * even_flow(
-                v_00, v_10, v_01, v_11, column, rows[j], outer_radius
+            E = time_step * even_flow(v_00, v_10, v_01, v_11, evening[c])
+            cell_step[c] = vec11(
+                step[0],
+                step[1],
+                step[2],
+                step[3],
+                step[4],
+                step[5],
+                step[6],
+                E[0],
+                E[1],
+                E[2],
+                E[3],
             )
+        else:
+            cell_step[c] = step
 
     return cell_rates

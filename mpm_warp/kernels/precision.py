@@ -17,11 +17,13 @@ class Precision:
     vec4: Any
     vec5: Any
     vec7: Any
+    vec10: Any
+    vec11: Any
     mat22: Any
 
 
 def _precision(numpy_name: str, real: Any) -> Precision:
-    vectors = (wp.types.vector(length, real) for length in (2, 3, 4, 5, 7))
+    vectors = (wp.types.vector(length, real) for length in (2, 3, 4, 5, 7, 10, 11))
     return Precision(numpy_name, real, *vectors, wp.types.matrix((2, 2), real))
 
 

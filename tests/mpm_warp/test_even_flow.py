@@ -19,7 +19,7 @@ DIFFERENCE = 1e-4
 """Of natural coordinates, in a difference quotient; the field is a quartic at most."""
 
 
-def even_flow_weights(grid: Grid) -> Floats:
+def weights_of_nodes(grid: Grid) -> Floats:
     """What (X_0, X_1 - X_0, Y) of `mpm_warp.kernels.even_flow` owe to the velocities of the nodes.
 
     Of each cell: weights [1/m] of the radial velocities of the four nodes in the order of
@@ -53,14 +53,14 @@ def velocity(grid: Grid, nodal: Floats, cell: Floats, xi: Floats, eta: Floats) -
     corner = nodal[grid.cell_nodes[cell]]
     shape = bilinear(xi, eta)[0]
     v = np.einsum("nc,cnk->ck", shape, corner)
-    weights = even_flow_weights(grid)[cell]
+    weights = weights_of_nodes(grid)[cell]
     twist = corner[:, :, 1] @ [1.0, -1.0, -1.0, 1.0]
     rates = np.einsum("cn,cnk->kc", corner[..., 0], weights[:, :4]) + twist * weights[:, 4].T
     d_xi = xi * (1 - xi) * (rates[0] + xi * rates[1])
     d_eta = eta * (1 - eta) * rates[2]
     r, z = np.moveaxis(grid.node_positions[grid.cell_nodes[cell]], -1, 0)
-    r_xi = (1 - eta) * (r[:, 1] - r[:, 0]) + eta * (r[:, 3] - r[:, 2])
-    r_eta = (1 - xi) * (r[:, 2] - r[:, 0]) + xi * (r[:, 3] - r[:, 1])
+    r_xi = 0.5 * (r[:, 1] - r[:, 0] + r[:, 3] - r[:, 2])
+    r_eta = 0.5 * (r[:, 2] - r[:, 0] + r[:, 3] - r[:, 1])
     even = np.stack([r_xi * d_xi + r_eta * d_eta, (z[:, 2] - z[:, 0]) * d_eta], axis=-1)
     return np.asarray(v + even)
 
