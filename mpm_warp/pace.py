@@ -4,8 +4,8 @@ from __future__ import annotations
 
 SHORTEST = 16
 """Steps that tell a pace, at least."""
-PAUSE = 20
-"""Plays on one thread before more are tried again."""
+PAUSE = 300
+"""Steps on one thread before more are tried again."""
 
 
 class Pace:
@@ -21,15 +21,12 @@ class Pace:
 
     def choose(self, wanted: int) -> int:
         """The threads of the next play: as many as wanted, or one."""
-        if wanted == 1 or 1 not in self._seconds:
-            return 1
-        if self._pause > 0:
-            self._pause -= 1
-            return 1
-        return wanted
+        return 1 if 1 not in self._seconds or self._pause > 0 else wanted
 
     def note(self, threads: int, step_count: int, seconds: float) -> None:
         """Take down what a play of so many steps took."""
+        if threads == 1:
+            self._pause = max(0, self._pause - step_count)
         if step_count < SHORTEST:
             return
         self._seconds[threads] = seconds / step_count
