@@ -11,7 +11,8 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 import warp as wp
 
@@ -22,6 +23,8 @@ from mpm_warp.stack import likeness, stack
 
 POINTS_IN_CACHE = 12_000
 """Material points that a processor takes through a step together: more would leave its cache."""
+
+Result = TypeVar("Result")
 
 
 @dataclass
@@ -35,14 +38,22 @@ class Batch(Execution):
     _seat: _Seat | None = field(default=None, init=False)
     _case_count: int = field(default=0, init=False)
 
-    def run(self, works: Sequence[Callable[[], None]]) -> None:
+    def run(self, works: Sequence[Callable[[], Result]]) -> list[Result]:
         """Run functions that simulate with this execution.
+
+        Returns:
+            What each has returned.
 
         Raises:
             BaseException: the first that a function raised; the others are then given up.
         """
         self._case_count = len(works)
-        seats = [_Seat(work) for work in works]
+        results: dict[int, Result] = {}
+
+        def keep(number: int) -> None:
+            results[number] = works[number]()
+
+        seats = [_Seat(partial(keep, number)) for number in range(len(works))]
         try:
             while seats:
                 for seat in seats:
@@ -55,6 +66,7 @@ class Batch(Execution):
             self._players.clear()
             for seat in seats:
                 seat.dismiss()
+        return [results[number] for number in range(len(works))]
 
     def steps(self, plan: StepPlan, arrays: dict[str, Any]) -> _Run:
         """See `Execution`; to be called from within a function of :meth:`run`."""

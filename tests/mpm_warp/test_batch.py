@@ -43,16 +43,7 @@ DIFFERENT = [
 
 
 def run_together(scenes: list[ReadyScene], execution: Batch) -> list[xr.Dataset]:
-    results: dict[int, xr.Dataset] = {}
-
-    def work(number: int) -> Callable[[], None]:
-        def run() -> None:
-            results[number] = scenes[number].run(execution=execution)
-
-        return run
-
-    execution.run([work(number) for number in range(len(scenes))])
-    return [results[number] for number in range(len(scenes))]
+    return execution.run([partial(scene.run, execution=execution) for scene in scenes])
 
 
 def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import warp as wp
-import xarray as xr
 
 from mpm_warp.batch import Batch
 from mpm_warp.execution import Execution
@@ -54,14 +53,6 @@ def test_a_gpu_gives_the_cone_factor_of_the_processor(precision: str, tolerance:
 def test_a_batch_on_a_gpu_gives_the_cone_factors_of_the_processor() -> None:
     cones = [cone("float64", factor) for factor in (0.0, 0.5, 1.0)]
     execution = Batch(GPU)
-    results: dict[int, xr.Dataset] = {}
-
-    def work(number: int) -> Callable[[], None]:
-        def run() -> None:
-            results[number] = cones[number].run(execution=execution)
-
-        return run
-
-    execution.run([work(number) for number in range(len(cones))])
-    together = [float(results[number].cone_factor) for number in range(len(cones))]
+    results = execution.run([partial(it.run, execution=execution) for it in cones])
+    together = [float(result.cone_factor) for result in results]
     np.testing.assert_allclose(together, [float(it.run().cone_factor) for it in cones], rtol=0.001)
