@@ -237,6 +237,12 @@ def _draw_literature(
     if inside.any():
         band = axes.fill_between(x, lower, upper, inside, color=colour or "0.6", alpha=0.2, lw=0)
         band.set_label(_once(axes, ENVELOPE_LABEL))
+        # A band has no width where the references hold for one value alone, as of the apex angle.
+        beside = np.pad(inside, 1)
+        alone = inside & ~beside[:-2] & ~beside[2:]
+        if alone.any():
+            own = colour or "0.6"
+            axes.vlines(x[alone], lower[alone], upper[alone], color=own, alpha=0.4, lw=5)
     ends = []
     for reference in stored_references(dataset):
         own = colour or COLOURS[CONE_FACTORS.index(reference) % len(COLOURS)]

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -71,6 +72,14 @@ def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
     # the envelope at adhesion factor 0 and 1
     bounds = band.get_paths()[0].get_extents()
     assert (bounds.ymin, bounds.ymax) == pytest.approx((9.54, 12.07), abs=0.005)
+
+
+def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
+    figure = cone_factor_figure(result(apex_angle=[45.0, 60.0, 90.0]))
+    (bar,) = [it for it in figure.axes[0].collections if isinstance(it, LineCollection)]
+    ((begin, end),) = bar.get_segments()
+    assert begin[0] == end[0] == 60.0
+    assert begin[1] < end[1]
 
 
 def test_each_reference_has_a_colour_of_its_own() -> None:
