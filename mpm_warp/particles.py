@@ -8,6 +8,15 @@ import numpy as np
 
 from mpm_warp.grids import GAUSS_POINTS, Floats, Grid, Integers
 
+PARTICLE_STATE = (
+    "particle.position",
+    "particle.velocity",
+    "particle.stress",
+    "particle.mass",
+    "particle.cell",
+)
+"""Arrays of a plan that are the state of the particles, in the order in which kernels take them."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Seed:
