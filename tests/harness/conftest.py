@@ -10,6 +10,7 @@ from textwrap import dedent
 
 import pytest
 
+from harness.cli import main
 from harness.study import Study, load_study
 
 SMALL = """
@@ -38,6 +39,20 @@ def small_file(tmp_path: Path) -> Path:
 def small(small_file: Path) -> Study:
     """Three cases of next to no cost."""
     return load_study(str(small_file))
+
+
+@pytest.fixture
+def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[list[str]], str]:
+    """Runs a command that is to be refused, and gives the one line with which it is."""
+
+    def refused(arguments: list[str]) -> str:
+        assert main(arguments) == 2
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        (line,) = captured.err.splitlines()
+        return line
+
+    return refused
 
 
 @pytest.fixture

@@ -1,9 +1,12 @@
+"""Cases in worker processes: none lost, none done twice, whatever becomes of the workers."""
+
 from __future__ import annotations
 
 import multiprocessing
 import os
 import re
 import signal
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NoReturn
 
@@ -18,9 +21,6 @@ from harness.runner import Watcher, run_cases, share_of_cores
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
 from harness.study import Study, load_study
-from harness.worker import run_case
-from mpm_warp.bodies.scene import SceneError
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 
 class Record:
@@ -36,11 +36,21 @@ class Record:
         assert case.key not in self.outcomes
         self.outcomes[case.key] = outcome
 
+    def statuses(self, cases: Iterable[Case]) -> list[str]:
+        """How each of some cases has ended."""
+        return [self.outcomes[case.key].status for case in cases]
+
+
+def prepared(study: Study, out: Path) -> Path:
+    """The folder of a study's cases in `out`, ready to be written to."""
+    folder = case_files.case_folder(out, study)
+    case_files.prepare(folder)
+    return folder
+
 
 def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
     """Run a study in `out` and collect it."""
-    folder = case_files.case_folder(out, study)
-    case_files.prepare(folder)
+    folder = prepared(study, out)
     run_cases(cases_of(study), folder, workers, watcher)
     return archive.collect(study, cases_of(study), folder)
 
@@ -48,7 +58,7 @@ def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
 def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
     record = Record()
     dataset = run(small, tmp_path, 2, record)
-    assert [record.outcomes[case.key].status for case in cases_of(small)] == [COMPLETED] * 3
+    assert record.statuses(cases_of(small)) == [COMPLETED] * 3
     assert dataset.status.values.tolist() == [COMPLETED] * 3
     assert dataset.cone_factor.notnull().all()
     assert not multiprocessing.active_children()
@@ -65,8 +75,7 @@ def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study)
     cases = cases_of(small)
     datasets = []
     for threads in (1, 2, None):
-        folder = case_files.case_folder(tmp_path / str(threads), small)
-        case_files.prepare(folder)
+        folder = prepared(small, tmp_path / str(threads))
         run_cases(cases, folder, 1, Record(), threads=threads)
         datasets.append(archive.collect(small, cases, folder))
     assert differing(datasets[0], datasets[1]) == []
@@ -103,14 +112,19 @@ def test_the_death_of_a_worker_takes_one_case(
     assert record.outcomes[cases_of(study)[0].key].status == CRASHED
 
 
-def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
-    tmp_path: Path, small_file: Path
-) -> None:
+@pytest.fixture
+def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
+    """The folder of two cases, and the cases: one that takes minutes, one that is soon done."""
     settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03]"]
     study = load_study(str(small_file), settings)
-    folder = case_files.case_folder(tmp_path, study)
-    case_files.prepare(folder)
     long, short = cases_of(study)
+    return prepared(study, tmp_path), long, short
+
+
+def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
+    long_and_short: tuple[Path, Case, Case],
+) -> None:
+    folder, long, short = long_and_short
     fractions: list[float] = []
 
     class Follower(Record):
@@ -134,8 +148,7 @@ def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
 def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
     tmp_path: Path, small: Study
 ) -> None:
-    folder = case_files.case_folder(tmp_path, small)
-    case_files.prepare(folder)
+    folder = prepared(small, tmp_path)
     case = cases_of(small)[0]
 
     class Killer(Record):
@@ -156,8 +169,7 @@ def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
 def test_what_another_run_has_completed_meanwhile_is_not_run_again(
     tmp_path: Path, small: Study
 ) -> None:
-    folder = case_files.case_folder(tmp_path, small)
-    case_files.prepare(folder)
+    folder = prepared(small, tmp_path)
     first, *others = cases_of(small)
 
     class Other(Record):
@@ -185,34 +197,6 @@ def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, small: Study
     assert not multiprocessing.active_children()
 
 
-def test_an_exception_of_the_scene_is_the_outcome(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(scene: object, progress: object, execution: object) -> NoReturn:
-        raise ArithmeticError("on\ntwo lines")
-
-    monkeypatch.setattr(ConePenetration, "run", fail)
-    case = cases_of(small)[0]
-    outcome = run_case(case, tmp_path)
-    assert (outcome.status, outcome.message) == ("failed", "ArithmeticError: on two lines")
-    result = case_files.read_case(tmp_path, case)
-    assert result is not None
-    assert result.attrs["message"] == outcome.message
-
-
-def test_an_exception_may_name_the_status(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class DivergedError(Exception):
-        status = "diverged"
-
-    def diverge(scene: object, progress: object, execution: object) -> NoReturn:
-        raise DivergedError("too fast")
-
-    monkeypatch.setattr(ConePenetration, "run", diverge)
-    assert run_case(cases_of(small)[0], tmp_path).status == "diverged"
-
-
 def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: Path) -> None:
     path = tmp_path / "blocks.toml"
     path.write_text(
@@ -232,17 +216,6 @@ def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: P
     assert any("refused" in cell for row in stability_rows(dataset) for cell in row)
 
 
-def test_a_scene_that_can_not_be_made_is_refused(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(scene: object, progress: object, execution: object) -> NoReturn:
-        raise SceneError("bodies 0 and 1 overlap")
-
-    monkeypatch.setattr(ConePenetration, "run", refuse)
-    outcome = run_case(cases_of(small)[0], tmp_path)
-    assert (outcome.status, outcome.message) == ("refused", "SceneError: bodies 0 and 1 overlap")
-
-
 def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
     record = Record()
     cases = cases_of(small)
@@ -252,34 +225,35 @@ def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Stu
     assert not multiprocessing.active_children()
 
 
+def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
+    """How many cases each of some was run with, itself among them."""
+    kept = [case_files.read_case(folder, case) for case in cases]
+    return [it.attrs["cases_together"] for it in kept if it is not None]
+
+
 def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: Study) -> None:
     alone = run(small, tmp_path / "alone", 1, Record())
-    folder = case_files.case_folder(tmp_path / "together", small)
-    case_files.prepare(folder)
+    folder = prepared(small, tmp_path / "together")
     record = Record()
     run_cases(cases_of(small), folder, 1, record, batch=10)
     together = archive.collect(small, cases_of(small), folder)
     assert differing(alone, together) == []
-    assert [outcome.status for outcome in record.outcomes.values()] == [COMPLETED] * 3
-    kept = [case_files.read_case(folder, case) for case in cases_of(small)]
-    assert [it.attrs["cases_together"] for it in kept if it is not None] == [3, 3, 3]
+    assert record.statuses(cases_of(small)) == [COMPLETED] * 3
+    assert run_together(folder, cases_of(small)) == [3, 3, 3]
     assert (together.case_time >= together.run_time).all()
 
 
 def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
-    folder = case_files.case_folder(tmp_path, small)
-    case_files.prepare(folder)
+    folder = prepared(small, tmp_path)
     run_cases(cases_of(small), folder, 2, Record(), batch=10)
-    kept = [case_files.read_case(folder, case) for case in cases_of(small)]
-    assert [it.attrs["cases_together"] for it in kept if it is not None] == [2, 2, 1]
+    assert run_together(folder, cases_of(small)) == [2, 2, 1]
 
 
 def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run_alone(
     tmp_path: Path, small_file: Path
 ) -> None:
     study = load_study(str(small_file), ["adhesion_factor=[0, 1]", "penetration=[1, 20]"])
-    folder = case_files.case_folder(tmp_path, study)
-    case_files.prepare(folder)
+    folder = prepared(study, tmp_path)
 
     class Killer(Record):
         """Kills the first worker as soon as a case is done."""
@@ -292,32 +266,24 @@ def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run
 
     record = Killer()
     run_cases(cases_of(study), folder, 1, record, batch=4)
-    assert [record.outcomes[case.key].status for case in cases_of(study)] == [COMPLETED] * 4
-    kept = [case_files.read_case(folder, case) for case in cases_of(study)]
-    together = [it.attrs["cases_together"] for it in kept if it is not None]
-    assert set(together) == {1, 4}
+    assert record.statuses(cases_of(study)) == [COMPLETED] * 4
+    assert set(run_together(folder, cases_of(study))) == {1, 4}
 
 
 def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
-    tmp_path: Path, small_file: Path
+    long_and_short: tuple[Path, Case, Case],
 ) -> None:
-    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03]"]
-    study = load_study(str(small_file), settings)
-    folder = case_files.case_folder(tmp_path, study)
-    case_files.prepare(folder)
-    long, short = cases_of(study)
+    folder, long, short = long_and_short
     record = Record()
     run_cases([long, short], folder, 1, record, time_limit=4, batch=2)
-    assert record.outcomes[long.key].status == TIMED_OUT
-    assert record.outcomes[short.key].status == COMPLETED
+    assert record.statuses([long, short]) == [TIMED_OUT, COMPLETED]
 
 
 def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
     tmp_path: Path, small_file: Path
 ) -> None:
     study = load_study(str(small_file), ["adhesion_factor=0", "penetration=[200, 1, 2]"])
-    folder = case_files.case_folder(tmp_path, study)
-    case_files.prepare(folder)
+    folder = prepared(study, tmp_path)
 
     class Killer(Record):
         """Kills each worker that has come on with the long case."""
@@ -329,5 +295,4 @@ def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
 
     record = Killer()
     run_cases(cases_of(study), folder, 1, record, batch=3)
-    statuses = [record.outcomes[case.key].status for case in cases_of(study)]
-    assert statuses == [CRASHED, COMPLETED, COMPLETED]
+    assert record.statuses(cases_of(study)) == [CRASHED, COMPLETED, COMPLETED]

@@ -14,7 +14,6 @@ from harness.archive import write_study
 from harness.case_files import FORMAT_VERSION
 from harness.cli import main
 from harness.plots import figures
-from harness.stability import Values, short_reason
 from harness.stability_map import stability_figure, stability_rows
 from harness.stability_shares import shares
 from harness.stability_strips import Strip, strips
@@ -23,10 +22,6 @@ from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
 BAD_VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
     "-180.8841], at step 5000, t = 0.01218 s; healthy at step 4500; try a smaller step"
-)
-BAD_STRESS = (
-    "SimulationDiverged: stress of particle 7 at [0.1, 0.2] m is [1, 2, 3, 4], outside the yield "
-    "surface by 0.02 of the strength, at step 500, t = 1 s; healthy at step 0; try a smaller step"
 )
 BAD_ENERGY = (
     "InaccurateRun: the transfers between material points and grid took 7.0% of the penetrometer's "
@@ -148,21 +143,6 @@ def test_a_margin_from_zero_is_a_difference() -> None:
     assert strip_of(dataset, "stress").margin(1).startswith("10000 (difference +1e+04), diverged")
 
 
-@pytest.mark.parametrize(
-    ("numbers", "logarithmic"),
-    [
-        ([1.0, 10.0], True),
-        ([1.0, 9.0], False),
-        ([0.0, 1.0, 10.0], True),
-        ([-1.0, 1.0, 10.0], False),
-        ([0.0], False),
-    ],
-)
-def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic: bool) -> None:
-    values = Values(name="stress", unit="Pa", numbers=np.array(numbers))
-    assert values.logarithmic == logarithmic
-
-
 def test_cases_that_were_not_run_are_left_out() -> None:
     statuses = ["completed", "missing", "completed"]
     dataset = made("one_at_a_time", statuses, stress=[1.0, 2.0, 3.0])
@@ -212,23 +192,6 @@ def test_rows_of_random_cases_name_the_worst_part() -> None:
         "least": "17 to 20",
         "what gives way there": "4 diverged: velocity of particle 352",
     }
-
-
-@pytest.mark.parametrize(
-    ("message", "short"),
-    [
-        (BAD_VELOCITY, "velocity of particle 352"),
-        (
-            BAD_STRESS,
-            "stress of particle 7, outside the yield surface by 0.02 of the strength",
-        ),
-        ("worker killed by SIGSEGV, at 45% of the case", "worker killed by SIGSEGV"),
-        ("ended after 200 s, at 4% of the case", "ended after 200 s"),
-        ("", ""),
-    ],
-)
-def test_a_reason_is_what_gave_way(message: str, short: str) -> None:
-    assert short_reason(message) == short
 
 
 def marks(figure: Figure, row: int) -> list[tuple[float, str]]:
