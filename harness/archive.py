@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.case_files import FORMAT_VERSION, ArchiveError, read_case, read_netcdf, write_whole
+from harness.case_files import FORMAT_VERSION, read_case, read_netcdf, write_netcdf
 from harness.cases import COMPLETED, MISSING, Case
 from harness.designs import Range
 from harness.provenance import provenance
 from harness.study import Study
+from harness.whole_files import ArchiveError
 from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class
 
@@ -25,7 +26,7 @@ def write_study(path: Path, dataset: xr.Dataset) -> None:
     Raises:
         ArchiveError: it cannot be written.
     """
-    write_whole(dataset.assign_attrs(provenance()), path)
+    write_netcdf(dataset.assign_attrs(provenance()), path)
 
 
 def read_study(path: Path) -> xr.Dataset:

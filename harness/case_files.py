@@ -6,10 +6,7 @@ it has been run; no clock is asked.
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import platform
 from collections.abc import Hashable, Iterable
 from pathlib import Path
 from typing import Any
@@ -18,19 +15,13 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from harness import HarnessError
 from harness.cases import COMPLETED, DAMAGED, MISSING, Case, Outcome
 from harness.provenance import provenance
 from harness.study import Study
+from harness.whole_files import ArchiveError, write_whole
 
 FORMAT_VERSION = 1
 """Version of the layout of case files and study files alike."""
-PARTIAL = ".part"
-"""Ending of a file that is being written; such a file is nobody's result."""
-
-
-class ArchiveError(HarnessError):
-    """A result cannot be read or written; the message is one line and names the file."""
 
 
 def case_folder(out: Path, study: Study) -> Path:
@@ -43,71 +34,21 @@ def case_file(folder: Path, case: Case) -> Path:
     return folder / f"{case.key}.nc"
 
 
-def prepare(folder: Path) -> None:
-    """Make the folder, and find out by writing whether anything can be written to it.
-
-    Raises:
-        ArchiveError: it cannot be made, or not be written to.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ArchiveError(f"{folder}: cannot be made: {error.strerror}") from None
-    probe = _partial(folder / "probe")
-    try:
-        probe.write_bytes(b"probe")
-    except OSError as error:
-        raise ArchiveError(f"{folder}: cannot be written to: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            probe.unlink()
-
-
-def write_whole(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file that is either complete under its name or not there.
+def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
+    """Write a netCDF file, whole or not at all.
 
     Raises:
         ArchiveError: it cannot be written; an earlier file of that name is as it was.
     """
     # Made in memory: where a disk is full, the netCDF library only says "HDF error" and keeps the
     # broken file open, so that its room is not freed before the process ends.
-    image = _image(dataset)
-    partial = _partial(path)
-    try:
-        with partial.open("wb") as file:
-            file.write(image)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except OSError as error:
-        raise ArchiveError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            partial.unlink()
+    write_whole(_image(dataset), path)
 
 
 def discard(folder: Path, cases: Iterable[Case]) -> None:
     """Remove the results of cases, so that they are run again."""
     for case in cases:
         case_file(folder, case).unlink(missing_ok=True)
-
-
-def discard_partial(folder: Path, process_id: int) -> None:
-    """Remove what a process of this machine that was killed has left half-written."""
-    for partial in folder.glob(f".*{partial_ending(process_id)}"):
-        partial.unlink(missing_ok=True)
-
-
-def abandoned(folder: Path) -> list[Path]:
-    """Half-written files whose processes, on this machine, are no more."""
-    ending = partial_ending("*")
-    before, after = ending.split("*")
-    found = []
-    for partial in sorted(folder.glob(f".*{ending}")):
-        process_id = partial.name.rpartition(before)[2].removesuffix(after)
-        if process_id.isdecimal() and not _is_alive(int(process_id)):
-            found.append(partial)
-    return found
 
 
 def write_case(
@@ -136,7 +77,7 @@ def write_case(
         "format_version": FORMAT_VERSION,
     }
     kept = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
-    write_whole(kept, case_file(folder, case))
+    write_netcdf(kept, case_file(folder, case))
 
 
 def read_case(folder: Path, case: Case) -> xr.Dataset | None:
@@ -215,26 +156,6 @@ def check_version(path: Path, attributes: dict[str, Any]) -> None:
 def _check_owner(path: Path, case: Case, attributes: dict[str, Any]) -> None:
     if attributes.get("case_key") != case.key or "status" not in attributes:
         raise ArchiveError(f"{path}: is not the result of case {case.key}")
-
-
-def _partial(path: Path) -> Path:
-    """What `path` is called while this process writes it; no other run in the folder does so."""
-    return path.with_name(f".{path.name}{partial_ending(os.getpid())}")
-
-
-def partial_ending(process_id: int | str) -> str:
-    """Ending of the names of files that a process of this machine is writing."""
-    return f".{platform.node()}-{process_id}{PARTIAL}"
-
-
-def _is_alive(process_id: int) -> bool:
-    try:
-        os.kill(process_id, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # alive, and another user's
-        return True
-    return True
 
 
 def _image(dataset: xr.Dataset) -> memoryview:

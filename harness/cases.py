@@ -17,7 +17,8 @@ from harness.designs import (
     rounded,
 )
 from harness.expressions import ExpressionError
-from harness.study import LARGEST_STUDY, ScenePart, Study
+from harness.scene_part import LARGEST_STUDY, ScenePart
+from harness.study import Study
 from mpm_warp.parameters import ParameterError, Value, from_mapping, parameters_of
 from mpm_warp.scenes import ReadyScene, scene_class
 

@@ -98,11 +98,12 @@ def _run(options: argparse.Namespace) -> int:
 
 def _show(dataset: xr.Dataset, folder: Path) -> None:
     """Print the table and draw the pictures, as far as the scene has what they show."""
-    from harness.compare import NothingToCompareError, table
+    from harness.compare import NothingToCompareError
+    from harness.cone_factor_table import cone_factor_table
     from harness.plots import NothingToDrawError, draw
 
     try:
-        print(table(dataset))
+        print(cone_factor_table(dataset))
     except NothingToCompareError as error:
         _tell(str(error))
     try:
@@ -141,8 +142,8 @@ def _status(options: argparse.Namespace) -> int:
 
 
 def _collect(options: argparse.Namespace) -> int:
-    from harness.case_files import prepare
     from harness.upkeep import collect_and_write, outcomes_of, result_file, summary
+    from harness.whole_files import prepare
 
     study = load_study(options.study, options.set)
     cases = cases_of(study)
@@ -235,8 +236,9 @@ def _plan(options: argparse.Namespace) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    from harness.case_files import prepare, write_whole
+    from harness.case_files import write_netcdf
     from harness.verify import as_dataset, checks_of, heading, table_rows, verify
+    from harness.whole_files import prepare, write_whole
     from harness.worker import start_warp_in_silence
 
     checks = checks_of(options.scene, extreme=options.extreme)
@@ -253,8 +255,8 @@ def _verify(options: argparse.Namespace) -> int:
         from harness.work_precision import draw_work_precision
 
         dataset = as_dataset(results)
-        write_whole(dataset, options.out / "verify.nc")
-        (options.out / "verify.txt").write_text("\n".join([*lines, ""]))
+        write_netcdf(dataset, options.out / "verify.nc")
+        write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
         draw_work_precision(dataset, options.out / "verify.png")
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE
 
@@ -276,14 +278,15 @@ def _bench(options: argparse.Namespace) -> int:
 
 def _compare(options: argparse.Namespace) -> int:
     from harness.archive import read_study
-    from harness.compare import NothingToCompareError, table
+    from harness.compare import NothingToCompareError
+    from harness.cone_factor_table import cone_factor_table
     from harness.gate import ATTRIBUTE
 
     dataset = read_study(options.file)
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance)
     try:
-        print(table(dataset))
+        print(cone_factor_table(dataset))
     except NothingToCompareError as error:
         if ATTRIBUTE not in dataset.attrs:
             raise HarnessError(f"{options.file}: {error}") from None
@@ -300,8 +303,8 @@ def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int
 
 def _plot(options: argparse.Namespace) -> int:
     from harness.archive import read_study
-    from harness.case_files import prepare
     from harness.plots import NothingToDrawError, draw
+    from harness.whole_files import prepare
 
     dataset = read_study(options.file)
     folder = options.out or options.file.parent

@@ -70,7 +70,7 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
 
     Raises:
         ClusterError: the scheduler is lost.
-        harness.case_files.ArchiveError: a result cannot be written.
+        harness.whole_files.ArchiveError: a result cannot be written.
     """
     # Not pure: a case that is asked for again has failed before.
     case_of = {client.submit(compute_in_turn, case, pure=False): case for case in cases}

@@ -53,7 +53,7 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
 
     Raises:
         HarnessError: no result of the scene has an error.
-        harness.case_files.ArchiveError: a file is damaged.
+        harness.whole_files.ArchiveError: a file is damaged.
     """
     known = [it for file in files for it in _measured(scene, file)]
     if not known:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import base64
 import html
-import io
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -13,14 +11,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.case_files import ArchiveError
 from harness.cases import COMPLETED
-from harness.compare import NothingToCompareError, table
+from harness.compare import NothingToCompareError
+from harness.cone_factor_table import cone_factor_table
 from harness.errors import error_name
 from harness.gate import ATTRIBUTE, misses
+from harness.plot_parts import png
 from harness.plots import figures
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
+from harness.whole_files import write_whole
 
 STYLE = """
 body { font: 15px/1.5 sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222 }
@@ -42,16 +42,9 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> None:
         path: the HTML file; an earlier one is replaced.
 
     Raises:
-        harness.case_files.ArchiveError: it cannot be written.
+        harness.whole_files.ArchiveError: it cannot be written.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_text(page(datasets), encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        raise ArchiveError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        part.unlink(missing_ok=True)
+    write_whole(page(datasets).encode(), path)
 
 
 def page(datasets: Sequence[xr.Dataset]) -> str:
@@ -70,7 +63,7 @@ def _section(dataset: xr.Dataset) -> str:
     missed = misses(dataset) if ATTRIBUTE in dataset.attrs else []
     parts += [f'<p class="bad">{_text(line)}</p>' for line in missed]
     try:
-        parts.append(f"<pre>{_text(table(dataset))}</pre>")
+        parts.append(f"<pre>{_text(cone_factor_table(dataset))}</pre>")
     except NothingToCompareError as error:
         parts.append(f"<p>{_text(error)}</p>")
     parts += [_picture(name, figure) for name, figure in figures(dataset).items()]
@@ -113,9 +106,7 @@ def _table(heading: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def _picture(name: str, figure: Figure) -> str:
-    image = io.BytesIO()
-    figure.savefig(image, format="png", bbox_inches="tight")
-    data = base64.b64encode(image.getvalue()).decode("ascii")
+    data = base64.b64encode(png(figure)).decode("ascii")
     return f'<p><img alt="{_text(name)}" src="data:image/png;base64,{data}"></p>'
 
 

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.case_files import ArchiveError, prepare, read_case, read_netcdf
+from harness.case_files import read_case, read_netcdf
 from harness.cases import COMPLETED, Case
 from harness.measuring import differing
 from harness.runner import Watcher, run_cases
+from harness.whole_files import ArchiveError, prepare
 from mpm_warp.parameters import Value, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class
 

@@ -10,12 +10,13 @@ from pathlib import Path
 import xarray as xr
 
 from harness import HarnessError
-from harness.case_files import ArchiveError, abandoned, case_folder, discard, prepare, read_outcome
+from harness.case_files import case_folder, discard, read_outcome
 from harness.cases import COMPLETED, DAMAGED, Case, cases_of
 from harness.progress import Display, tell
 from harness.runner import Watcher, run_cases
 from harness.study import Study
 from harness.upkeep import collect_and_write, outcomes, summary
+from harness.whole_files import ArchiveError, abandoned, prepare
 
 RunCases = Callable[[Sequence[Case], Path, Watcher], None]
 """Runs cases, keeps their results in a folder, and tells a watcher."""

@@ -17,9 +17,10 @@ from typing import Protocol
 
 import xarray as xr
 
-from harness.case_files import ArchiveError, discard_partial, is_complete, write_case
+from harness.case_files import is_complete, write_case
 from harness.cases import COMPLETED, CRASHED, MISSING, TIMED_OUT, Case, Outcome
 from harness.measuring import case_time
+from harness.whole_files import ArchiveError, discard_partial
 from harness.worker import serve
 from mpm_warp.execution import THREAD_COUNTS
 
@@ -73,7 +74,7 @@ def run_cases(
             those of them that are not done are run again one by one.
 
     Raises:
-        harness.case_files.ArchiveError: a result cannot be written.
+        harness.whole_files.ArchiveError: a result cannot be written.
     """
     # Starting this helper of multiprocessing lets signals through that are held; so it comes first.
     resource_tracker.ensure_running()

@@ -11,7 +11,8 @@ from typing import Any
 from harness.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.expressions import LONGEST
 from harness.references import reference_ids
-from harness.study import LARGEST_SEED, LARGEST_STUDY, MOST_REPEATS
+from harness.scene_part import LARGEST_STUDY
+from harness.study import LARGEST_SEED, MOST_REPEATS
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 

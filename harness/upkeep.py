@@ -12,13 +12,14 @@ import netCDF4
 import xarray as xr
 
 from harness.archive import collect, write_study
-from harness.case_files import abandoned, case_file, case_folder, read_outcome
+from harness.case_files import case_file, case_folder, read_outcome
 from harness.cases import COMPLETED, DAMAGED, UNTIMED, Case, Outcome
 from harness.compare import NothingToCompareError, with_references
 from harness.errors import with_errors
 from harness.gate import with_tolerances
 from harness.progress import tell
 from harness.study import Study
+from harness.whole_files import abandoned
 
 
 def result_file(out: Path, study: Study) -> Path:
@@ -30,7 +31,7 @@ def collect_and_write(study: Study, cases: Sequence[Case], out: Path) -> xr.Data
     """Collect a study, compare it with its references, and write its dataset.
 
     Raises:
-        harness.case_files.ArchiveError: a case file is damaged, or the dataset cannot be written.
+        harness.whole_files.ArchiveError: a case file is damaged, or the dataset cannot be written.
     """
     dataset = with_errors(collect(study, cases, case_folder(out, study)))
     dataset = with_tolerances(dataset, study.tolerances)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,8 @@ from matplotlib.figure import Figure
 from harness.cases import COMPLETED
 from harness.compare import varied_along
 from harness.errors import error_name
+from harness.plot_parts import png
+from harness.whole_files import write_whole
 from mpm_warp.scenes import scene_class, scene_names
 
 MARKERS = "osD^v<>pX*"
@@ -29,14 +30,9 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
         path: the PNG file.
 
     Raises:
-        OSError: the file cannot be written.
+        harness.whole_files.ArchiveError: it cannot be written.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        work_precision_figure(dataset).savefig(part, format="png", bbox_inches="tight")
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    write_whole(png(work_precision_figure(dataset)), path)
 
 
 def work_precision_figure(dataset: xr.Dataset) -> Figure:

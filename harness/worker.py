@@ -93,7 +93,7 @@ def run_case(
     """Run a case in this process and write its file, whatever becomes of it; see :func:`compute`.
 
     Raises:
-        harness.case_files.ArchiveError: the result cannot be written.
+        harness.whole_files.ArchiveError: the result cannot be written.
     """
     from harness.case_files import write_case
 
@@ -116,7 +116,7 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
     start_warp_in_silence()
-    from harness.case_files import ArchiveError
+    from harness.whole_files import ArchiveError
     from mpm_warp.batch import Batch
 
     def run(number: int, case: Case, execution: Execution) -> None:

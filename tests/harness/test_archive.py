@@ -9,6 +9,7 @@ import xarray as xr
 from harness import archive, case_files
 from harness.cases import COMPLETED, Case, cases_of
 from harness.study import Study, load_study
+from harness.whole_files import ArchiveError, prepare
 
 
 def result(depths: list[float], cone_factor: float) -> xr.Dataset:
@@ -32,7 +33,7 @@ def complete(folder: Path, cases: list[Case]) -> None:
 @pytest.fixture
 def folder(tmp_path: Path, small: Study) -> Path:
     folder = case_files.case_folder(tmp_path, small)
-    case_files.prepare(folder)
+    prepare(folder)
     return folder
 
 
@@ -61,7 +62,7 @@ def test_a_damaged_case_is_named(folder: Path, small: Study, damage: str) -> Non
     content = path.read_bytes()
     noise = np.random.default_rng(1).bytes(len(content))
     path.write_bytes({"empty": b"", "truncated": content[:-3000], "random": noise}[damage])
-    with pytest.raises(case_files.ArchiveError, match=case.key):
+    with pytest.raises(ArchiveError, match=case.key):
         case_files.read_case(folder, case)
 
 
@@ -69,7 +70,7 @@ def test_the_file_of_another_case_is_refused(folder: Path, small: Study) -> None
     one, other, _ = cases_of(small)
     complete(folder, [one])
     case_files.case_file(folder, one).rename(case_files.case_file(folder, other))
-    with pytest.raises(case_files.ArchiveError, match="is not the result of case"):
+    with pytest.raises(ArchiveError, match="is not the result of case"):
         case_files.read_case(folder, other)
 
 
@@ -79,24 +80,24 @@ def test_another_format_version_is_refused_by_name(
     case = cases_of(small)[0]
     complete(folder, [case])
     monkeypatch.setattr(case_files, "FORMAT_VERSION", 99)
-    with pytest.raises(case_files.ArchiveError, match="has format version 1, where 99 can be read"):
+    with pytest.raises(ArchiveError, match="has format version 1, where 99 can be read"):
         case_files.read_case(folder, case)
 
 
 def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
     path = folder / "a.nc"
-    case_files.write_whole(result([0.1], 1.0), path)
+    case_files.write_netcdf(result([0.1], 1.0), path)
     content = path.read_bytes()
     with pytest.raises(ValueError, match="'bad'"):
-        case_files.write_whole(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
+        case_files.write_netcdf(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
     assert path.read_bytes() == content
     assert list(folder.iterdir()) == [path]
 
 
 def test_a_file_cannot_be_made_where_a_file_is(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(case_files.ArchiveError, match="cannot be made"):
-        case_files.prepare(tmp_path / "file" / "cases")
+    with pytest.raises(ArchiveError, match="cannot be made"):
+        prepare(tmp_path / "file" / "cases")
 
 
 def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_file: Path) -> None:
@@ -159,11 +160,11 @@ def test_a_study_comes_back_bit_for_bit(folder: Path, tmp_path: Path, small: Stu
 def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
     case = cases_of(small)[0]
     complete(folder, [case])
-    with pytest.raises(case_files.ArchiveError, match="not the result of a study"):
+    with pytest.raises(ArchiveError, match="not the result of a study"):
         archive.read_study(case_files.case_file(folder, case))
 
 
 def test_a_missing_result_is_answered_with_the_nearest(tmp_path: Path) -> None:
     (tmp_path / "mesh_size.nc").touch()
-    with pytest.raises(case_files.ArchiveError, match=r"did you mean 'mesh_size\.nc'"):
+    with pytest.raises(ArchiveError, match=r"did you mean 'mesh_size\.nc'"):
         archive.read_study(tmp_path / "meshsize.nc")

@@ -12,9 +12,9 @@ from harness.compare import (
     conditions_of,
     exact_shear,
     stored_references,
-    table,
     with_references,
 )
+from harness.cone_factor_table import cone_factor_table
 from harness.references import UnknownReferenceError
 
 THREE = ("lu_2004", "teh_houlsby_1991", "yu_2000")
@@ -108,7 +108,7 @@ def test_unknown_reference_is_refused() -> None:
 @pytest.mark.parametrize("missing", ["cone_factor", "rigidity_index", "adhesion_factor"])
 def test_what_cannot_be_compared_is_refused_in_one_line(missing: str) -> None:
     dataset = result().drop_vars(missing)
-    for compare in (lambda: with_references(dataset, THREE), lambda: table(dataset)):
+    for compare in (lambda: with_references(dataset, THREE), lambda: cone_factor_table(dataset)):
         with pytest.raises(NothingToCompareError, match=missing) as caught:
             compare()
         assert "\n" not in str(caught.value)
@@ -117,7 +117,7 @@ def test_what_cannot_be_compared_is_refused_in_one_line(missing: str) -> None:
 def test_table_has_one_row_a_case_with_all_of_it() -> None:
     dataset = with_references(result(adhesion_factor=[0.0, 0.5, 1.0]), ["lu_2004"])
     dataset["cone_factor_shear"][1] *= 1.01
-    text = table(dataset)
+    text = cone_factor_table(dataset)
     # 11.00 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
     # at 11.91 at 1.
     assert rows(text) == [
@@ -132,11 +132,11 @@ def test_table_has_one_row_a_case_with_all_of_it() -> None:
 
 
 def test_table_without_varied_parameters() -> None:
-    assert len(rows(table(with_references(result(), THREE)))) == 1
+    assert len(rows(cone_factor_table(with_references(result(), THREE)))) == 1
 
 
 def test_table_of_two_varied_parameters_names_every_combination() -> None:
-    text = table(result(material=["tresca", "von_mises"], rigidity_index=[50.0, 100.0]))
+    text = cone_factor_table(result(material=["tresca", "von_mises"], rigidity_index=[50.0, 100.0]))
     assert [row.split()[:2] for row in rows(text)] == [
         ["tresca", "50"],
         ["tresca", "100"],
@@ -150,13 +150,13 @@ def test_table_shows_a_failed_case_as_failed() -> None:
     for name in ("cone_factor", "cone_factor_normal", "cone_factor_shear", "run_time"):
         dataset[name][1] = np.nan
     dataset["status"] = "adhesion_factor", ["completed", "diverged"]
-    failed = rows(table(dataset))[1]
+    failed = rows(cone_factor_table(dataset))[1]
     assert failed == "1 - - - 1.732 - - - diverged"
 
 
 def test_table_brackets_what_is_outside_the_validity() -> None:
     dataset = with_references(result(rigidity_index=[25.0, 50.0]), THREE)
-    outside, inside = rows(table(dataset))
+    outside, inside = rows(cone_factor_table(dataset))
     assert outside.count("[") == 4
     assert "[" not in inside
 
@@ -165,6 +165,6 @@ def test_table_brackets_what_is_outside_the_validity() -> None:
 def test_table_tells_the_difference_of_the_finest_two(order: slice) -> None:
     dataset = result(cells_per_radius=[2.0, 4.0, 8.0], adhesion_factor=[0.0, 1.0])
     dataset["cone_factor"][:] = [[12.0, 12.0], [10.0, 12.0], [10.2, np.nan]]
-    text = table(dataset.isel(cells_per_radius=order))
+    text = cone_factor_table(dataset.isel(cells_per_radius=order))
     assert "finest two (cells_per_radius 4 to 8): cone factor +2.00%, failed" in text
-    assert "finest two" not in table(dataset.isel(cells_per_radius=[0]))
+    assert "finest two" not in cone_factor_table(dataset.isel(cells_per_radius=[0]))

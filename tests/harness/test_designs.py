@@ -10,13 +10,14 @@ import pytest
 import xarray as xr
 
 from harness.archive import collect, read_study, write_study
-from harness.case_files import case_folder, prepare, write_case
+from harness.case_files import case_folder, write_case
 from harness.cases import COMPLETED, Case, cases_of
-from harness.compare import table
+from harness.cone_factor_table import cone_factor_table
 from harness.definition import StudyError
 from harness.plots import draw
 from harness.rerun import read_for_rerun, verdict
 from harness.study import Study, load_study
+from harness.whole_files import prepare
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 
@@ -248,7 +249,7 @@ def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
     assert np.unique(dataset["case_key"]).size == 20
     write_study(tmp_path / "s.nc", dataset)
     read = read_study(tmp_path / "s.nc")
-    assert len(table(read).partition("\n\n")[0].splitlines()) == 23
+    assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
     assert [path.name for path in draw(read, tmp_path)] == ["s_cone_factor.png"]
 
 
@@ -258,7 +259,7 @@ def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     dataset = collected(tmp_path, text)
     assert dataset["domain_radius"].dims == ("rigidity_index", "adhesion_factor")
     assert dataset["domain_radius"].sel(rigidity_index=100).values.tolist() == [60, 60]
-    assert table(dataset)
+    assert cone_factor_table(dataset)
     assert draw(dataset, tmp_path)
 
 

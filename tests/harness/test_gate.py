@@ -9,13 +9,14 @@ import pytest
 import xarray as xr
 
 from harness.archive import collect, write_study
-from harness.case_files import case_folder, prepare, write_case
+from harness.case_files import case_folder, write_case
 from harness.cases import COMPLETED, cases_of
 from harness.cli import main
 from harness.compare import with_references
 from harness.definition import StudyError
 from harness.gate import NotComparableError, differences, misses, with_tolerances
 from harness.study import load_study
+from harness.whole_files import prepare
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 FACTORS = (10.0, 11.0, 12.0)

@@ -142,7 +142,7 @@ def random(path: Path) -> None:
 
 def older(path: Path) -> None:
     result = case_files.read_netcdf(path)
-    case_files.write_whole(result.assign_attrs(format_version=0), path)
+    case_files.write_netcdf(result.assign_attrs(format_version=0), path)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """The pictures: what is drawn, on which axes, under which labels."""
 
+import errno
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from harness.compare import with_references
-from harness.plots import NothingToDrawError, cone_factor_figure, draw, resistance_figure
+from harness.cone_factor_plot import cone_factor_figure
+from harness.plots import NothingToDrawError, draw
+from harness.resistance_plot import resistance_figure
+from harness.whole_files import ArchiveError
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
@@ -184,12 +189,11 @@ def test_a_picture_that_cannot_be_finished_leaves_the_earlier_one(
     earlier = tmp_path / "demo_cone_factor.png"
     earlier.write_bytes(b"earlier")
 
-    def disk_full(figure: Figure, path: Path, **options: object) -> None:
-        path.write_bytes(b"half")
-        raise OSError("no space left")
+    def disk_full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, "no space left")
 
-    monkeypatch.setattr(Figure, "savefig", disk_full)
-    with pytest.raises(OSError, match="no space left"):
+    monkeypatch.setattr(os, "fsync", disk_full)
+    with pytest.raises(ArchiveError, match="cannot be written: no space left"):
         draw(result(), tmp_path)
     assert earlier.read_bytes() == b"earlier"
     assert list(tmp_path.iterdir()) == [earlier]

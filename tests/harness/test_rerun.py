@@ -87,13 +87,13 @@ def test_what_cannot_be_run_again_is_one_line(
     parameters = json.loads(changed.attrs["parameters"])
     forged, older = tmp_path / "forged.nc", tmp_path / "older.nc"
     attributes = {"parameters": json.dumps({**parameters, "rigidity_index": 51.0})}
-    case_files.write_whole(changed.assign_attrs(attributes), forged)
+    case_files.write_netcdf(changed.assign_attrs(attributes), forged)
     case_files.write_case(
         tmp_path, old := one.__class__(**{**vars(one), "scene_version": 0}), changed, "completed"
     )
     case_files.case_file(tmp_path, old).rename(older)
     stranger = tmp_path / "stranger.nc"
-    case_files.write_whole(xr.Dataset(attrs={"format_version": 1}), stranger)
+    case_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
     refusals = {
         (str(path), other.key): f"is the file of case {one.key} alone",
         (str(tmp_path / "small.nc"),): "no case is named; known: ",

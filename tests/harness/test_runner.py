@@ -21,6 +21,7 @@ from harness.runner import Watcher, run_cases, share_of_cores
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
 from harness.study import Study, load_study
+from harness.whole_files import ArchiveError, prepare
 
 
 class Record:
@@ -44,7 +45,7 @@ class Record:
 def prepared(study: Study, out: Path) -> Path:
     """The folder of a study's cases in `out`, ready to be written to."""
     folder = case_files.case_folder(out, study)
-    case_files.prepare(folder)
+    prepare(folder)
     return folder
 
 
@@ -219,7 +220,7 @@ def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: P
 def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
     record = Record()
     cases = cases_of(small)
-    with pytest.raises(case_files.ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
+    with pytest.raises(ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
         run_cases(cases, tmp_path / "not there", 1, record)
     assert record.outcomes == {}
     assert not multiprocessing.active_children()

@@ -15,12 +15,13 @@ from harness.cases import COMPLETED, CRASHED, Case, cases_of
 from harness.cli import main
 from harness.measuring import case_time
 from harness.study import Study
+from harness.whole_files import partial_ending, prepare
 
 
 @pytest.fixture
 def folder(tmp_path: Path, small: Study) -> Path:
     folder = case_files.case_folder(tmp_path / "out", small)
-    case_files.prepare(folder)
+    prepare(folder)
     return folder
 
 
@@ -110,7 +111,7 @@ def leftovers(folder: Path, half_done: list[Case]) -> set[Path]:
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
     half = case_files.case_file(folder, case)
-    partial = half.with_name(f".{half.name}{case_files.partial_ending(ended.pid)}")
+    partial = half.with_name(f".{half.name}{partial_ending(ended.pid)}")
     partial.touch()
     return {case_files.case_file(folder, stranger), damaged, noise, partial}
 
@@ -145,7 +146,7 @@ def test_clean_removes_nothing_without_a_yes(
 def test_clean_leaves_the_results_of_the_study_and_what_is_being_written(
     folder: Path, half_done: list[Case], leftovers: set[Path], small_file: Path
 ) -> None:
-    being_written = folder / f".x.nc{case_files.partial_ending(os.getpid())}"
+    being_written = folder / f".x.nc{partial_ending(os.getpid())}"
     elsewhere = folder / ".x.nc.another_machine-1.part"
     for path in (being_written, elsewhere):
         path.touch()
