@@ -7,13 +7,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from harness.endings import BAD_INPUT
 from mpm_warp.execution import THREAD_COUNTS
 
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]
-
-BAD_INPUT = 2
-"""Exit code of a command line, a study or a file that cannot be used."""
 
 
 class _Parser(argparse.ArgumentParser):

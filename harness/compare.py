@@ -9,10 +9,7 @@ import xarray as xr
 
 from harness import HarnessError
 from harness.references import cone_factor_reference
-from harness.references.cone_factors import (
-    Conditions,
-    ConeFactor,
-)
+from harness.references.cone_factors import Conditions, ConeFactor
 
 
 class NothingToCompareError(HarnessError):

@@ -27,21 +27,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.definition import (
-    StudyError,
-    Table,
-    find_study,
-    joined,
-    lineage,
-    parse_setting,
-    shown,
-)
-from harness.designs import (
-    DESIGNS,
-    FULL,
-    LATIN_HYPERCUBE,
-    Design,
-)
+from harness.definition import StudyError, Table, find_study, joined, lineage, parse_setting, shown
+from harness.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.references import reference_ids
 from harness.scene_part import LARGEST_STUDY, ScenePart, read_part
 from mpm_warp.parameters import nearest_name

@@ -1,0 +1,147 @@
+"""Commands that run the cases of studies and look after their files.
+
+What computes is imported by the command that needs it: help is at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from harness import HarnessError
+from harness.cases import COMPLETED, Case, cases_of
+from harness.endings import DONE, INCOMPLETE, end_at_sigterm
+from harness.progress import tell
+from harness.result_commands import list_misses, show
+from harness.study import load_study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a study, show its result and list what is missing."""
+    from harness.run_study import on_cluster, on_this_machine, run_study
+    from harness.upkeep import result_file
+
+    end_at_sigterm()
+    if options.dask is not None and options.case_timeout < math.inf:
+        raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
+    if options.dask is not None and (
+        options.threads or options.device != "cpu" or options.batch > 1
+    ):
+        raise HarnessError(
+            "--threads, --device and --batch are of this machine; leave them out with --dask"
+        )
+    study = load_study(options.study, options.set)
+    cases = cases_of(study)
+    runner = (
+        on_this_machine(
+            study,
+            options.workers,
+            options.case_timeout,
+            device=options.device,
+            threads=options.threads,
+            batch=options.batch,
+        )
+        if options.dask is None
+        else on_cluster(study, options.dask)
+    )
+    dataset = run_study(study, options.out, runner, fresh=options.fresh)
+    show(dataset, options.out)
+    print(result_file(options.out, study))
+    incomplete = _list_incomplete(cases, dataset)
+    return list_misses(dataset) or incomplete
+
+
+def _list_incomplete(cases: Sequence[Case], dataset: xr.Dataset) -> int:
+    outcomes = zip(cases, dataset.status.values.flat, dataset.message.values.flat, strict=True)
+    lost = [outcome for outcome in outcomes if outcome[1] != COMPLETED]
+    for case, status, message in lost:
+        tell(f"{case.label}: {status}: {message}")
+    return INCOMPLETE if lost else DONE
+
+
+def status(options: argparse.Namespace) -> int:
+    """Print how the cases of a study stand."""
+    from harness.upkeep import outcomes, status_rows
+
+    study = load_study(options.study, options.set)
+    cases = cases_of(study)
+    stand = outcomes(study, cases, options.out)
+    print(*status_rows(cases, stand), sep="\n")
+    return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
+
+
+def collect(options: argparse.Namespace) -> int:
+    """Write the dataset of a study out of the case files that there are."""
+    from harness.upkeep import collect_and_write, outcomes_of, result_file, summary
+    from harness.whole_files import prepare
+
+    study = load_study(options.study, options.set)
+    cases = cases_of(study)
+    prepare(options.out)
+    stand = outcomes_of(collect_and_write(study, cases, options.out))
+    tell(summary(stand))
+    print(result_file(options.out, study))
+    return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
+
+
+def clean(options: argparse.Namespace) -> int:
+    """Remove files that are no results of the study, where the user agrees."""
+    from harness.upkeep import leftovers
+
+    study = load_study(options.study, options.set)
+    found = leftovers(study, cases_of(study), options.out)
+    for path, what in found.items():
+        print(f"{path}: {what}")
+    if not found:
+        tell("nothing to remove")
+        return DONE
+    if not options.yes and not _confirmed(f"remove {len(found)} files?"):
+        tell("nothing removed")
+        return INCOMPLETE
+    for path in found:
+        path.unlink(missing_ok=True)
+    tell(f"{len(found)} files removed")
+    return DONE
+
+
+def _confirmed(question: str) -> bool:
+    print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
+def rerun_case(options: argparse.Namespace) -> int:
+    """Run one case again and compare it with its file, bit by bit."""
+    from harness.progress import Display
+    from harness.rerun import read_for_rerun, rerun, verdict
+    from harness.run_study import check_device
+
+    end_at_sigterm()
+    check_device(options.device)
+    case, before = read_for_rerun(options.file, options.case)
+    with Display(1, sys.stderr) as display:
+        again = rerun(case, display, device=options.device, threads=options.threads)
+    same, words = verdict(before, again)
+    print(f"{case.key}: {words}")
+    return DONE if same else INCOMPLETE
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Measure what a step costs."""
+    from harness.bench import bench_rows
+    from harness.run_study import on_this_machine, run_study
+    from harness.upkeep import result_file
+
+    end_at_sigterm()
+    study = load_study("bench", options.set)
+    cases = cases_of(study)
+    runner = on_this_machine(study, 1, math.inf, device=options.device)
+    dataset = run_study(study, options.out, runner, fresh=True)
+    print(*bench_rows(dataset), sep="\n")
+    print(result_file(options.out, study))
+    return _list_incomplete(cases, dataset)
