@@ -115,8 +115,6 @@ class Bearing(ReadyScene):
             material=self.material,
             particles_per_side=2,
             time_step_fraction=0.85,
-            # A few passages of a shear wave through a cell.
-            velocity_memory=20 * RADIUS / self.cells_per_radius / self.material.shear_wave_speed,
             bulk_viscosity=0.2,
             fixed=self.fixed(grid),
             contact=self.contact(grid),

@@ -122,7 +122,6 @@ class Cavity(ReadyScene):
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=0.85,
             # The time in which the wall passes a cell.
-            velocity_memory=self.cell_size / speed,
             bulk_viscosity=0.2,
             fixed=self.fixed(grid),
             far_field=self.far_field(grid, material),

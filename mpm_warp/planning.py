@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpm_warp.even_flow import even_flow_weights
+from mpm_warp.kernels.consistent_mass import make_consistent_mass
 from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
 from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
 from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
@@ -19,14 +20,7 @@ from mpm_warp.particles import PARTICLE_STATE, seed_rows
 from mpm_warp.plan import FIRST, Own, Plan, share_bounds
 from mpm_warp.planning_energy import add_energy_audit
 from mpm_warp.planning_moving_wall import add_wall_motion, add_wall_push, crossing_time
-from mpm_warp.planning_nodes import (
-    add_contact,
-    add_damping,
-    add_far_field,
-    add_fixed,
-    add_gravity,
-    add_load,
-)
+from mpm_warp.planning_nodes import add_actions_on_nodes
 from mpm_warp.planning_window import add_admission, add_travel
 from mpm_warp.scene import Scene
 from mpm_warp.time_step import TimeStepControl
@@ -69,20 +63,11 @@ def make_plan(scene: Scene, share_count: int = SHARE_COUNT, time_step: float | N
     if scene.window is not None:
         add_admission(plan)
     _add_particles_to_grid(plan)
+    if scene.consistent_mass:
+        _add_consistent_mass(plan)
     _add_cell_stress(plan)
     _add_node_update(plan)
-    if scene.load is not None:
-        add_load(plan, scene.load)
-    if scene.gravity is not None:
-        add_gravity(plan, scene.gravity)
-    if scene.damping is not None:
-        add_damping(plan, scene.damping)
-    if scene.fixed is not None:
-        add_fixed(plan, scene.fixed)
-    if scene.far_field is not None:
-        add_far_field(plan, scene.far_field)
-    if scene.contact is not None:
-        add_contact(plan, scene.contact)
+    add_actions_on_nodes(plan)
     if scene.moving_wall is not None:
         add_wall_push(plan)
     _add_cell_rates(plan)
@@ -131,7 +116,6 @@ def _add_particles_to_grid(plan: Plan) -> None:
     rows = np.stack([grid.rows, height, 1.0 / height, grid.surface_radius, lean], axis=-1)
     plan.add_array("grid.columns", "vec3", columns)
     plan.add_array("grid.rows", "vec5", rows)
-    plan.add_zeros("cell.gradient", "mat22", grid.cell_count)
     plan.add_zeros("cell.stress_sum", "vec4", (plan.share_count, grid.cell_count))
     plan.add_zeros("cell.mass", "real", (plan.share_count, grid.cell_count))
     plan.add_zeros("node.momentum", "vec4", (plan.share_count, grid.node_count))
@@ -141,7 +125,19 @@ def _add_particles_to_grid(plan: Plan) -> None:
         FIRST,
         *PARTICLE_STATE,
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
-        *("cell.gradient", Own("node.momentum"), Own("cell.stress_sum"), Own("cell.mass")),
+        *(Own("node.momentum"), Own("cell.stress_sum"), Own("cell.mass")),
+    )
+
+
+def _add_consistent_mass(plan: Plan) -> None:
+    grid = plan.scene.grid
+    plan.add_launch(
+        make_consistent_mass(plan.precision),
+        plan.arrays["particle.mass"].shape,
+        FIRST,
+        *("particle.position", "particle.mass", "particle.cell"),
+        *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
+        *("node.motion", Own("node.momentum")),
     )
 
 
@@ -174,32 +170,38 @@ def _add_node_update(plan: Plan) -> None:
     plan.add_array("node.least_mass", "real", half_full)
     plan.add_zeros("node.mass", "real", grid.node_count)
     plan.add_zeros("node.motion", "vec4", grid.node_count)
+    sharpening = None
+    if not plan.scene.consistent_mass:
+        sharpening = plan.add_zeros("cell.sharpening", "vec4", grid.cell_count)
     plan.add_launch(
-        make_node_update(plan.share_count, plan.precision),
+        make_node_update(plan.share_count, sharpening is not None, plan.precision),
         (grid.row_count + 1, grid.column_count + 1),
         FIRST,
         *("node.momentum", "cell.stress", "cell.integrals"),
         *(grid.column_count, grid.row_count, plan.time_step, "node.least_mass"),
         ABSURD_SPEED * plan.speed_limit,
-        *("node.mass", "node.motion"),
+        *(sharpening, "node.mass", "node.motion"),
     )
 
 
 def _add_cell_rates(plan: Plan) -> None:
     grid, material = plan.scene.grid, plan.scene.material
-    viscous = plan.scene.bulk_viscosity is not None
+    viscous, sharpened = plan.scene.bulk_viscosity is not None, not plan.scene.consistent_mass
+    # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
+    sharpness = material.density * (1.0 - plan.scene.particles_per_side**-2.0) / 24.0
     plan.add_array("cell.volume", "real", grid.cell_volumes)
     evening = None
     if plan.scene.even_flow:
         evening = plan.add_array("cell.evening", "vec10", even_flow_weights(grid))
     plan.add_zeros("cell.step", "vec11" if plan.scene.even_flow else "vec7", grid.cell_count)
     plan.add_launch(
-        make_cell_rates(viscous, plan.scene.even_flow, plan.precision),
+        make_cell_rates(viscous, sharpened, plan.scene.even_flow, plan.precision),
         grid.cell_count,
         FIRST,
         *("node.motion", "cell.integrals", "cell.volume", grid.column_count, plan.time_step),
         *(material.shear_modulus, material.bulk_modulus),
-        *("cell.gradient", "cell.dilation_rate" if viscous else None, "cell.step"),
+        "cell.dilation_rate" if viscous else None,
+        *(sharpness, "cell.sharpening" if sharpened else None, "cell.step"),
         evening,
     )
 
@@ -225,7 +227,7 @@ def _add_grid_to_particles(plan: Plan) -> None:
         FIRST,
         *("node.motion", "cell.step", "grid.columns", "grid.rows", grid.outer_radius),
         *((grid.column_count, grid.row_count), plan.time_step),
-        *(plan.time_step / scene.velocity_memory, strength),
+        strength,
         *("particle.position", "particle.velocity", "particle.stress", "particle.cell"),
         *travelling,
     )

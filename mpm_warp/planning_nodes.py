@@ -14,7 +14,24 @@ from mpm_warp.loads import NodalLoad
 from mpm_warp.plan import FIRST, Plan
 
 
-def add_load(plan: Plan, load: NodalLoad) -> None:
+def add_actions_on_nodes(plan: Plan) -> None:
+    """What changes the velocities that the momentum equation gives, in this order."""
+    scene = plan.scene
+    if scene.load is not None:
+        _add_load(plan, scene.load)
+    if scene.gravity is not None:
+        _add_gravity(plan, scene.gravity)
+    if scene.damping is not None:
+        _add_damping(plan, scene.damping)
+    if scene.fixed is not None:
+        _add_fixed(plan, scene.fixed)
+    if scene.far_field is not None:
+        _add_far_field(plan, scene.far_field)
+    if scene.contact is not None:
+        _add_contact(plan, scene.contact)
+
+
+def _add_load(plan: Plan, load: NodalLoad) -> None:
     """Forces on nodes."""
     plan.add_array("load.nodes", "int", load.nodes)
     plan.add_array("load.forces", "vec2", load.forces)
@@ -25,21 +42,21 @@ def add_load(plan: Plan, load: NodalLoad) -> None:
     )
 
 
-def add_gravity(plan: Plan, gravity: float) -> None:
+def _add_gravity(plan: Plan, gravity: float) -> None:
     """The weight of the soil."""
     kernel = make_gravity(plan.precision)
     count = plan.scene.grid.node_count
     plan.add_launch(kernel, count, FIRST, gravity * plan.time_step, "node.mass", "node.motion")
 
 
-def add_damping(plan: Plan, damping: float) -> None:
+def _add_damping(plan: Plan, damping: float) -> None:
     """A force against all motion."""
     kernel = make_damping(plan.precision)
     count = plan.scene.grid.node_count
     plan.add_launch(kernel, count, FIRST, damping * plan.time_step, "node.motion")
 
 
-def add_fixed(plan: Plan, fixed: Fixed) -> None:
+def _add_fixed(plan: Plan, fixed: Fixed) -> None:
     """Nodes at rest."""
     plan.add_array("fixed.nodes", "int", fixed.nodes)
     plan.add_array("fixed.free", "vec2", fixed.free)
@@ -47,7 +64,7 @@ def add_fixed(plan: Plan, fixed: Fixed) -> None:
     plan.add_launch(kernel, len(fixed.nodes), FIRST, "fixed.nodes", "fixed.free", "node.motion")
 
 
-def add_far_field(plan: Plan, far_field: FarField) -> None:
+def _add_far_field(plan: Plan, far_field: FarField) -> None:
     """Springs and dashpots in the place of the ground beyond the grid."""
     count = len(far_field.nodes)
     plan.add_array("far_field.nodes", "int", far_field.nodes)
@@ -63,7 +80,7 @@ def add_far_field(plan: Plan, far_field: FarField) -> None:
     )
 
 
-def add_contact(plan: Plan, contact: SurfaceContact) -> None:
+def _add_contact(plan: Plan, contact: SurfaceContact) -> None:
     """The contact law at the surface of the body."""
     pressure_forces = contact.in_situ_stress * contact.normal_areas
     plan.add_array("contact.nodes", "int", contact.nodes)

@@ -22,9 +22,6 @@ class Scene:
         material: the soil's constitutive model.
         particles_per_side: particles along each side of a cell, >= 1.
         time_step_fraction: time step over the critical one, dimensionless, > 0.
-        velocity_memory: time in which a particle's own velocity relaxes to that of the grid [s],
-            > 0; infinite where it never does. It damps what the grid can not see, uniform strain
-            rates excepted.
         bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
         load: forces on nodes, or none.
         gravity: acceleration downward [m/s2], > 0, or none.
@@ -39,6 +36,9 @@ class Scene:
             as far as they are filled.
         even_flow: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`; for
             soil that streams along a wall for long. The grid is axisymmetric, of horizontal rows.
+        consistent_mass: whether momentum is that of the consistent mass matrix, so that waves keep
+            their energy, see `mpm_warp.kernels.consistent_mass`; on a grid with horizontal rows.
+            Else velocity is sharpened, see `mpm_warp.kernels.sharpening`.
         energy_audit: whether to sample what energy the transfers create or dissipate.
         precision: floating point numbers of the run, "float64" or "float32".
     """
@@ -47,7 +47,6 @@ class Scene:
     material: LinearElastic
     particles_per_side: int
     time_step_fraction: float
-    velocity_memory: float
     bulk_viscosity: float | None = None
     load: NodalLoad | None = None
     gravity: float | None = None
@@ -59,5 +58,6 @@ class Scene:
     window: Window | None = None
     free_surface: bool = False
     even_flow: bool = False
+    consistent_mass: bool = False
     energy_audit: bool = False
     precision: str = "float64"

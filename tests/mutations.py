@@ -32,10 +32,16 @@ class Mutation:
 
 MUTATIONS = (
     Mutation(
-        "momentum given without the gradient of the cell",
+        "momentum given to the wrong node",
         f"{KERNELS}/particles_to_grid.py",
-        "velocity = v + L * d",
-        "velocity = v",
+        "upper, share((one - xi) * eta * m, v)",
+        "upper, share(xi * eta * m, v)",
+    ),
+    Mutation(
+        "momentum of the lumped mass matrix",
+        f"{KERNELS}/consistent_mass.py",
+        "return m * vec4(",
+        "return real(0.0) * m * vec4(",
     ),
     Mutation(
         "stress of a cell not weighted by mass",

@@ -1,13 +1,11 @@
-"""Stage 3: particles take velocity, position, strain and stress from the grid.
+"""Stage 3: particles take velocity, position and stress from the grid.
 
-Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle,
-L velocity gradient, D its symmetric part, W its spin, tr the trace, beta the blend, U the velocity
-of the soil past the grid, E what makes the flow even within cells, of
-`mpm_warp.kernels.even_flow`, or 0.
+Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, D
+and W strain rate and spin of the cell, tr the trace, U the velocity of the soil past the grid, E
+what makes the flow even within cells, of `mpm_warp.kernels.even_flow`, or 0.
 
-    v_p  <- (1 - beta) (v_p + N (v - u)) + beta N v
-    x_p  <- x_p + dt (N v + U + E)
-    D    <- D + (div v of the cell - tr D) / 3        mean dilation: no volumetric locking
+    v_p   <- v_p + N (v - u)
+    x_p   <- x_p + dt (N v + U) + E
     sigma <- yield(R sigma R' + dt (K tr D + 2 G dev D))     R the rotation by dt W (Cayley)
 """
 
@@ -75,7 +73,6 @@ def make_grid_to_particles(
         outer_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
-        blend: real,
         strength: real,
         position: wp.array(dtype=vec2),
         velocity: wp.array(dtype=vec2),
@@ -104,7 +101,7 @@ def make_grid_to_particles(
         here = left + xi * (right - left)
         v = vec2(here[0], here[1])
         u = vec2(here[2], here[3])
-        velocity[p] = (one - blend) * (velocity[p] + (v - u)) + blend * v
+        velocity[p] += v - u
 
         step = cell_step[j * cell_counts[0] + i]
         trial = elastic_trial(stress[p], step)

@@ -1,14 +1,15 @@
 """Stage 2: the momentum equation on cells and nodes.
 
 Symbols: sigma stress (rr, zz, rz, tt), V volume of a cell, m mass, M half the mass of a node whose
-cells are full, v velocity, h length of a cell,
-c pressure wave speed, b coefficient of the bulk viscosity, G_i the integrals over a cell of
-(dN_i/dr r, dN_i/dz r, N_i).
+cells are full, u and v velocity before and after the step, h length of a cell, c pressure wave
+speed, b coefficient of the bulk viscosity, G_i the integrals over a cell of (dN_i/dr r, dN_i/dz r,
+N_i), S the sharpening of `mpm_warp.kernels.sharpening` where there is one.
 
     sigma_c = sum m sigma / sum m + b rho c h div v          mean stress and bulk viscosity
     f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
                                 sigma_rz G_r + sigma_zz G_z)
-    v_i     = (m v)_i / m_i + dt f_i / max(m_i, M_i)
+    u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)
+    v_i     = u_i + dt f_i / max(m_i, M_i)
     div v_c = sum over nodes (v_r (G_r + G_t) + v_z G_z) / V
 """
 
@@ -19,6 +20,7 @@ import warp as wp
 
 from mpm_warp.kernels.even_flow import make_even_flow
 from mpm_warp.kernels.precision import Precision
+from mpm_warp.kernels.sharpening import make_sharpening
 
 
 @functools.cache
@@ -76,15 +78,21 @@ def make_cell_stress(
 
 
 @functools.cache
-def make_node_update(share_count: int, precision: Precision) -> Any:
+def make_node_update(share_count: int, sharpened: bool, precision: Precision) -> Any:
     """Velocity of each node before and after the step; launched over (rows, columns) of nodes.
 
     The sums of mass and momentum are cleared; `motion` is (v_r, v_z, u_r, u_z), velocity after the
     step and before it. The force is that of full cells, whatever particles are near the node at the
     moment; so `least_mass` bounds what it can do to a node that has few.
+
+    Args:
+        share_count: how many sums there are of each.
+        sharpened: whether velocity is sharpened, see `mpm_warp.kernels.sharpening`.
+        precision: floating point types.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+    zero, half, one = (wp.constant(real(x)) for x in (0.0, 0.5, 1.0))
+    sharpening_at_node = make_sharpening(precision).at_node
 
     @wp.func
     def pull(stress: vec4, G: vec3) -> vec2:
@@ -93,7 +101,7 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
             stress[2] * G[0] + stress[1] * G[1],
         )
 
-    key = f"{share_count}.{precision.numpy_name}"
+    key = f"{share_count}.{'sharp' if sharpened else 'plain'}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.node_update.{key}", enable_backward=False)
     def node_update(
@@ -106,6 +114,7 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
         time_step: real,
         least_mass: wp.array(dtype=real),
         absurd_speed: real,
+        sharpening: wp.array(dtype=vec4),
         mass: wp.array(dtype=real),
         motion: wp.array(dtype=vec4),
     ):
@@ -137,6 +146,9 @@ def make_node_update(share_count: int, precision: Precision) -> Any:
             if i > 0:
                 force -= pull(stress[cell - 1], integrals[cell - 1, 3])
         before = (one / m) * vec2(sums[1], sums[2])
+        if wp.static(sharpened):
+            sharper = sharpening_at_node(sharpening, i, j, column_count, row_count)
+            before += (half / wp.max(half * m, least_mass[node])) * sharper
         if not wp.dot(before, before) < absurd_speed * absurd_speed:
             # The particle that gave it such a velocity is left alone until the watch finds it.
             motion[node] = vec4()
@@ -185,27 +197,29 @@ def cell_step_type(even: bool, precision: Precision) -> Any:
 
 
 @functools.cache
-def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
-    """Velocity gradient of each cell and what a step of it does to stress; launched over cells.
+def make_cell_rates(viscous: bool, sharpened: bool, even: bool, precision: Precision) -> Any:
+    """What a step at the velocity gradient of a cell does to its stress; launched over cells.
 
     Args:
         viscous: whether there is a bulk viscosity, which needs the rate of dilation.
+        sharpened: whether velocity is sharpened, see `mpm_warp.kernels.sharpening`.
         even: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`.
         precision: floating point types.
     """
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
-    vec5, mat22 = precision.vec5, precision.mat22
+    vec5 = precision.vec5
     vec10, vec11 = precision.vec10, precision.vec11
     one = wp.constant(real(1.0))
     step_of = make_stress_step(precision)
     even_flow = make_even_flow(precision)
+    sharpening_of_cell = make_sharpening(precision).of_cell
 
     @wp.func
     def rates(v: vec4, G: vec3) -> vec5:
         return vec5(v[0] * G[0], v[0] * G[1], v[1] * G[0], v[1] * G[1], v[0] * G[2])
 
-    key = f"{'viscous' if viscous else 'inviscid'}.{'even' if even else 'bilinear'}"
-    key = f"{key}.{precision.numpy_name}"
+    parts = ("viscous" if viscous else "inviscid", "sharp" if sharpened else "plain")
+    key = f"{'.'.join(parts)}.{'even' if even else 'bilinear'}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(
@@ -217,8 +231,9 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
         time_step: real,
         shear_modulus: real,
         bulk_modulus: real,
-        gradient: wp.array(dtype=mat22),
         dilation_rate: wp.array(dtype=real),
+        sharpness: real,
+        sharpening: wp.array(dtype=vec4),
         cell_step: wp.array(dtype=cell_step_type(even, precision)),
         evening: wp.array(dtype=vec10),
     ):
@@ -232,9 +247,10 @@ def make_cell_rates(viscous: bool, even: bool, precision: Precision) -> Any:
             + rates(v_01, integrals[c, 2])
             + rates(v_11, integrals[c, 3])
         )
-        gradient[c] = mat22(L[0], L[1], L[2], L[3])
         if wp.static(viscous):
             dilation_rate[c] = L[0] + L[3] + L[4]
+        if wp.static(sharpened):
+            sharpening[c] = sharpening_of_cell(v_00, v_10, v_01, v_11, sharpness * volume[c])
         step = step_of(L, time_step, shear_modulus, bulk_modulus)
         if wp.static(even):
             E = time_step * even_flow(v_00, v_10, v_01, v_11, evening[c])

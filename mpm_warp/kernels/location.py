@@ -18,15 +18,12 @@ class Location:
     """Device functions that place a particle in its cell.
 
     Attributes:
-        natural: (position, column, row, outer radius) -> (xi, eta, dr/dxi, dr/deta).
-        offset: (those four, column, row, outer radius, xi_i, eta_i) -> offset of node i, which
-            stands at the natural coordinates xi_i, eta_i.
+        natural: (position, column, row, outer radius) -> (xi, eta).
         settle: (position, cell, columns, rows, outer radius, cell counts) -> cell after a move.
         outside_surface: (position, row) -> position, moved out of the surface where it was within.
     """
 
     natural: Any
-    offset: Any
     settle: Any
     outside_surface: Any
 
@@ -35,7 +32,7 @@ class Location:
 def make_location(polar: bool, precision: Precision) -> Location:
     """Location functions in one precision, of a polar grid or of one with horizontal rows."""
     real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
-    vec4, vec5 = precision.vec4, precision.vec5
+    vec5 = precision.vec5
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.func
@@ -49,38 +46,14 @@ def make_location(polar: bool, precision: Precision) -> Location:
     on_grid = distance_and_angle if polar else horizontal
 
     @wp.func
-    def natural(x: vec2, column: vec3, row: vec5, outer_radius: real) -> vec4:
+    def natural(x: vec2, column: vec3, row: vec5, outer_radius: real) -> vec2:
         q = on_grid(x)
         eta = wp.clamp((q[1] - row[0]) * row[2], zero, one)
         surface = row[3] + eta * row[4]
         span = outer_radius - surface
         g = (q[0] - surface) / span
         xi = wp.clamp((g - column[0]) * column[2], zero, one)
-        return vec4(xi, eta, span * column[1], row[4] * (one - g))
-
-    @wp.func
-    def offset_in_rows(
-        where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
-    ) -> vec2:
-        # The left and right edge of a cell are straight lines.
-        lean = row[4] * (one - column[0] - xi_i * column[1])
-        up = eta_i - where[1]
-        return vec2((xi_i - where[0]) * where[2] + up * lean, up * row[1])
-
-    @wp.func
-    def on_rays(column: vec3, row: vec5, outer_radius: real, xi: real, eta: real) -> vec2:
-        surface = row[3] + eta * row[4]
-        distance = surface + (outer_radius - surface) * (column[0] + xi * column[1])
-        angle = row[0] + eta * row[1]
-        return distance * vec2(wp.sin(angle), wp.cos(angle))
-
-    @wp.func
-    def offset_on_rays(
-        where: vec4, column: vec3, row: vec5, outer_radius: real, xi_i: real, eta_i: real
-    ) -> vec2:
-        # From where the natural coordinates are, which is in the cell wherever the particle is.
-        node = on_rays(column, row, outer_radius, xi_i, eta_i)
-        return node - on_rays(column, row, outer_radius, where[0], where[1])
+        return vec2(xi, eta)
 
     @wp.func
     def settle(
@@ -124,7 +97,6 @@ def make_location(polar: bool, precision: Precision) -> Location:
 
     return Location(
         natural,
-        offset_on_rays if polar else offset_in_rows,
         settle,
         outside_surface_of_rays if polar else outside_surface_of_rows,
     )

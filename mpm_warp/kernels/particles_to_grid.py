@@ -1,10 +1,9 @@
 """Stage 1: particles give mass and momentum to nodes, and stress to cells.
 
-Symbols: m mass, v velocity, L velocity gradient of the cell, sigma stress, d_i = x_i - x offset of
-node i, N_i its shape function.
+Symbols: m mass, v velocity, sigma stress, N_i shape function of node i at the particle.
 
     m_i       = sum m N_i
-    (m v)_i   = sum m N_i (v + L d_i)          the affine part: linear fields arrive exactly
+    (m v)_i   = sum m N_i v
     sigma_c   = sum m sigma / sum m            the mean over the cell; divided in stage 2
 """
 
@@ -27,17 +26,14 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         precision: floating point types.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    vec5, mat22 = precision.vec5, precision.mat22
-    location = make_location(polar, precision)
-    natural, offset = location.natural, location.offset
+    vec5 = precision.vec5
+    natural = make_location(polar, precision).natural
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.func
-    def share(N: real, m: real, v: vec2, L: mat22, d: vec2) -> vec4:
+    def share(m: real, v: vec2) -> vec4:
         # (mass, momentum, 0): four numbers are added in one instruction.
-        w = N * m
-        velocity = v + L * d
-        return vec4(w, w * velocity[0], w * velocity[1], zero)
+        return vec4(m, m * v[0], m * v[1], zero)
 
     key = f"{'polar' if polar else 'rows'}.{'window' if window else 'closed'}"
     key = f"{key}.{precision.numpy_name}"
@@ -54,7 +50,6 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         rows: wp.array(dtype=vec5),
         outer_radius: real,
         column_count: int,
-        cell_gradient: wp.array(dtype=mat22),
         node_momentum: wp.array(dtype=vec4),
         cell_stress_sum: wp.array(dtype=vec4),
         cell_mass: wp.array(dtype=real),
@@ -65,9 +60,7 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         if wp.static(window):
             if i < 0:
                 return
-        column = columns[i]
-        row = rows[j]
-        where = natural(position[p], column, row, outer_radius)
+        where = natural(position[p], columns[i], rows[j], outer_radius)
         xi, eta = where[0], where[1]
         m = mass[p]
 
@@ -75,16 +68,12 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         wp.atomic_add(cell_stress_sum, c, m * stress[p])
         wp.atomic_add(cell_mass, c, m)
 
-        v, L = velocity[p], cell_gradient[c]
+        v = velocity[p]
         node = j * (column_count + 1) + i
         upper = node + column_count + 1
-        d = offset(where, column, row, outer_radius, zero, zero)
-        wp.atomic_add(node_momentum, node, share((one - xi) * (one - eta), m, v, L, d))
-        d = offset(where, column, row, outer_radius, one, zero)
-        wp.atomic_add(node_momentum, node + 1, share(xi * (one - eta), m, v, L, d))
-        d = offset(where, column, row, outer_radius, zero, one)
-        wp.atomic_add(node_momentum, upper, share((one - xi) * eta, m, v, L, d))
-        d = offset(where, column, row, outer_radius, one, one)
-        wp.atomic_add(node_momentum, upper + 1, share(xi * eta, m, v, L, d))
+        wp.atomic_add(node_momentum, node, share((one - xi) * (one - eta) * m, v))
+        wp.atomic_add(node_momentum, node + 1, share(xi * (one - eta) * m, v))
+        wp.atomic_add(node_momentum, upper, share((one - xi) * eta * m, v))
+        wp.atomic_add(node_momentum, upper + 1, share(xi * eta * m, v))
 
     return particles_to_grid

@@ -20,7 +20,7 @@ class CavityCylinder(Cavity):
     """One row of cells between smooth ends; see `Cavity` for the exact solution."""
 
     summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     verifications: ClassVar[tuple[Verification, ...]] = verifications(0.015, (4, 8))
     exponent: ClassVar[int] = 2
     factor: ClassVar[float] = 1.0

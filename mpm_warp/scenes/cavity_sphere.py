@@ -28,7 +28,7 @@ class CavitySphere(Cavity):
     """
 
     summary: ClassVar[str] = "pressure of an expanding spherical cavity in undrained clay"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     verifications: ClassVar[tuple[Verification, ...]] = verifications(0.02, (4, 6))
     exponent: ClassVar[int] = 3
     factor: ClassVar[float] = 4.0 / 3.0

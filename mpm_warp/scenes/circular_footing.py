@@ -18,6 +18,6 @@ class CircularFooting(Footing):
     """
 
     summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     planar: ClassVar[bool] = False
     exact: ClassVar[Mapping[float, float]] = {0.0: 5.69, 1.0: 6.05}

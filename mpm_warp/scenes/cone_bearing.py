@@ -29,7 +29,7 @@ class ConeBearing(Bearing):
     """
 
     summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",

@@ -46,7 +46,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",
@@ -237,7 +237,6 @@ class ConePenetration(ReadyScene):
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=self.time_step_fraction,
             # The time in which soil passes a cell: noise comes from the crossing of cells.
-            velocity_memory=radius / self.cells_per_radius / speed,
             bulk_viscosity=0.2,
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),

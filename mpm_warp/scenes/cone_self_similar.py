@@ -37,7 +37,7 @@ class ConeSelfSimilar(ReadyScene):
     """
 
     summary: ClassVar[str] = "load of a cone against its depth, from first touch"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cells_per_radius",
@@ -97,7 +97,6 @@ class ConeSelfSimilar(ReadyScene):
             material=material,
             particles_per_side=2,
             time_step_fraction=0.85,
-            velocity_memory=RADIUS / self.cells_per_radius / speed,
             bulk_viscosity=0.2,
             fixed=Fixed.where(radial=radial, vertical=vertical),
             contact=surface.contact,

@@ -45,7 +45,7 @@ class ElasticColumnWave(ReadyScene):
     """
 
     summary: ClassVar[str] = "pressure waves along a column: sudden load, standing wave"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cell_count",
@@ -100,9 +100,9 @@ class ElasticColumnWave(ReadyScene):
             ),
             particles_per_side=2,
             time_step_fraction=0.85,
-            velocity_memory=math.inf,
             load=column.pressure_on_top(CONSTRAINED_MODULUS * STRAIN) if sudden else None,
             fixed=column.fixed,
+            consistent_mass=True,
         )
         return scene, column
 

@@ -31,7 +31,7 @@ class FullFlowCylinder(Bearing):
     """
 
     summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",

@@ -33,7 +33,7 @@ class GravityColumn(ReadyScene):
     """
 
     summary: ClassVar[str] = "column under its own weight, stress and settlement"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
     )
@@ -67,7 +67,6 @@ class GravityColumn(ReadyScene):
             material=material,
             particles_per_side=2,
             time_step_fraction=0.85,
-            velocity_memory=math.inf,
             gravity=GRAVITY,
             # Twice the angular frequency of the first mode, pi c / 2 H.
             damping=math.pi * material.pressure_wave_speed / HEIGHT,

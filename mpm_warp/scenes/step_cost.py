@@ -37,7 +37,7 @@ class StepCost(ReadyScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     headline: ClassVar[str] = "update_rate"
 
     size: int = parameter(

@@ -18,6 +18,6 @@ class StripFooting(Footing):
     """
 
     summary: ClassVar[str] = "limit load of a strip footing in plane strain, smooth and rough"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     planar: ClassVar[bool] = True
     exact: ClassVar[Mapping[float, float]] = {0.0: 2 + math.pi, 1.0: 2 + math.pi}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
@@ -29,7 +28,7 @@ class StruckColumn(Impact):
     """Soil that falls on its base all at once; its top leaves cells behind as it comes down."""
 
     summary: ClassVar[str] = "column that strikes its base at half its wave speed; shock relations"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     modulus: ClassVar[float] = 1e7
     density: ClassVar[float] = 1700.0
 
@@ -50,10 +49,10 @@ class StruckColumn(Impact):
             ),
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
-            velocity_memory=math.inf,
             bulk_viscosity=BULK_VISCOSITY,
             fixed=column.fixed,
             free_surface=True,
+            consistent_mass=True,
         )
         return scene, column
 

@@ -41,7 +41,7 @@ class ThickCylinder(ReadyScene):
     """
 
     summary: ClassVar[str] = "elastic thick-walled cylinder, stresses and wall displacement"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cell_count",
@@ -88,7 +88,6 @@ class ThickCylinder(ReadyScene):
             material=material,
             particles_per_side=2,
             time_step_fraction=0.85,
-            velocity_memory=math.inf,
             load=self._load(grid),
             # Of the order of the lowest frequency, shear wave speed over mean radius.
             damping=2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius)),

@@ -130,8 +130,7 @@ def test_either_edge_of_a_cell_has_its_mean_divergence(rectilinear: Grid, nodal:
 def test_particles_move_with_it(fitted: Grid) -> None:
     soil = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
     scene = Scene(
-        grid=fitted, material=soil, particles_per_side=3, time_step_fraction=0.5,
-        velocity_memory=1.0, even_flow=True,
+        grid=fitted, material=soil, particles_per_side=3, time_step_fraction=0.5, even_flow=True,
     )  # fmt: skip
     simulation = Simulation(scene)
     position = simulation.array("particle.position").copy()
@@ -159,7 +158,6 @@ def test_it_adds_an_array_and_no_launch(rectilinear: Grid) -> None:
     soil = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
     scene = Scene(
         grid=rectilinear, material=soil, particles_per_side=2, time_step_fraction=0.5,
-        velocity_memory=1.0,
     )  # fmt: skip
     bare, even = make_plan(scene), make_plan(dataclasses.replace(scene, even_flow=True))
     assert set(even.arrays) - set(bare.arrays) == {"cell.evening"}

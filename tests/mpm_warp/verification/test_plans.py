@@ -28,7 +28,7 @@ def test_every_array_is_used(name: str) -> None:
 
 def test_wave_column_has_no_part_that_it_does_not_need() -> None:
     plan = make_plan(ElasticColumnWave().simulated_scene())
-    assert kernels(plan) == [*STEP[:3], "fixed", *STEP[3:]]
+    assert kernels(plan) == [STEP[0], "consistent_mass", *STEP[1:3], "fixed", *STEP[3:]]
     parts = {name.split(".")[0] for name in plan.arrays}
     assert parts == {"particle", "grid", "cell", "node", "fixed"}
     assert not {"cell.viscosity", "cell.dilation_rate"} & set(plan.arrays)
