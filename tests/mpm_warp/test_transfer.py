@@ -1,0 +1,97 @@
+"""From nodes to particles and back: nothing is made greater, whatever the particles' places."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpm_warp.grids import Floats, Grid
+from mpm_warp.materials import LinearElastic
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+ROUNDING = 1e-7
+"""Of what is found from many random motions by least squares."""
+SOFT = LinearElastic(shear_modulus=1.0, poissons_ratio=0.3, density=1000.0)
+
+
+def still(grid: Grid, particles_per_side: int) -> Simulation:
+    """Soil in which nothing moves by much in a step."""
+    return Simulation(
+        Scene(
+            grid=grid,
+            material=SOFT,
+            particles_per_side=particles_per_side,
+            time_step_fraction=1e-9,
+        )
+    )
+
+
+def shifted(simulation: Simulation, up: float) -> tuple[Floats, Floats]:
+    """Shift the particles by a share of a cell's height, within each cell.
+
+    Returns:
+        Shape functions of the nodes at them, [particle_count, node_count], and their masses.
+    """
+    grid = simulation.scene.grid
+    position = simulation.array("particle.position")
+    column, row = simulation.array("particle.cell").T
+    corner = grid.node_positions[grid.cell_nodes[row * grid.column_count + column]]
+    size = corner[:, 3] - corner[:, 0]
+    xi, eta = ((position - corner[:, 0]) / size).T
+    eta = (eta + up) % 1.0
+    position[:, 1] = corner[:, 0, 1] + eta * size[:, 1]
+    shape = np.zeros((len(position), grid.node_count))
+    weights = [(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta]
+    for corner_number, weight in enumerate(weights):
+        node = grid.cell_nodes[row * grid.column_count + column, corner_number]
+        shape[np.arange(len(position)), node] = weight
+    return shape, simulation.array("particle.mass")
+
+
+def sharpening(simulation: Simulation) -> Floats:
+    """The matrix from velocities (z) of the nodes to what they come back with beside particles."""
+    before, after = [], []
+    velocity = simulation.array("particle.velocity")
+    random = np.random.default_rng(3)
+    for _ in range(2 * simulation.scene.grid.node_count):
+        simulation.array("particle.stress")[:] = 0.0
+        velocity[:] = random.normal(size=velocity.shape)
+        simulation.advance(1)
+        before.append(simulation.array("node.motion")[:, 1].copy())
+        simulation.array("particle.stress")[:] = 0.0
+        velocity[:] = 0.0
+        simulation.advance(1)
+        after.append(simulation.array("node.motion")[:, 3].copy())
+    return np.asarray(np.linalg.lstsq(np.array(before), np.array(after), rcond=None)[0].T)
+
+
+@pytest.mark.parametrize("particles_per_side", [2, 3])
+@pytest.mark.parametrize("up", [0.0, 0.1, 0.25, 0.4])
+def test_what_comes_back_is_no_more_than_what_went(
+    rectilinear: Grid, particles_per_side: int, up: float
+) -> None:
+    """Of no motion more than all: else it grows at any time step. Without sharpening, by far less.
+
+    The share that comes back of the motion that alternates upward decides on the time step.
+    """
+    simulation = still(rectilinear, particles_per_side)
+    shape, mass = shifted(simulation, up)
+    by_particles = (shape * mass[:, None]).T @ shape / (mass @ shape)[:, None]
+    whole = by_particles + sharpening(simulation)
+    assert np.linalg.eigvals(whole).real.max() <= 1.0 + ROUNDING
+    alternating = np.where(np.arange(len(rectilinear.rows)) % 2, 1.0, -1.0)
+    alternating = np.repeat(alternating, rectilinear.column_count + 1)
+    returned = alternating @ (whole @ alternating) / len(alternating)
+    assert returned >= 0.75 - 0.05  # P + A of a grid without edges, 1/4 + 1/2, or more
+
+
+def test_sharpening_is_symmetric_and_leaves_uniform_motion(rectilinear: Grid) -> None:
+    """What it takes from one motion for another, it takes from that for this one."""
+    simulation = still(rectilinear, 2)
+    matrix = sharpening(simulation)
+    full = SOFT.density * rectilinear.node_volumes
+    matrix *= np.maximum(simulation.array("node.mass"), full)[:, None]
+    np.testing.assert_allclose(matrix, matrix.T, atol=ROUNDING * np.abs(matrix).max())
+    np.testing.assert_allclose(matrix.sum(axis=1), 0.0, atol=ROUNDING * np.abs(matrix).max())
+    assert np.linalg.eigvalsh(matrix).min() >= -ROUNDING * np.abs(matrix).max()
