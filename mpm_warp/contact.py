@@ -44,9 +44,8 @@ class SurfaceContact:
         Args:
             forces: mean normal forces of the simulated stress over some time [N], [node_count].
         """
-        pressure = forces / self.normal_areas + self.in_situ_stress
-        touching = pressure > PARTED * self.in_situ_stress
-        return float(self.normal_areas[touching].sum() / self.normal_areas.sum())
+        touching = forces > (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
+        return float(self.normal_areas @ touching / self.normal_areas.sum())
 
     def can_part(self, material: LinearElastic, speed: float) -> bool:
         """Whether the soil may pull at the surface by more than the in-situ stress presses.

@@ -79,11 +79,16 @@ class Penetration:
             self.forces.append(force)
             self.work += force.upward * moved
             self._sampled_at = travel.distance
-            first_steady = round(self.unsteady / SAMPLE_SPACING)
-            resistance = [it.face_normal + it.face_shear for it in self.forces[first_steady:]]
-            steady = is_steady(resistance, STEADY_SAMPLES, self.tolerance)
+            steady = self._is_steady
         travel.advance_to(distance)
         return steady
+
+    @property
+    def _is_steady(self) -> bool:
+        first_steady = round(self.unsteady / SAMPLE_SPACING)
+        asked = self.forces[max(first_steady, len(self.forces) - 2 * STEADY_SAMPLES) :]
+        resistance = [it.face_normal + it.face_shear for it in asked]
+        return is_steady(resistance, STEADY_SAMPLES, self.tolerance)
 
     @property
     def _spacing(self) -> float:

@@ -167,6 +167,24 @@ class PenetrometerSurface:
             in_situ_stress=self.in_situ_stress,
         )
 
+    @cached_property
+    def _face_part(self) -> Floats:
+        """Area on the face over that on which the normal force of a node acts, [node_count]."""
+        part: Floats = self.areas[0] / self.contact.normal_areas
+        return part
+
+    @cached_property
+    def _face_share(self) -> Floats:
+        return self._share_of_face(np.zeros(len(self.nodes)))
+
+    def _share_of_face(self, normal: Floats) -> Floats:
+        """Of the greatest shear force that a node can bear under normal forces, [node_count]."""
+        face, shaft = self.areas
+        rubbing = self.friction * (normal / self.contact.normal_areas + self.in_situ_stress)
+        face_limit = (self.face_adhesion + rubbing) * face
+        limit = face_limit + (self.shaft_adhesion + rubbing) * shaft
+        return np.divide(face_limit, limit, out=np.zeros_like(limit), where=limit > 0.0)
+
     def forces(self, nodal: Floats) -> PenetrometerForces:
         """Forces on face and shaft.
 
@@ -176,16 +194,13 @@ class PenetrometerSurface:
         Args:
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
-        face, shaft = self.areas
         half = 0.5 * self.penetrometer.apex_angle
-        traction = nodal[:, 0] / self.contact.normal_areas
-        rubbing = self.friction * (traction + self.in_situ_stress)
-        face_limit = (self.face_adhesion + rubbing) * face
-        limit = face_limit + (self.shaft_adhesion + rubbing) * shaft
-        face_share = np.divide(face_limit, limit, out=np.zeros_like(limit), where=limit > 0.0)
+        normal, shear = nodal.T
+        face_share = self._face_share if self.friction == 0.0 else self._share_of_face(normal)
+        face_shear = float(shear @ face_share)
         return PenetrometerForces(
-            face_normal=float(np.sum(traction * face) * np.sin(half)),
-            face_shear=float(np.sum(nodal[:, 1] * face_share) * np.cos(half)),
-            shaft_shear=float(np.sum(nodal[:, 1] * (1.0 - face_share))),
+            face_normal=float(normal @ self._face_part * np.sin(half)),
+            face_shear=face_shear * float(np.cos(half)),
+            shaft_shear=float(shear.sum()) - face_shear,
             contact_share=self.contact.share_in_touch(nodal[:, 0]),
         )

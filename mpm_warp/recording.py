@@ -68,16 +68,14 @@ class Player:
         self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
         self._recordings: dict[int, _Recordings] = {}
+        self._commands: dict[Launch, list[Any]] = {}
 
-    def launch(self, launch: Launch, thread: int = 0, threads: int = 1) -> None:
-        """Launch what a thread does of a launch; one that is not shared is the first thread's."""
-        if not launch.is_shared:
-            if thread == 0:
-                self._launch_share(launch)
-            return
-        count = self._plan.share_count if launch.adds_up else threads
-        for number in range(thread * count // threads, (thread + 1) * count // threads):
-            self._launch_share(launch.share(number, count))
+    def launch(self, launch: Launch) -> None:
+        """Launch one of the plan, all of it, now."""
+        if launch not in self._commands:
+            self._commands[launch] = self._part(launch, 0, 1)
+        for command in self._commands[launch]:
+            command.launch()
 
     def play(self, steps: range, threads: int) -> None:
         """Take steps, with as many threads as there are and the plan has shares for.
@@ -108,14 +106,22 @@ class Player:
             team_of(threads).run(play_part)
         self._pace.note(threads, len(steps), time.perf_counter() - start)
 
-    def _launch_share(self, share: Launch) -> None:
+    def _part(self, launch: Launch, thread: int, threads: int) -> list[Any]:
+        """What a thread does of a launch; one that is not shared is the first thread's."""
+        if not launch.is_shared:
+            return [self._command(launch)] if thread == 0 else []
+        count = self._plan.share_count if launch.adds_up else threads
+        numbers = range(thread * count // threads, (thread + 1) * count // threads)
+        return [self._command(launch.share(number, count)) for number in numbers]
+
+    def _command(self, share: Launch) -> Any:
         dim, arguments = share.call(self._arrays)
         kinds = [argument.type for argument in share.kernel.adj.args]
         arguments = [
             self._empty(kind) if argument is None else argument
             for kind, argument in zip(kinds, arguments, strict=True)
         ]
-        wp.launch(share.kernel, dim, arguments, device=self._device)
+        return wp.launch(share.kernel, dim, arguments, device=self._device, record_cmd=True)
 
     def _empty(self, kind: Any) -> Any:
         """An array of nothing: one that is None would take Warp's slower code for a processor."""
@@ -139,7 +145,8 @@ class Player:
         for thread in range(threads):
             with wp.ScopedCapture(device=self._device) as capture:
                 for launch, others_follow in zip(launches, shared_next, strict=True):
-                    self.launch(launch, thread, threads)
+                    for command in self._part(launch, thread, threads):
+                        command.launch()
                     if threads > 1 and (launch.is_shared or others_follow):
                         wp.launch(make_rendezvous(), 1, [arrivals, thread], device=self._device)
             recordings.append(capture.graph)

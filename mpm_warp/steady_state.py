@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-import numpy as np
+from statistics import fmean
 
 
 def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
@@ -20,6 +19,5 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
     """
     if len(values) < 2 * span:
         return False
-    before = float(np.mean(values[-2 * span : -span]))
-    last = float(np.mean(values[-span:]))
+    before, last = fmean(values[-2 * span : -span]), fmean(values[-span:])
     return abs(last - before) < tolerance * abs(last)
