@@ -39,16 +39,12 @@ class _Recordings:
 
     def sequence(self, steps: range) -> list[list[Any]]:
         """What to replay for these steps."""
-        played, step = [], steps.start
-        while step < steps.stop:
-            is_audited = step % AUDIT_INTERVAL == 0
-            if self.burst is not None and is_audited and steps.stop - step >= AUDIT_INTERVAL:
-                played.append(self.burst)
-                step += AUDIT_INTERVAL
-            else:
-                played.append(self.audited if is_audited else self.plain)
-                step += 1
-        return played
+        first = steps.start % AUDIT_INTERVAL
+        single = [self.audited, *[self.plain] * (AUDIT_INTERVAL - 1)]
+        lead = min(len(steps), -steps.start % AUDIT_INTERVAL)
+        count, rest = divmod(len(steps) - lead, AUDIT_INTERVAL)
+        interval = single if self.burst is None else [self.burst]
+        return single[first : first + lead] + interval * count + single[:rest]
 
 
 class Player:

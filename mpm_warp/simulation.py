@@ -238,6 +238,6 @@ class Simulation(TimeLoop):
             Normal and tangential force per radian [N], shape [contact node_count, 2].
         """
         forces: Floats = self.array("contact.impulse") / (self.time - self._forces_taken_at)
-        self.arrays["contact.impulse"].zero_()
+        self.assign("contact.impulse", np.zeros_like(forces))
         self._forces_taken_at = self.time
         return forces
