@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -64,13 +65,17 @@ class Player:
         self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
         self._recordings: dict[int, _Recordings] = {}
-        self._commands: dict[Launch, list[Any]] = {}
+        self._commands: dict[Launch, tuple[list[Any], list[Any]]] = {}
 
     def launch(self, launch: Launch) -> None:
         """Launch one of the plan, all of it, now."""
-        if launch not in self._commands:
-            self._commands[launch] = self._part(launch, 0, 1)
-        for command in self._commands[launch]:
+        # Arrays may have been put elsewhere since the last time.
+        arrays = [self._arrays[name] for name in launch.arrays]
+        known, commands = self._commands.get(launch, ([], []))
+        if not commands or any(map(operator.is_not, known, arrays)):
+            commands = self._part(launch, 0, 1)
+            self._commands[launch] = arrays, commands
+        for command in commands:
             command.launch()
 
     def play(self, steps: range, threads: int) -> None:
