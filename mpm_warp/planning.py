@@ -171,7 +171,7 @@ def _add_node_update(plan: Plan) -> None:
     plan.add_zeros("node.mass", "real", grid.node_count)
     plan.add_zeros("node.motion", "vec4", grid.node_count)
     sharpening = None
-    if not plan.scene.consistent_mass:
+    if plan.scene.sharpened:
         sharpening = plan.add_zeros("cell.sharpening", "vec4", grid.cell_count)
     plan.add_launch(
         make_node_update(plan.share_count, sharpening is not None, plan.precision),
@@ -186,7 +186,7 @@ def _add_node_update(plan: Plan) -> None:
 
 def _add_cell_rates(plan: Plan) -> None:
     grid, material = plan.scene.grid, plan.scene.material
-    viscous, sharpened = plan.scene.bulk_viscosity is not None, not plan.scene.consistent_mass
+    viscous, sharpened = plan.scene.bulk_viscosity is not None, plan.scene.sharpened
     # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
     sharpness = material.density * (1.0 - plan.scene.particles_per_side**-2.0) / 24.0
     plan.add_array("cell.volume", "real", grid.cell_volumes)

@@ -37,8 +37,8 @@ class Scene:
         even_flow: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`; for
             soil that streams along a wall for long. The grid is axisymmetric, of horizontal rows.
         consistent_mass: whether momentum is that of the consistent mass matrix, so that waves keep
-            their energy, see `mpm_warp.kernels.consistent_mass`; on a grid with horizontal rows.
-            Else velocity is sharpened, see `mpm_warp.kernels.sharpening`.
+            their energy, see `mpm_warp.kernels.consistent_mass`; on a grid with horizontal rows
+            and without a window.
         energy_audit: whether to sample what energy the transfers create or dissipate.
         precision: floating point numbers of the run, "float64" or "float32".
     """
@@ -61,3 +61,12 @@ class Scene:
     consistent_mass: bool = False
     energy_audit: bool = False
     precision: str = "float64"
+
+    @property
+    def sharpened(self) -> bool:
+        """Whether nodes are given back what the transfers take from their velocity at the least.
+
+        See `mpm_warp.kernels.sharpening`: it is that of full cells, and a part of what the
+        consistent mass matrix gives back.
+        """
+        return not (self.consistent_mass or self.free_surface)

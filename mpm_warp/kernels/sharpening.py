@@ -19,6 +19,8 @@ the critical time step, without S up to 0.76 of it, and at no time step where A 
 affine part of a particle's momentum instead (Jiang et al. 2015, ACM Trans. Graph. 34(4):51), which
 returns all of a linear field, but what it takes from one motion for another not the other way,
 waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
+
+In cells that are filled in part P may be anything: there is no S where a free surface passes.
 """
 
 import functools
