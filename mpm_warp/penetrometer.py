@@ -102,7 +102,7 @@ class PenetrometerSurface:
     The normal of a node is that of its consistent area vector, the integral of N n over the
     surface, so that on the whole no soil flows through (Engelman, Sani & Gresho 1982, Int. J.
     Numer. Meth. Fluids 2:225-238). It matters at the shoulder: at 3 cells per radius a smooth cone
-    has Nc 10.62 with it, 10.86 with the normal of the face alone, 10.02 with the shaft's.
+    has Nc 10.61 with it, 10.84 with the normal of the face alone, 9.99 with the shaft's.
 
     Attributes:
         penetrometer: whose surface it is.
