@@ -122,6 +122,8 @@ def make_grid_to_particles(
                 return
         cell = settle(x, cell, columns, rows, outer_radius, cell_counts)
         particle_cell[p] = cell
-        position[p] = outside_surface(x, rows[cell[1]])
+        if cell[0] == 0:  # the column along the surface
+            x = outside_surface(x, rows[cell[1]])
+        position[p] = x
 
     return grid_to_particles
