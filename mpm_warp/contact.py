@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from mpm_warp.grids import Floats, Integers
 from mpm_warp.materials import LinearElastic, PerfectlyPlastic
@@ -44,8 +47,18 @@ class SurfaceContact:
         Args:
             forces: mean normal forces of the simulated stress over some time [N], [node_count].
         """
-        touching = forces > (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
-        return float(self.normal_areas @ touching / self.normal_areas.sum())
+        touching = forces > self._parting_forces
+        return float(self.normal_areas @ touching) / self._area
+
+    @cached_property
+    def _parting_forces(self) -> Floats:
+        parting: Floats = (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
+        return parting
+
+    @cached_property
+    def _area(self) -> float:
+        # Added up as the parts in touch are, so that all of it is exactly 1.
+        return float(self.normal_areas @ np.ones(len(self.normal_areas), dtype=bool))
 
     def can_part(self, material: LinearElastic, speed: float) -> bool:
         """Whether the soil may pull at the surface by more than the in-situ stress presses.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -199,8 +200,8 @@ class PenetrometerSurface:
         face_share = self._face_share if self.friction == 0.0 else self._share_of_face(normal)
         face_shear = float(shear @ face_share)
         return PenetrometerForces(
-            face_normal=float(normal @ self._face_part * np.sin(half)),
-            face_shear=face_shear * float(np.cos(half)),
+            face_normal=float(normal @ self._face_part) * math.sin(half),
+            face_shear=face_shear * math.cos(half),
             shaft_shear=float(shear.sum()) - face_shear,
             contact_share=self.contact.share_in_touch(nodal[:, 0]),
         )

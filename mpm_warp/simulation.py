@@ -37,6 +37,7 @@ class TimeLoop:
         plan: its arrays and launches.
         arrays: the arrays on the device, by the names of the plan.
         step_count: steps taken.
+        particle_count: particles in the grid at the last look of the watch.
         particle_updates: particles times steps.
         setup_time: wall-clock time to fill the arrays [s].
         compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
@@ -47,6 +48,7 @@ class TimeLoop:
         execution = execution or Execution()
         self.plan = plan
         self.step_count = 0
+        self.particle_count = plan.particle_count
         self.particle_updates = 0
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
@@ -68,11 +70,6 @@ class TimeLoop:
         """Simulated time [s]."""
         steps = self.step_count - self._changed_step
         return self._changed_time + steps * self.plan.time_step
-
-    @property
-    def particle_count(self) -> int:
-        """Number of particles in the grid now."""
-        return self.plan.particle_count
 
     def array(self, name: str) -> np.ndarray:
         """An array of the plan on the host: the device's own memory where they share it."""
@@ -154,6 +151,7 @@ class TimeLoop:
         names = ("position", "velocity", "stress", "mass")
         particles = {name: self.array(f"particle.{name}") for name in names}
         present = self._present()
+        self.particle_count = len(present)
         # In parts, because what is compared is copied.
         for first in range(0, len(present), LOOKED_AT_ONCE):
             part = present[first : first + LOOKED_AT_ONCE]
@@ -215,13 +213,6 @@ class Simulation(TimeLoop):
             return super()._present()
         places = np.flatnonzero(self.array("particle.cell")[:, 0] >= 0)
         return places.astype(np.int32)
-
-    @property
-    def particle_count(self) -> int:
-        """Number of particles in the grid now."""
-        if self.scene.window is None:
-            return self.plan.particle_count
-        return int(np.count_nonzero(self.array("particle.cell")[:, 0] >= 0))
 
     @property
     def transfer_energy(self) -> float:
