@@ -131,6 +131,8 @@ def _add_particles_to_grid(plan: Plan) -> None:
 
 def _add_consistent_mass(plan: Plan) -> None:
     grid = plan.scene.grid
+    assert not grid.polar, "the consistent mass matrix is that of horizontal rows"
+    assert plan.scene.window is None, "the consistent mass matrix is for soil without a window"
     plan.add_launch(
         make_consistent_mass(plan.precision),
         plan.arrays["particle.mass"].shape,
