@@ -122,9 +122,9 @@ def check_yield(
 
 def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
     """How far stresses are outside the yield surface over the strength; < 0 inside."""
-    rr, zz, rz, tt = stress.astype(np.float64).T
+    rr, zz, rz, tt = stress.T.astype(np.float64, order="C")
     if isinstance(material, Tresca):
-        centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+        centre, radius = 0.5 * (rr + zz), np.sqrt((0.5 * (rr - zz)) ** 2 + rz**2)
         extreme = np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt)
         beyond: Floats = 0.5 * extreme / material.strength - 1.0
         return beyond

@@ -49,6 +49,10 @@ def share_bounds(length: int, count: int) -> Integers:
     return bounds
 
 
+WORTH_SHARING = 200
+"""Items of a launch, at least, that take threads longer than to wait for each other."""
+
+
 class First:
     """The argument that tells a share of a launch where it begins."""
 
@@ -68,7 +72,7 @@ FIRST = First()
 class Launch:
     """One kernel launch over `dim` threads; texts among the arguments name arrays of the plan.
 
-    One that has `FIRST` among its arguments may be split along its first axis into shares, which
+    One that has `FIRST` among its arguments can be split along its first axis into shares, which
     may run at the same time: what they write does not overlap, or is their `Own`.
     """
 
@@ -79,9 +83,15 @@ class Launch:
     arguments: tuple[Any, ...]
 
     @property
+    def item_count(self) -> int:
+        """How many times the kernel runs."""
+        return math.prod(self.dim)
+
+    @property
     def is_shared(self) -> bool:
-        """Whether the launch may be split."""
-        return FIRST in self.arguments
+        """Whether threads share the launch."""
+        large = self.item_count >= WORTH_SHARING
+        return FIRST in self.arguments and (large or self.adds_up)
 
     @property
     def adds_up(self) -> bool:

@@ -2,50 +2,79 @@
 
 from __future__ import annotations
 
+import functools
 import operator
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import warp as wp
 
-from mpm_warp.kernels.rendezvous import make_rendezvous
+from mpm_warp.kernels.rendezvous import LEFT, make_rendezvous
 from mpm_warp.pace import Pace
 from mpm_warp.plan import Launch, StepPlan
 from mpm_warp.team import team_of
 
 AUDIT_INTERVAL = 16
 """Steps between two that are audited."""
-
-
+BLOCK_SIZES = (16, 4, 1)
+"""Steps that several threads take by one call each: between calls they wait in Python."""
 LONG_RUN = 500
-"""Steps after which a run is long enough to be worth the recording of bursts."""
+"""Steps after which a run is long enough to be worth the recording of more than one at a time."""
 
 
-@dataclass(kw_only=True)
-class _Recordings:
-    """What is replayed by one call: a recording for each thread.
+class _Block(NamedTuple):
+    """Steps that are recorded together.
 
     Attributes:
-        plain: a step.
-        audited: one that is audited.
-        burst: all steps from one audit to the next, for several threads in a long run: between
-            calls they would wait for each other in Python.
+        size: how many.
+        audited: whether the first of them is audited.
     """
 
-    plain: list[Any]
-    audited: list[Any]
-    burst: list[Any] | None = None
+    size: int
+    audited: bool
 
-    def sequence(self, steps: range) -> list[list[Any]]:
-        """What to replay for these steps."""
-        first = steps.start % AUDIT_INTERVAL
-        single = [self.audited, *[self.plain] * (AUDIT_INTERVAL - 1)]
-        lead = min(len(steps), -steps.start % AUDIT_INTERVAL)
-        count, rest = divmod(len(steps) - lead, AUDIT_INTERVAL)
-        interval = single if self.burst is None else [self.burst]
-        return single[first : first + lead] + interval * count + single[:rest]
+
+def _blocks(phase: int, count: int, largest: int) -> list[_Block]:
+    """Blocks that make up steps, each at a multiple of its size.
+
+    Args:
+        phase: steps from the last audited one to the first.
+        count: how many steps.
+        largest: size of a block at most.
+    """
+    end_of_lead = min(phase + count, AUDIT_INTERVAL)
+    whole, rest = divmod(phase + count - end_of_lead, AUDIT_INTERVAL)
+    return [
+        *_blocks_between(phase, end_of_lead, largest),
+        *_blocks_between(0, AUDIT_INTERVAL, largest) * whole,
+        *_blocks_between(0, rest, largest),
+    ]
+
+
+@functools.cache
+def _blocks_between(begin: int, end: int, largest: int) -> tuple[_Block, ...]:
+    """The same for steps between two audited ones, counted from the first of these."""
+    if begin == end:
+        return ()
+    longest = min(largest, end - begin)
+    size = next(it for it in BLOCK_SIZES if it <= longest and begin % it == 0)
+    block = _Block(size, audited=begin == 0)
+    return block, *_blocks_between(begin + size, end, largest)
+
+
+@dataclass
+class _Recordings:
+    """What so many threads replay.
+
+    Attributes:
+        arrivals: where they meet; recordings do not keep the arrays that they refer to.
+        of: a recording for each thread, by block.
+    """
+
+    arrivals: Any
+    of: dict[_Block, list[Any]] = field(default_factory=dict)
 
 
 class Player:
@@ -62,9 +91,8 @@ class Player:
         self._arrays = arrays
         self._device = wp.get_device(device)
         self._pace = Pace()
-        self._arrivals: list[Any] = []  # recordings do not keep the arrays that they refer to
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
-        self._recordings: dict[int, _Recordings] = {}
+        self._recordings: dict[int, _Recordings] = {}  # by threads
         self._commands: dict[Launch, tuple[list[Any], list[Any]]] = {}
 
     def launch(self, launch: Launch) -> None:
@@ -88,29 +116,34 @@ class Player:
             threads: threads of the processor, >= 1.
         """
         threads = self._pace.choose(min(threads, self._plan.share_count))
-        if threads not in self._recordings:
-            self._recordings[threads] = self._record_step(threads)
-        recordings = self._recordings[threads]
-        if threads > 1 and recordings.burst is None and steps.start >= LONG_RUN:
-            plain = self._plan.step * (AUDIT_INTERVAL - 1)
-            recordings.burst = self._record([*self._audited, *plain], threads)
-        sequence = recordings.sequence(steps)
+        largest = BLOCK_SIZES[0] if threads > 1 and steps.start >= LONG_RUN else 1
+        blocks = _blocks(steps.start % AUDIT_INTERVAL, len(steps), largest)
+        recordings = self._recorded(set(blocks), threads)
+        sequence = [recordings.of[block] for block in blocks]
 
         def play_part(thread: int) -> None:
             for recording in sequence:
                 wp.capture_launch(recording[thread])
 
+        def leave(thread: int) -> None:
+            recordings.arrivals.numpy()[thread] = LEFT
+            sequence.clear()
+
         start = time.perf_counter()
         if threads == 1:
             play_part(0)
         else:
-            team_of(threads).run(play_part)
+            try:
+                team_of(threads).run(play_part, leave)
+            except BaseException:
+                del self._recordings[threads]  # in which threads no longer meet
+                raise
         self._pace.note(threads, len(steps), time.perf_counter() - start)
 
     def _part(self, launch: Launch, thread: int, threads: int) -> list[Any]:
         """What a thread does of a launch; one that is not shared is the first thread's."""
         if not launch.is_shared:
-            return [self._command(launch)] if thread == 0 else []
+            return [self._command(launch.share(0, 1))] if thread == 0 else []
         count = self._plan.share_count if launch.adds_up else threads
         numbers = range(thread * count // threads, (thread + 1) * count // threads)
         return [self._command(launch.share(number, count)) for number in numbers]
@@ -128,25 +161,26 @@ class Player:
         """An array of nothing: one that is None would take Warp's slower code for a processor."""
         return wp.empty((0,) * kind.ndim, dtype=kind.dtype, device=self._device)
 
-    @property
-    def _audited(self) -> list[Launch]:
-        return self._plan.audited_step or self._plan.step
+    def _recorded(self, blocks: set[_Block], threads: int) -> _Recordings:
+        """Recordings of these blocks, and of others so far."""
+        if threads not in self._recordings:
+            arrivals = wp.zeros(threads, dtype=wp.int64, device=self._device)
+            self._recordings[threads] = _Recordings(arrivals)
+        recordings = self._recordings[threads]
+        for block in blocks - recordings.of.keys():
+            recordings.of[block] = self._record(block, threads, recordings.arrivals)
+        return recordings
 
-    def _record_step(self, threads: int) -> _Recordings:
-        return _Recordings(
-            plain=self._record(self._plan.step, threads),
-            audited=self._record(self._audited, threads),
-        )
-
-    def _record(self, launches: Sequence[Launch], threads: int) -> list[Any]:
-        arrivals: Any = wp.zeros(threads, dtype=int, device=self._device)
-        self._arrivals.append(arrivals)
+    def _record(self, block: _Block, threads: int, arrivals: Any) -> list[Any]:
+        first = self._plan.audited_step if block.audited else []
+        launches = [*(first or self._plan.step), *self._plan.step * (block.size - 1)]
         shared_next = [*(launch.is_shared for launch in launches[1:]), True]
         recordings = []
         for thread in range(threads):
+            parts = {it: self._part(it, thread, threads) for it in dict.fromkeys(launches)}
             with wp.ScopedCapture(device=self._device) as capture:
                 for launch, others_follow in zip(launches, shared_next, strict=True):
-                    for command in self._part(launch, thread, threads):
+                    for command in parts[launch]:
                         command.launch()
                     if threads > 1 and (launch.is_shared or others_follow):
                         wp.launch(make_rendezvous(), 1, [arrivals, thread], device=self._device)

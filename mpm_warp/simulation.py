@@ -24,8 +24,8 @@ from mpm_warp.recording import AUDIT_INTERVAL
 from mpm_warp.scene import Scene
 from mpm_warp.watch import SoilWatch
 
-LOOKED_AT_ONCE = 50_000
-"""Particles that the watch looks at together."""
+LOOKED_AT_ONCE = 4_000
+"""Particles that the watch looks at together; the memory of more would be fetched each time."""
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
 
@@ -152,7 +152,6 @@ class TimeLoop:
         particles = {name: self.array(f"particle.{name}") for name in names}
         present = self._present()
         self.particle_count = len(present)
-        # In parts, because what is compared is copied.
         for first in range(0, len(present), LOOKED_AT_ONCE):
             part = present[first : first + LOOKED_AT_ONCE]
             self._look_at(part, {name: it.take(part, axis=0) for name, it in particles.items()})

@@ -25,6 +25,11 @@ class StackedLaunch(Launch):
     case_count: int
     chunk_size: int | None
 
+    @property
+    def item_count(self) -> int:
+        """See `Launch`."""
+        return self.case_count * super().item_count
+
     def call(self, arrays: Mapping[str, Any]) -> tuple[tuple[int, ...], list[Any]]:
         """See `Launch`."""
         (*others, item_count), arguments = super().call(arrays)

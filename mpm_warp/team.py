@@ -9,25 +9,27 @@ from queue import SimpleQueue
 
 
 class Team:
-    """A fixed number of threads; they idle between two works, and end with the process.
+    """The caller, and threads that idle between two works and end with the process.
 
     Args:
-        size: number of threads, >= 1.
+        size: number of threads, the caller's among them, >= 1.
     """
 
     def __init__(self, size: int) -> None:
         self._turn = threading.Lock()
-        self._posts: list[SimpleQueue[Callable[[], None]]] = [SimpleQueue() for _ in range(size)]
+        self._posts = [SimpleQueue[Callable[[], None]]() for _ in range(size - 1)]
         for post in self._posts:
             threading.Thread(target=_serve, args=(post,), daemon=True).start()
 
-    def run(self, part: Callable[[int], None]) -> None:
-        """Have every thread do its part: ``part(number)``; return when all have.
+    def run(self, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
+        """Have every thread do its part: ``part(number)``, 0 the caller's; return when all have.
 
-        The caller waits in Python, so that Ctrl-C gets through; the parts then come to their end.
+        Args:
+            part: parts may wait for each other.
+            leave: called where a part ends early, ``leave(number)``: no other is to wait for it.
 
         Raises:
-            Exception: the first that a part raised.
+            BaseException: the first that a part raised, or that reached the caller, as by Ctrl-C.
         """
         ended: SimpleQueue[Exception | None] = SimpleQueue()
 
@@ -35,15 +37,24 @@ class Team:
             try:
                 part(number)
             except Exception as error:
+                leave(number)
                 ended.put(error)
             else:
                 ended.put(None)
 
         # Parts may wait for each other, so those of two works must not mix.
         with self._turn:
-            for number, post in enumerate(self._posts):
-                post.put(functools.partial(attempt, number))
-            errors = [ended.get() for _ in self._posts]
+            begun = 0
+            try:
+                for number, post in enumerate(self._posts, start=1):
+                    post.put(functools.partial(attempt, number))
+                    begun += 1
+                part(0)
+            except BaseException:
+                leave(0)
+                raise
+            finally:
+                errors = [ended.get() for _ in range(begun)]
         for error in errors:
             if error is not None:
                 raise error

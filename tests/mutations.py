@@ -242,6 +242,18 @@ MUTATIONS = (
         "range(thread * count // threads, (thread + 1) * count // threads - thread)",
     ),
     Mutation(
+        "what one thread is to do done by all",
+        "mpm_warp/recording.py",
+        "return [self._command(launch.share(0, 1))] if thread == 0 else []",
+        "return [self._command(launch.share(0, 1))]",
+    ),
+    Mutation(
+        "blocks of steps with one too few",
+        "mpm_warp/recording.py",
+        "*self._plan.step * (block.size - 1)",
+        "*self._plan.step * (block.size - 2)",
+    ),
+    Mutation(
         "threads that do not wait for each other",
         f"{KERNELS}/rendezvous.py",
         "arrivals.shape[0]; ++other",

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import threading
+import time
 
 import numpy as np
 import pytest
+import warp as wp
 
 from mpm_warp.execution import THREAD_COUNTS, Execution
 from mpm_warp.grids import Floats
 from mpm_warp.pace import PAUSE, SHORTEST, Pace
+from mpm_warp.plan import FIRST, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
+from mpm_warp.recording import AUDIT_INTERVAL, BLOCK_SIZES, LONG_RUN, _blocks
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
@@ -19,8 +24,15 @@ from mpm_warp.team import Team
 from mpm_warp.travel import Travel
 
 CONE = ConePenetration(
-    cells_per_radius=2, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5
+    cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5
 )
+
+
+@pytest.fixture
+def all_take_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Threads share the steps even where one would be faster."""
+    monkeypatch.setattr(Pace, "choose", lambda self, wanted: wanted)
+    monkeypatch.setattr(Pace, "note", lambda self, threads, step_count, seconds: None)
 
 
 def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str, Floats]:
@@ -30,9 +42,12 @@ def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
         travel.advance_to(CONE.cone_radius * fraction / len(switches or (1,)))
+    assert simulation.step_count > LONG_RUN + AUDIT_INTERVAL  # in blocks of steps at the end
+    assert any(launch.is_shared and not launch.adds_up for launch in simulation.plan.step)
     return {name: simulation.array(name).copy() for name in simulation.arrays}
 
 
+@pytest.mark.usefixtures("all_take_part")
 @pytest.mark.parametrize("threads", [2, 4])
 def test_threads_do_not_change_a_bit(threads: int) -> None:
     alone, together = penetrated(Execution()), penetrated(Execution(threads=threads))
@@ -40,6 +55,7 @@ def test_threads_do_not_change_a_bit(threads: int) -> None:
         np.testing.assert_array_equal(together[name], values, err_msg=name)
 
 
+@pytest.mark.usefixtures("all_take_part")
 def test_threads_may_come_and_go_during_a_run() -> None:
     # The same stops, because a run takes whole steps up to each.
     steady = penetrated(Execution(), (1, 1, 1, 1))
@@ -62,7 +78,7 @@ def test_the_shares_of_a_launch_make_up_the_whole(
     soil = scene.simulated_scene()
     assert soil is not None
     for launch in make_plan(soil).step:
-        if not launch.is_shared:
+        if FIRST not in launch.arguments:
             continue
         place = next(k for k, item in enumerate(launch.share(0, count).arguments) if item == 0)
         covered = []
@@ -73,24 +89,86 @@ def test_the_shares_of_a_launch_make_up_the_whole(
         assert covered == list(range(launch.dim[0]))
 
 
+def test_threads_share_what_takes_longer_than_to_wait_for_each_other() -> None:
+    scene = CONE.build()[0]
+    assert scene.contact is not None
+    small = [
+        launch
+        for launch in make_plan(scene).step
+        if FIRST in launch.arguments and not launch.is_shared
+    ]
+    assert any(launch.dim == (len(scene.contact.nodes),) for launch in small)
+    assert all(launch.item_count < WORTH_SHARING for launch in small)
+    # What adds up is always split, else the number of threads would change how sums are rounded.
+    few = GravityColumn(cell_count=3).simulated_scene()
+    assert few is not None
+    assert all(launch.is_shared == launch.adds_up for launch in make_plan(few).step)
+
+
 def test_thread_counts_divide_the_shares_so_that_all_have_as_many() -> None:
     assert all(SHARE_COUNT % threads == 0 for threads in THREAD_COUNTS)
 
 
-def test_what_a_part_of_a_team_raises_is_raised_after_all_have_ended() -> None:
-    done = []
+@pytest.mark.parametrize("unlucky", [0, 1])
+def test_what_a_part_of_a_team_raises_is_raised_after_all_have_ended(unlucky: int) -> None:
+    done: list[int] = []
+    left: list[int] = []
 
     def part(number: int) -> None:
-        if number == 1:
-            raise ArithmeticError("part 1")
+        if number == unlucky:
+            raise ArithmeticError(f"part {number}")
+        while not left:  # it waits for the other
+            time.sleep(0.001)
         done.append(number)
 
     team = Team(3)
-    with pytest.raises(ArithmeticError, match="part 1"):
-        team.run(part)
-    assert sorted(done) == [0, 2]
-    team.run(done.append)  # it works on
-    assert sorted(done) == [0, 0, 1, 2, 2]
+    with pytest.raises(ArithmeticError, match=f"part {unlucky}"):
+        team.run(part, left.append)
+    assert left == [unlucky]
+    assert sorted(done) == sorted({0, 1, 2} - {unlucky})
+    team.run(done.append, left.append)  # it works on
+    assert len(done) == 5
+    assert left == [unlucky]
+
+
+@pytest.mark.usefixtures("all_take_part")
+@pytest.mark.parametrize("unlucky", [0, 1])
+def test_nobody_waits_for_a_thread_that_has_left_a_step(
+    unlucky: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by Ctrl-C, which reaches the caller between two recordings."""
+    simulation = Simulation(CONE.build()[0], Execution(threads=2))
+    simulation.advance(LONG_RUN + 50)
+    replay, main = wp.capture_launch, threading.main_thread()
+    calls: list[int] = []
+
+    def interrupted(graph: wp.Graph) -> None:
+        if (threading.current_thread() is main) == (unlucky == 0):
+            calls.append(unlucky)
+            if len(calls) == 3:
+                raise InterruptedError
+        replay(graph)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(wp, "capture_launch", interrupted)
+        with pytest.raises(InterruptedError):
+            simulation.advance(400)
+    assert len(calls) == 3
+    test_threads_do_not_change_a_bit(2)  # of another run, with the same threads
+
+
+def test_steps_are_played_in_blocks_that_make_them_up() -> None:
+    for phase in range(AUDIT_INTERVAL):
+        for count in range(3 * AUDIT_INTERVAL):
+            for largest in BLOCK_SIZES:
+                step = phase
+                for block in _blocks(phase, count, largest):
+                    assert block.size <= largest
+                    assert step % block.size == 0
+                    assert block.audited == (step % AUDIT_INTERVAL == 0)
+                    assert block.size <= AUDIT_INTERVAL - step % AUDIT_INTERVAL
+                    step += block.size
+                assert step == phase + count
 
 
 def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
