@@ -19,7 +19,7 @@ STAGE_COLUMNS = (
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
-    """Tables of speed, of what is outside the kernels and of memory, a column a size.
+    """Tables of speed, of what Python and launches take and of memory, a column a size.
 
     Below, for the largest case of the most physics, the stages of a step; with the times that their
     operations, or the bytes that they move, would take at the rates of bare loops.
@@ -36,7 +36,7 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
     if "stage_time" in completed:
         clocked = [case for case in each if np.isfinite(case.overhead_share.item())]
-        rows += ["", *_by_size("time outside kernels", clocked, dims, _overhead)]
+        rows += ["", *_by_size("Python and launches, share of the time", clocked, dims, _overhead)]
     rows += ["", *_by_size("arrays, bytes a point", each, dims, _array_bytes)]
     return [*rows, "", *_stage_rows(completed)] if "stage_time" in completed else rows
 

@@ -19,7 +19,9 @@ from mpm_warp.team import team_of
 AUDIT_INTERVAL = 16
 """Steps between two that are audited."""
 BLOCK_SIZES = (16, 4, 1)
-"""Steps that several threads take by one call each: between calls they wait in Python."""
+"""Steps that are taken by one call: several threads wait for each other in Python between two."""
+LARGEST_ALONE = 4
+"""The same for one thread: to record more would take longer than they save."""
 LONG_RUN = 500
 """Steps after which a run is long enough to be worth the recording of more than one at a time."""
 
@@ -116,7 +118,9 @@ class Player:
             threads: threads of the processor, >= 1.
         """
         threads = self._pace.choose(min(threads, self._plan.share_count))
-        largest = BLOCK_SIZES[0] if threads > 1 and steps.start >= LONG_RUN else 1
+        largest = BLOCK_SIZES[0] if threads > 1 else LARGEST_ALONE
+        if steps.start < LONG_RUN:
+            largest = 1
         blocks = _blocks(steps.start % AUDIT_INTERVAL, len(steps), largest)
         recordings = self._recorded(set(blocks), threads)
         sequence = [recordings.of[block] for block in blocks]

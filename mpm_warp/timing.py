@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import warp as wp
 
+from mpm_warp.execution import Execution, Steps
 from mpm_warp.kernels.timing import (
     CHAINS,
     DIVISION_CHAINS,
@@ -17,6 +19,7 @@ from mpm_warp.kernels.timing import (
     make_stamp,
     make_streaming,
 )
+from mpm_warp.plan import Launch, StepPlan
 from mpm_warp.simulation import TimeLoop
 
 REPEATS = 5
@@ -49,10 +52,41 @@ class StepTimes:
     stages: dict[str, float]
     launching: float
 
+
+@dataclass
+class ClockedExecution(Execution):
+    """An execution of one run, on one thread of the processor, that tells how busy its kernels are.
+
+    A clock stands at the begin and at the end of every step.
+    """
+
+    def steps(self, plan: StepPlan, arrays: dict[str, Any]) -> Steps:
+        """See `Execution`."""
+        self._latest, self._ticks = (
+            wp.zeros(count, dtype=wp.int64, device=self.device) for count in (1, 2)
+        )
+        clock = {"clock.latest": self._latest, "clock.ticks": self._ticks}
+        outside, within = (
+            Launch(kernel=make_stamp(), dim=(1,), arguments=(interval, *clock))
+            for interval in range(2)
+        )
+        clocked = replace(
+            plan,
+            step=[outside, *plan.step, within],
+            audited_step=plan.audited_step and [outside, *plan.audited_step, within],
+        )
+        return super().steps(clocked, arrays | clock)
+
+    def start(self) -> None:
+        """Start the clock."""
+        wp.launch(make_stamp(), 1, [0, self._latest, self._ticks], device=self.device)
+        self._ticks.zero_()
+
     @property
-    def kernels(self) -> float:
-        """The time within kernels."""
-        return sum(self.stages.values()) - self.launching
+    def share_of_steps(self) -> float:
+        """Share of the time since the start that the launches of steps took."""
+        outside, within = self._ticks.numpy().tolist()
+        return float(within / (outside + within))
 
 
 class StageClock:

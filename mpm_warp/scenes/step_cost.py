@@ -13,14 +13,13 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable
 
     import xarray
 
     from mpm_warp.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
-    from mpm_warp.timing import StepTimes
 
 LEAST_STEPS = 16
 """Steps of a sample, at least."""
@@ -112,10 +111,13 @@ class StepCost(ReadyScene):
         from mpm_warp.batch import Batch
         from mpm_warp.execution import Execution
         from mpm_warp.simulation import Simulation
+        from mpm_warp.timing import ClockedExecution
 
         device = "cpu" if execution is None else execution.device
         if self.cases == 1:
-            return self._measured(Execution(device, self.threads), progress)
+            can_be_clocked = device == "cpu" and self.threads == 1
+            kind = ClockedExecution if can_be_clocked else Execution
+            return self._measured(kind(device, self.threads), progress)
         batch, results = Batch(device, self.threads), list["xarray.Dataset"]()
 
         def lead() -> None:
@@ -136,25 +138,29 @@ class StepCost(ReadyScene):
 
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
-        from mpm_warp.timing import StageClock
+        from mpm_warp.speed import Clocks, sample
+        from mpm_warp.timing import ClockedExecution
 
         simulation = Simulation(self.build(), execution)
-        can_be_clocked = execution.device == "cpu" and self.threads == self.cases == 1
-        clock = StageClock(simulation) if can_be_clocked else None
+        clocks = None
+        if isinstance(execution, ClockedExecution):
+            clocks = Clocks(simulation, execution)
         take = self._stirred(simulation)
         begun = time.perf_counter()
         take(LEAST_STEPS)  # warm
-        first = _timed(simulation, take, LEAST_STEPS)
+        first = sample(simulation, take, LEAST_STEPS)
         step_count = max(LEAST_STEPS, math.ceil(LEAST_STEPS * self.sample_time / first.seconds))
-        samples, clocked = [], []
+        samples = []
         for number in range(self.samples):
-            samples.append(_timed(simulation, take, step_count))
-            if clock is not None:
-                clocked.append(clock.time_steps(LEAST_STEPS))
+            if clocks is not None:
+                clocks.start()
+            samples.append(sample(simulation, take, step_count))
+            if clocks is not None:
+                clocks.note(samples[-1])
             if progress is not None:
                 progress((number + 1) / self.samples)
         simulation.check()
-        rates = [self.cases * sample.updates / sample.seconds for sample in samples]
+        rates = [self.cases * it.updates / it.seconds for it in samples]
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
         result = xr.Dataset(
             {
@@ -178,23 +184,7 @@ class StepCost(ReadyScene):
                 **cost(simulation, run_time=time.perf_counter() - begun),
             }
         )
-        if clock is None:
-            return result
-        outside = [
-            1.0 - times.kernels * sample.steps / sample.thread_seconds
-            for times, sample in zip(clocked, samples, strict=True)
-        ]
-        return result.merge(_stages(simulation, clocked)).assign(
-            {
-                "overhead_share": variable(
-                    float(np.median(outside)),
-                    unit="1",
-                    meaning="share of the processor's time outside the kernels of the steps",
-                    description="launches, Python, watch, audit, history and soil that enters: all "
-                    "but what the kernels take, by a clock between them after each sample; median",
-                ),
-            }
-        )
+        return result if clocks is None else result.merge(clocks.table())
 
     def _stirred(self, simulation: Simulation) -> Callable[[int], None]:
         """Give the soil its stresses and the window its speed; returns what takes steps."""
@@ -227,79 +217,3 @@ class StepCost(ReadyScene):
             penetration.push_to(travel.distance + (count - 0.5) * per_step, travel, simulation)
 
         return take
-
-
-@dataclass(frozen=True)
-class _Sample:
-    """Steps that were taken together.
-
-    Attributes:
-        steps: their number.
-        updates: particle updates.
-        seconds: wall-clock time [s].
-        thread_seconds: time of the processor for this thread [s].
-    """
-
-    steps: int
-    updates: int
-    seconds: float
-    thread_seconds: float
-
-
-def _timed(simulation: Simulation, take: Callable[[int], None], count: int) -> _Sample:
-    """About `count` steps."""
-    steps, updates = simulation.step_count, simulation.particle_updates
-    start, thread_start = time.perf_counter(), time.thread_time()
-    take(count)
-    simulation.array("particle.mass")  # waits for a GPU
-    return _Sample(
-        steps=simulation.step_count - steps,
-        updates=simulation.particle_updates - updates,
-        seconds=time.perf_counter() - start,
-        thread_seconds=time.thread_time() - thread_start,
-    )
-
-
-def _stages(simulation: Simulation, clocked: Sequence[StepTimes]) -> xarray.Dataset:
-    """Time and work of each stage, on one thread, and what the machine gives to bare loops."""
-    import numpy as np
-    import xarray as xr
-
-    from mpm_warp.counting import stage_work
-    from mpm_warp.history import variable
-    from mpm_warp.timing import yardsticks
-
-    work, machine = stage_work(simulation), yardsticks()
-    count = simulation.particle_count
-    spent = {name: float(np.median([it.stages[name] for it in clocked])) for name in work}
-
-    def by_stage(values: Iterable[float], unit: str, meaning: str) -> xr.Variable:
-        per_point = np.array(list(values)) / count
-        return variable(
-            per_point, unit=unit, meaning=f"{meaning} per material point", dims=("stage",)
-        )
-
-    return xr.Dataset(
-        {
-            "stage_time": by_stage((1e9 * it for it in spent.values()), "ns", "time of a stage"),
-            "stage_bytes": by_stage(
-                (it.traffic for it in work.values()), "byte", "bytes that a stage reads and writes"
-            ),
-            "stage_operations": by_stage(
-                (it.operations for it in work.values()), "1", "floating point operations of a stage"
-            ),
-            "stage_divisions": by_stage(
-                (it.divisions for it in work.values()), "1", "divisions and roots of a stage"
-            ),
-            "streaming_rate": variable(
-                machine.streaming, unit="byte s-1", meaning="memory traffic of a bare loop"
-            ),
-            "arithmetic_rate": variable(
-                machine.arithmetic, unit="s-1", meaning="operations per second of a bare loop"
-            ),
-            "division_rate": variable(
-                machine.division, unit="s-1", meaning="divisions per second of a bare loop"
-            ),
-        },
-        coords={"stage": list(work)},
-    )
