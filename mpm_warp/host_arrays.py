@@ -34,9 +34,12 @@ class HostArrays:
                 self._seen[name] = array, values  # runs of few particles ask often
         return values
 
-    def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
-        """Give the array of that name other values."""
-        if self._arrays[name].device == self._host:
+    def assign(self, name: str, values: Floats | Integers | float) -> None:
+        """Give the array of that name other values, or one value everywhere."""
+        array = self._arrays[name]
+        if array.device == self._host:
             self(name)[...] = values
+        elif isinstance(values, float):
+            array.fill_(values)
         else:
-            self._arrays[name].assign(values)
+            array.assign(values)

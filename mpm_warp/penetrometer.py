@@ -196,12 +196,12 @@ class PenetrometerSurface:
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         half = 0.5 * self.penetrometer.apex_angle
-        normal, shear = nodal.T
+        normal, shear = nodal[:, 0], nodal[:, 1]
         face_share = self._face_share if self.friction == 0.0 else self._share_of_face(normal)
         face_shear = float(shear @ face_share)
         return PenetrometerForces(
             face_normal=float(normal @ self._face_part) * math.sin(half),
             face_shear=face_shear * math.cos(half),
             shaft_shear=float(shear.sum()) - face_shear,
-            contact_share=self.contact.share_in_touch(nodal[:, 0]),
+            contact_share=self.contact.share_in_touch(normal),
         )

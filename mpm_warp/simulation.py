@@ -75,8 +75,8 @@ class TimeLoop:
         """An array of the plan on the host: the device's own memory where they share it."""
         return self._on_host(name)
 
-    def assign(self, name: str, values: Floats | Integers | list[float]) -> None:
-        """Give an array of the plan other values."""
+    def assign(self, name: str, values: Floats | Integers | float) -> None:
+        """Give an array of the plan other values, or one value everywhere."""
         self._on_host.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
@@ -124,7 +124,7 @@ class TimeLoop:
         """
         control, time_step = self.plan.control, self.plan.time_step
         try:
-            self._look()
+            self._look(self._present())
             if control is not None:
                 time_step = control.following(time_step, self._on_host)
         except Fault as fault:
@@ -146,11 +146,11 @@ class TimeLoop:
     def _prepare_look(self) -> None:
         """Note what is to be seen before the last step that a look is at."""
 
-    def _look(self) -> None:
+    def _look(self, present: Integers) -> None:
+        """Look whether the particles in these places are sound."""
         check_time_step(time_step=self.plan.time_step, longest=self.plan.longest_time_step)
         names = ("position", "velocity", "stress", "mass")
         particles = {name: self.array(f"particle.{name}") for name in names}
-        present = self._present()
         self.particle_count = len(present)
         for first in range(0, len(present), LOOKED_AT_ONCE):
             part = present[first : first + LOOKED_AT_ONCE]
@@ -193,9 +193,9 @@ class Simulation(TimeLoop):
     def _prepare_look(self) -> None:
         self._watch.prepare(self._present())
 
-    def _look(self) -> None:
-        super()._look()
-        self._watch.look(self._present())
+    def _look(self, present: Integers) -> None:
+        super()._look(present)
+        self._watch.look(present)
 
     def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         super()._look_at(number, particles)
@@ -228,6 +228,6 @@ class Simulation(TimeLoop):
             Normal and tangential force per radian [N], shape [contact node_count, 2].
         """
         forces: Floats = self.array("contact.impulse") / (self.time - self._forces_taken_at)
-        self.assign("contact.impulse", np.zeros_like(forces))
+        self.assign("contact.impulse", 0.0)
         self._forces_taken_at = self.time
         return forces

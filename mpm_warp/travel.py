@@ -28,6 +28,7 @@ class Travel:
         assert plan.admission is not None
         self._simulation = simulation
         self._admission: Launch = plan.admission
+        self._share_bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
         self._layer_size = plan.arrays["layer.mass"].shape[0]
         self._layers_per_row = scene.particles_per_side
         self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
@@ -57,8 +58,7 @@ class Travel:
 
     def _chosen(self, free: Integers) -> Integers:
         """As many of the free places as a layer needs: those of the shares that have most."""
-        plan = self._simulation.plan
-        bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
+        bounds = self._share_bounds
         end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
         left_in_share = end_of_share - np.arange(len(free))
         return free[np.argsort(-left_in_share, kind="stable")[: self._layer_size]]
@@ -73,7 +73,7 @@ class Travel:
                 "it has places for: it piles up on the shaft; try more cells_per_radius or a "
                 "shorter penetration"
             )
-        simulation.assign("layer.lift", [lift])
+        simulation.assign("layer.lift", lift)
         simulation.assign("layer.places", self._chosen(free))
         simulation.launch(self._admission)
         self._layer_count += 1
