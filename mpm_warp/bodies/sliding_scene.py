@@ -13,13 +13,13 @@ from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, Load
 from mpm_warp.materials import LinearElastic
 
 if TYPE_CHECKING:
-    from mpm_warp.scenes.sliding_block import SlidingBlock
+    from mpm_warp.bodies.block_on_base import BlockOnBase
 
 BASE_CELLS = 3
 """Thickness of the base in cells."""
 
 
-def sliding_scene(scene: SlidingBlock, frame: InterfaceFrame) -> BodyScene:
+def sliding_scene(scene: BlockOnBase, frame: InterfaceFrame) -> BodyScene:
     """The scene: the block is body 0, the base body 1; `frame` is that of their interface."""
     block_material, base_material = _materials(scene)
     block = frame.body((0.0, scene.length), (0.0, scene.height), scene.spacing, block_material)
@@ -47,7 +47,7 @@ def sliding_scene(scene: SlidingBlock, frame: InterfaceFrame) -> BodyScene:
     )
 
 
-def _materials(scene: SlidingBlock) -> tuple[LinearElastic, LinearElastic]:
+def _materials(scene: BlockOnBase) -> tuple[LinearElastic, LinearElastic]:
     """Those of block and base; the softer has the scene's shear modulus."""
     ratio = scene.stiffness_ratio or 1.0
     block, base = (
@@ -61,7 +61,7 @@ def _materials(scene: SlidingBlock) -> tuple[LinearElastic, LinearElastic]:
     return block, base
 
 
-def _loads(scene: SlidingBlock, frame: InterfaceFrame, block: Body) -> tuple[Load, Load]:
+def _loads(scene: BlockOnBase, frame: InterfaceFrame, block: Body) -> tuple[Load, Load]:
     """Weight and pressure, which rise first, and the driving force."""
     share = block.volume / block.volume.sum()
     on_top = share * (frame.height(block.position) > scene.height - scene.spacing)
@@ -78,7 +78,7 @@ def _loads(scene: SlidingBlock, frame: InterfaceFrame, block: Body) -> tuple[Loa
     )
 
 
-def _retardation_time(scene: SlidingBlock, material: LinearElastic) -> float | None:
+def _retardation_time(scene: BlockOnBase, material: LinearElastic) -> float | None:
     # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
     crossing = scene.height / material.shear_wave_speed
     return 4.0 / math.pi * scene.damping_ratio * crossing if scene.damping_ratio else None

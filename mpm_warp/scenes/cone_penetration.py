@@ -18,23 +18,9 @@ if TYPE_CHECKING:
     from mpm_warp.penetrometer import PenetrometerSurface
     from mpm_warp.plan import StepPlan
     from mpm_warp.scene import Scene
-    from mpm_warp.window import Approach, Window
 
 LARGEST_ENERGY_ERROR = 0.05
 """Share of the penetrometer's work that the method itself may create or dissipate."""
-STEADY_PENETRATION = 5.0
-"""Penetration at the final speed, at least, in cone radii: two such means, and one to forget."""
-RAMP = 1.0
-"""Penetration in which the speed rises from rest, in cone radii."""
-SLOWING = 2.0
-"""Penetration in which the speed falls to the final one, in cone radii."""
-FORGETTING = 1.5
-"""Penetration at the final speed in which the soil forgets the approach, in cone radii."""
-SPARE_FRACTION, SPARE_FRACTION_OF_FRICTION = 0.15, 0.4
-"""Places for material points beside those that fill the grid, over their number: the cells along a
-rough shaft come to hold the many small ones from near the axis, with friction more of them."""
-LARGEST_INERTIA = 7.0
-"""What rho V^2 / su may be on the way by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,11 +179,11 @@ class ConePenetration(ReadyScene):
     def build(self) -> tuple[Scene, PenetrometerSurface]:
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
         from mpm_warp.boundaries import FarField, Fixed
+        from mpm_warp.cone_window import cone_window
         from mpm_warp.immersed import ImmersedGrid, SampledSurface
         from mpm_warp.materials import Tresca, VonMises
         from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
         from mpm_warp.scene import Scene
-        from mpm_warp.window import Window
 
         strength, radius = self.undrained_shear_strength, self.cone_radius
         material = {"tresca": Tresca, "von_mises": VonMises}[self.material](
@@ -230,7 +216,6 @@ class ConePenetration(ReadyScene):
             friction=self.friction_coefficient,
             in_situ_stress=self.in_situ_stress,
         )
-        speed = self.speed_ratio * material.shear_wave_speed
         scene = Scene(
             grid=grid,
             material=material,
@@ -241,41 +226,13 @@ class ConePenetration(ReadyScene):
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
             contact=surface.contact,
-            window=Window(
-                speed=speed,
-                ramp_travel=RAMP * radius,
-                approach=self._approach(speed),
-                spare_fraction=SPARE_FRACTION_OF_FRICTION
-                if self.friction_coefficient > 0.0
-                else SPARE_FRACTION,
-            ),
+            window=cone_window(self, material),
             # Cells that the surface cuts have no edge along it.
             even_flow=self.contact_surface == "fitted",
             energy_audit=True,
             precision=self.precision,
         )
         return scene, surface
-
-    def _approach(self, speed: float) -> Approach | None:
-        from mpm_warp.window import Approach
-
-        ratio = self.approach_speed_ratio
-        if ratio is None:
-            ratio = min(4 * self.speed_ratio, math.sqrt(LARGEST_INERTIA / self.rigidity_index))
-        travel = min(self.approach, self.penetration - STEADY_PENETRATION)
-        if travel <= RAMP + SLOWING or ratio <= self.speed_ratio:
-            return None
-        return Approach(
-            speed=speed * ratio / self.speed_ratio,
-            travel=travel * self.cone_radius,
-            slowing_travel=SLOWING * self.cone_radius,
-        )
-
-    def _unsteady_penetration(self, window: Window | None) -> float:
-        """Penetration of the ramp, or until the approach is forgotten, over the radius."""
-        if window is None or window.approach is None:
-            return 2.0
-        return window.approach.travel / self.cone_radius + FORGETTING
 
     def step_count_bound(self, plan: StepPlan) -> int:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
@@ -291,6 +248,7 @@ class ConePenetration(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
+        from mpm_warp.cone_window import unsteady_penetration
         from mpm_warp.health import InaccurateRun
         from mpm_warp.history import cost, variable
         from mpm_warp.penetration import Penetration, steady_values
@@ -301,7 +259,7 @@ class ConePenetration(ReadyScene):
         penetration = Penetration(
             surface=surface,
             greatest=self.penetration,
-            unsteady=self._unsteady_penetration(scene.window),
+            unsteady=unsteady_penetration(self, scene.window),
             tolerance=self.steady_tolerance,
         )
         start = time.perf_counter()
