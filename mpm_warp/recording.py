@@ -1,82 +1,70 @@
-"""The steps of a plan, recorded once and replayed: Python takes no part in a step beyond a call."""
+"""The steps of a plan, recorded once and replayed: Python takes no part in them."""
 
 from __future__ import annotations
 
-import functools
 import operator
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import warp as wp
 
+from mpm_warp.kernels.next_step import AUDIT_INTERVAL, AUDITED, GOES_ON, make_next_step
 from mpm_warp.kernels.rendezvous import LEFT, make_rendezvous
 from mpm_warp.pace import Pace
 from mpm_warp.plan import Launch, StepPlan
 from mpm_warp.team import team_of
 
-AUDIT_INTERVAL = 16
-"""Steps between two that are audited."""
-BLOCK_SIZES = (16, 4, 1)
-"""Steps that are taken by one call: several threads wait for each other in Python between two."""
-LARGEST_ALONE = 4
-"""The same for one thread: to record more would take longer than they save."""
-LONG_RUN = 500
-"""Steps after which a run is long enough to be worth the recording of more than one at a time."""
+LONGEST_CALL = 5_000_000
+"""Particle updates, about, of one call, which Ctrl-C has to wait for: a quarter of a second."""
 
 
-class _Block(NamedTuple):
-    """Steps that are recorded together.
-
-    Attributes:
-        size: how many.
-        audited: whether the first of them is audited.
-    """
-
-    size: int
-    audited: bool
-
-
-def _blocks(phase: int, count: int, largest: int) -> list[_Block]:
-    """Blocks that make up steps, each at a multiple of its size.
+class _Loop:
+    """A recording of steps on a processor, as many as are wanted: what one thread does of them.
 
     Args:
-        phase: steps from the last audited one to the first.
-        count: how many steps.
-        largest: size of a block at most.
+        step: launches a step.
+        audited_step: launches an audited one; None where all are plain.
+        device: the processor.
     """
-    end_of_lead = min(phase + count, AUDIT_INTERVAL)
-    whole, rest = divmod(phase + count - end_of_lead, AUDIT_INTERVAL)
-    return [
-        *_blocks_between(phase, end_of_lead, largest),
-        *_blocks_between(0, AUDIT_INTERVAL, largest) * whole,
-        *_blocks_between(0, rest, largest),
-    ]
+
+    def __init__(
+        self, step: Callable[[], None], audited_step: Callable[[], None] | None, device: wp.Device
+    ) -> None:
+        # A recording does not keep the arrays that it refers to.
+        self._device_state = wp.zeros(4, dtype=int, device=device)
+        self._state = self._device_state.numpy()
+        goes_on, audited = (self._device_state[it : it + 1] for it in (GOES_ON, AUDITED))
+
+        def take_step() -> None:
+            if audited_step is None:
+                step()
+            else:
+                wp.capture_if(audited, on_true=audited_step, on_false=step)
+            wp.launch(make_next_step(), 1, [self._device_state], device=device)
+
+        with wp.ScopedCapture(device=device) as capture:
+            wp.capture_while(goes_on, take_step)
+        self._graph = capture.graph
+
+    def play(self, steps: range) -> None:
+        """Take steps, at least one."""
+        self._state[...] = steps.start, steps.stop, True, steps.start % AUDIT_INTERVAL == 0
+        wp.capture_launch(self._graph)
 
 
-@functools.cache
-def _blocks_between(begin: int, end: int, largest: int) -> tuple[_Block, ...]:
-    """The same for steps between two audited ones, counted from the first of these."""
-    if begin == end:
-        return ()
-    longest = min(largest, end - begin)
-    size = next(it for it in BLOCK_SIZES if it <= longest and begin % it == 0)
-    block = _Block(size, audited=begin == 0)
-    return block, *_blocks_between(begin + size, end, largest)
-
-
-@dataclass
-class _Recordings:
-    """What so many threads replay.
+@dataclass(frozen=True)
+class _Ensemble:
+    """What so many threads replay together.
 
     Attributes:
-        arrivals: where they meet; recordings do not keep the arrays that they refer to.
-        of: a recording for each thread, by block.
+        loops: one of each thread.
+        arrivals: where they meet.
     """
 
+    loops: list[_Loop]
     arrivals: Any
-    of: dict[_Block, list[Any]] = field(default_factory=dict)
 
 
 class Player:
@@ -94,7 +82,8 @@ class Player:
         self._device = wp.get_device(device)
         self._pace = Pace()
         wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
-        self._recordings: dict[int, _Recordings] = {}  # by threads
+        self._ensembles: dict[int, _Ensemble] = {}  # by threads
+        self._graphs: dict[bool, Any] = {}  # of a GPU: a step, audited or not
         self._commands: dict[Launch, tuple[list[Any], list[Any]]] = {}
 
     def launch(self, launch: Launch) -> None:
@@ -117,32 +106,38 @@ class Player:
             steps: their numbers, which tell which of them are audited.
             threads: threads of the processor, >= 1.
         """
+        if self._device.is_cuda:
+            for step in steps:
+                wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0))
+            return
         threads = self._pace.choose(min(threads, self._plan.share_count))
-        largest = BLOCK_SIZES[0] if threads > 1 else LARGEST_ALONE
-        if steps.start < LONG_RUN:
-            largest = 1
-        blocks = _blocks(steps.start % AUDIT_INTERVAL, len(steps), largest)
-        recordings = self._recorded(set(blocks), threads)
-        sequence = [recordings.of[block] for block in blocks]
+        start = time.perf_counter()
+        self._play_together(steps, threads)
+        self._pace.note(threads, len(steps), time.perf_counter() - start)
+
+    def _play_together(self, steps: range, threads: int) -> None:
+        if threads not in self._ensembles:
+            self._ensembles[threads] = self._recorded(threads)
+        ensemble = self._ensembles[threads]
+        longest = max(1, LONGEST_CALL // max(1, self._plan.particle_count))
+        calls = [steps[first : first + longest] for first in range(0, len(steps), longest)]
 
         def play_part(thread: int) -> None:
-            for recording in sequence:
-                wp.capture_launch(recording[thread])
+            for call in calls:
+                ensemble.loops[thread].play(call)
 
         def leave(thread: int) -> None:
-            recordings.arrivals.numpy()[thread] = LEFT
-            sequence.clear()
+            ensemble.arrivals.numpy()[thread] = LEFT
+            calls.clear()
 
-        start = time.perf_counter()
         if threads == 1:
             play_part(0)
-        else:
-            try:
-                team_of(threads).run(play_part, leave)
-            except BaseException:
-                del self._recordings[threads]  # in which threads no longer meet
-                raise
-        self._pace.note(threads, len(steps), time.perf_counter() - start)
+            return
+        try:
+            team_of(threads).run(play_part, leave)
+        except BaseException:
+            del self._ensembles[threads]  # whose threads no longer meet
+            raise
 
     def _part(self, launch: Launch, thread: int, threads: int) -> list[Any]:
         """What a thread does of a launch; one that is not shared is the first thread's."""
@@ -165,28 +160,37 @@ class Player:
         """An array of nothing: one that is None would take Warp's slower code for a processor."""
         return wp.empty((0,) * kind.ndim, dtype=kind.dtype, device=self._device)
 
-    def _recorded(self, blocks: set[_Block], threads: int) -> _Recordings:
-        """Recordings of these blocks, and of others so far."""
-        if threads not in self._recordings:
-            arrivals = wp.zeros(threads, dtype=wp.int64, device=self._device)
-            self._recordings[threads] = _Recordings(arrivals)
-        recordings = self._recordings[threads]
-        for block in blocks - recordings.of.keys():
-            recordings.of[block] = self._record(block, threads, recordings.arrivals)
-        return recordings
-
-    def _record(self, block: _Block, threads: int, arrivals: Any) -> list[Any]:
-        first = self._plan.audited_step if block.audited else []
-        launches = [*(first or self._plan.step), *self._plan.step * (block.size - 1)]
-        shared_next = [*(launch.is_shared for launch in launches[1:]), True]
-        recordings = []
-        for thread in range(threads):
-            parts = {it: self._part(it, thread, threads) for it in dict.fromkeys(launches)}
+    def _graph(self, audited: bool) -> Any:
+        if audited not in self._graphs:
             with wp.ScopedCapture(device=self._device) as capture:
+                for launch in (audited and self._plan.audited_step) or self._plan.step:
+                    self.launch(launch)
+            self._graphs[audited] = capture.graph
+        return self._graphs[audited]
+
+    def _recorded(self, threads: int) -> _Ensemble:
+        """The loops of so many threads."""
+        arrivals: Any = wp.zeros(threads, dtype=wp.int64, device=self._device)
+
+        def taker(launches: Sequence[Launch], thread: int) -> Callable[[], None]:
+            shared_next = [*(launch.is_shared for launch in launches[1:]), True]
+
+            def take() -> None:
                 for launch, others_follow in zip(launches, shared_next, strict=True):
-                    for command in parts[launch]:
+                    for command in self._part(launch, thread, threads):
                         command.launch()
                     if threads > 1 and (launch.is_shared or others_follow):
                         wp.launch(make_rendezvous(), 1, [arrivals, thread], device=self._device)
-            recordings.append(capture.graph)
-        return recordings
+
+            return take
+
+        step, audited_step = self._plan.step, self._plan.audited_step
+        loops = [
+            _Loop(
+                taker(step, thread),
+                taker(audited_step, thread) if audited_step else None,
+                self._device,
+            )
+            for thread in range(threads)
+        ]
+        return _Ensemble(loops, arrivals)

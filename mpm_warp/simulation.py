@@ -17,10 +17,10 @@ from mpm_warp.health import (
     check_yield,
 )
 from mpm_warp.host_arrays import HostArrays
+from mpm_warp.kernels.next_step import AUDIT_INTERVAL
 from mpm_warp.materials import PerfectlyPlastic
 from mpm_warp.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.recording import AUDIT_INTERVAL
 from mpm_warp.scene import Scene
 from mpm_warp.watch import SoilWatch
 

@@ -248,10 +248,16 @@ MUTATIONS = (
         "return [self._command(launch.share(0, 1))]",
     ),
     Mutation(
-        "blocks of steps with one too few",
-        "mpm_warp/recording.py",
-        "*self._plan.step * (block.size - 1)",
-        "*self._plan.step * (block.size - 2)",
+        "one step too many",
+        f"{KERNELS}/next_step.py",
+        "int(step < loop[wp.static(END)])",
+        "int(step <= loop[wp.static(END)])",
+    ),
+    Mutation(
+        "steps audited that are not to be",
+        f"{KERNELS}/next_step.py",
+        "int(step % wp.static(AUDIT_INTERVAL) == 0)",
+        "int(step % wp.static(AUDIT_INTERVAL) == 1)",
     ),
     Mutation(
         "threads that do not wait for each other",

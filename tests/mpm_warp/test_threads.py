@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import warp as wp
 
+import mpm_warp.recording
 from mpm_warp.execution import THREAD_COUNTS, Execution
 from mpm_warp.grids import Floats
 from mpm_warp.pace import PAUSE, SHORTEST, Pace
 from mpm_warp.plan import FIRST, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.recording import AUDIT_INTERVAL, BLOCK_SIZES, LONG_RUN, _blocks
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
@@ -42,7 +42,6 @@ def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
         travel.advance_to(CONE.cone_radius * fraction / len(switches or (1,)))
-    assert simulation.step_count > LONG_RUN + AUDIT_INTERVAL  # in blocks of steps at the end
     assert any(launch.is_shared and not launch.adds_up for launch in simulation.plan.step)
     return {name: simulation.array(name).copy() for name in simulation.arrays}
 
@@ -136,39 +135,45 @@ def test_what_a_part_of_a_team_raises_is_raised_after_all_have_ended(unlucky: in
 def test_nobody_waits_for_a_thread_that_has_left_a_step(
     unlucky: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As by Ctrl-C, which reaches the caller between two recordings."""
+    """As by Ctrl-C, which reaches the caller between two calls."""
     simulation = Simulation(CONE.build()[0], Execution(threads=2))
-    simulation.advance(LONG_RUN + 50)
+    simulation.advance(50)
+    monkeypatch.setattr(mpm_warp.recording, "LONGEST_CALL", 0)  # each step by a call
     replay, main = wp.capture_launch, threading.main_thread()
-    calls: list[int] = []
+    calls = [0, 0]
 
     def interrupted(graph: wp.Graph) -> None:
-        if (threading.current_thread() is main) == (unlucky == 0):
-            calls.append(unlucky)
-            if len(calls) == 3:
-                raise InterruptedError
+        thread = int(threading.current_thread() is not main)
+        calls[thread] += 1
+        if thread == unlucky and calls[thread] == 3:
+            raise InterruptedError
         replay(graph)
 
     with monkeypatch.context() as patch:
         patch.setattr(wp, "capture_launch", interrupted)
         with pytest.raises(InterruptedError):
             simulation.advance(400)
-    assert len(calls) == 3
+    assert calls[unlucky] == 3
+    assert calls[1 - unlucky] < 100  # the other does not go on alone for long
     test_threads_do_not_change_a_bit(2)  # of another run, with the same threads
 
 
-def test_steps_are_played_in_blocks_that_make_them_up() -> None:
-    for phase in range(AUDIT_INTERVAL):
-        for count in range(3 * AUDIT_INTERVAL):
-            for largest in BLOCK_SIZES:
-                step = phase
-                for block in _blocks(phase, count, largest):
-                    assert block.size <= largest
-                    assert step % block.size == 0
-                    assert block.audited == (step % AUDIT_INTERVAL == 0)
-                    assert block.size <= AUDIT_INTERVAL - step % AUDIT_INTERVAL
-                    step += block.size
-                assert step == phase + count
+@pytest.mark.parametrize("scene", [CONE, GravityColumn(cell_count=3)])
+def test_steps_are_the_same_however_they_are_parted(
+    scene: ConePenetration | GravityColumn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    soil = scene.simulated_scene()
+    assert soil is not None
+    whole, parted = Simulation(soil), Simulation(soil)
+    whole.advance(100)
+    monkeypatch.setattr(mpm_warp.recording, "LONGEST_CALL", 7 * parted.plan.particle_count)
+    for count in (1, 15, 16, 17, 3, 48):
+        parted.advance(count)
+    for name in whole.arrays:
+        np.testing.assert_array_equal(parted.array(name), whole.array(name), err_msg=name)
+    if soil.window is not None:
+        time = float(whole.array("window.motion")[0])
+        assert time == pytest.approx(100 * whole.plan.time_step, rel=1e-12)
 
 
 def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
