@@ -107,13 +107,17 @@ class Player:
             threads: threads of the processor, >= 1.
         """
         if self._device.is_cuda:
-            for step in steps:
-                wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0))
+            self._play_one_by_one(steps)
             return
         threads = self._pace.choose(min(threads, self._plan.share_count))
         start = time.perf_counter()
         self._play_together(steps, threads)
         self._pace.note(threads, len(steps), time.perf_counter() - start)
+
+    def _play_one_by_one(self, steps: range) -> None:
+        """On a GPU: a launch for each."""
+        for step in steps:
+            wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0))
 
     def _play_together(self, steps: range, threads: int) -> None:
         if threads not in self._ensembles:

@@ -16,6 +16,7 @@ from mpm_warp.grids import Floats
 from mpm_warp.pace import PAUSE, SHORTEST, Pace
 from mpm_warp.plan import FIRST, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
+from mpm_warp.recording import Player
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
@@ -156,6 +157,16 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
     assert calls[unlucky] == 3
     assert calls[1 - unlucky] < 100  # the other does not go on alone for long
     test_threads_do_not_change_a_bit(2)  # of another run, with the same threads
+
+
+def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    at_once, one_by_one = (Simulation(CONE.build()[0]) for _ in range(2))
+    at_once.advance(100)
+    play = Player._play_one_by_one
+    monkeypatch.setattr(Player, "play", lambda self, steps, threads: play(self, steps))
+    one_by_one.advance(100)
+    for name in at_once.arrays:
+        np.testing.assert_array_equal(one_by_one.array(name), at_once.array(name), err_msg=name)
 
 
 @pytest.mark.parametrize("scene", [CONE, GravityColumn(cell_count=3)])
