@@ -6,6 +6,8 @@ SHORTEST = 16
 """Steps that tell a pace, at least."""
 PAUSE = 300
 """Steps on one thread before more are tried again."""
+WEIGHT = 0.25
+"""Of the last play among those before: a single one may be late by chance."""
 
 
 class Pace:
@@ -29,6 +31,9 @@ class Pace:
             self._pause = max(0, self._pause - step_count)
         if step_count < SHORTEST:
             return
-        self._seconds[threads] = seconds / step_count
+        last = seconds / step_count
+        known = self._seconds.get(threads, last)
+        self._seconds[threads] = known + WEIGHT * (last - known)
         if threads > 1 and self._seconds[threads] > self._seconds[1]:
             self._pause = PAUSE
+            del self._seconds[threads]  # to be tried afresh

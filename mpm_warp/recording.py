@@ -110,6 +110,8 @@ class Player:
             self._play_one_by_one(steps)
             return
         threads = self._pace.choose(min(threads, self._plan.share_count))
+        if threads not in self._ensembles:
+            self._ensembles[threads] = self._recorded(threads)
         start = time.perf_counter()
         self._play_together(steps, threads)
         self._pace.note(threads, len(steps), time.perf_counter() - start)
@@ -120,8 +122,6 @@ class Player:
             wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0))
 
     def _play_together(self, steps: range, threads: int) -> None:
-        if threads not in self._ensembles:
-            self._ensembles[threads] = self._recorded(threads)
         ensemble = self._ensembles[threads]
         longest = max(1, LONGEST_CALL // max(1, self._plan.particle_count))
         calls = [steps[first : first + longest] for first in range(0, len(steps), longest)]

@@ -194,7 +194,9 @@ def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
     assert pace.choose(2) == 2
     pace.note(2, step_count=100, seconds=0.6)
     assert pace.choose(2) == 2
-    pace.note(2, step_count=100, seconds=1.1)
+    pace.note(2, step_count=100, seconds=2.0)  # late by chance
+    assert pace.choose(2) == 2
+    pace.note(2, step_count=100, seconds=2.0)
     for _ in range(PAUSE):
         assert pace.choose(2) == 1
         pace.note(1, step_count=1, seconds=0.01)
