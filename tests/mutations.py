@@ -237,15 +237,21 @@ MUTATIONS = (
     ),
     Mutation(
         "a share of each launch left out",
-        "mpm_warp/recording.py",
-        "range(thread * count // threads, (thread + 1) * count // threads)",
-        "range(thread * count // threads, (thread + 1) * count // threads - thread)",
+        "mpm_warp/sharing.py",
+        "(thread + 1) * share_count // threads)",
+        "(thread + 1) * share_count // threads - thread)",
     ),
     Mutation(
         "what one thread is to do done by all",
-        "mpm_warp/recording.py",
-        "return [self._command(launch.share(0, 1))] if thread == 0 else []",
-        "return [self._command(launch.share(0, 1))]",
+        "mpm_warp/sharing.py",
+        "[launch.share(0, 1)] if thread == 0 else []",
+        "[launch.share(0, 1)]",
+    ),
+    Mutation(
+        "pieces done by all who try to claim them",
+        f"{KERNELS}/claim.py",
+        "before != now",
+        "true",
     ),
     Mutation(
         "one step too many",

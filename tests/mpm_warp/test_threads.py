@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import warp as wp
 
-import mpm_warp.recording
+import mpm_warp.ensemble
+import mpm_warp.sharing
 from mpm_warp.execution import THREAD_COUNTS, Execution
 from mpm_warp.grids import Floats
 from mpm_warp.pace import PAUSE, SHORTEST, Pace
@@ -20,6 +21,7 @@ from mpm_warp.recording import Player
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.sharing import has_open_pieces, share_of
 from mpm_warp.simulation import Simulation
 from mpm_warp.team import Team
 from mpm_warp.travel import Travel
@@ -31,7 +33,8 @@ CONE = ConePenetration(
 
 @pytest.fixture
 def all_take_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Threads share the steps even where one would be faster."""
+    """Threads share the steps, and leave pieces of them open, even where one would be faster."""
+    monkeypatch.setattr(mpm_warp.sharing, "WORTH_CLAIMING", 1000)
     monkeypatch.setattr(Pace, "choose", lambda self, wanted: wanted)
     monkeypatch.setattr(Pace, "note", lambda self, threads, step_count, seconds: None)
 
@@ -43,7 +46,7 @@ def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
         travel.advance_to(CONE.cone_radius * fraction / len(switches or (1,)))
-    assert any(launch.is_shared and not launch.adds_up for launch in simulation.plan.step)
+    assert any(map(has_open_pieces, simulation.plan.step))
     return {name: simulation.array(name).copy() for name in simulation.arrays}
 
 
@@ -87,6 +90,21 @@ def test_the_shares_of_a_launch_make_up_the_whole(
             first = share.arguments[place]
             covered += range(first, first + share.dim[0])
         assert covered == list(range(launch.dim[0]))
+
+
+@pytest.mark.usefixtures("all_take_part")
+@pytest.mark.parametrize("threads", [1, 2, 4])
+def test_what_threads_do_of_a_launch_makes_up_the_whole(threads: int) -> None:
+    for launch in make_plan(CONE.build()[0]).step:
+        if FIRST not in launch.arguments:
+            continue
+        place = launch.arguments.index(FIRST)
+        shares = [share_of(launch, it, threads, SHARE_COUNT) for it in range(threads)]
+        parts = [part for share in shares for part in share.own] + [*shares[0].open.values()]
+        done = [it + part.arguments[place] for part in parts for it in range(part.dim[0])]
+        assert sorted(done) == list(range(launch.dim[0]))
+        assert len({frozenset(share.open) for share in shares}) == 1
+        assert bool(shares[0].open) == (threads > 1 and has_open_pieces(launch))
 
 
 def test_threads_share_what_takes_longer_than_to_wait_for_each_other() -> None:
@@ -138,8 +156,8 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
 ) -> None:
     """As by Ctrl-C, which reaches the caller between two calls."""
     simulation = Simulation(CONE.build()[0], Execution(threads=2))
+    monkeypatch.setattr(mpm_warp.ensemble, "LONGEST_CALL", 0)  # each step by a call
     simulation.advance(50)
-    monkeypatch.setattr(mpm_warp.recording, "LONGEST_CALL", 0)  # each step by a call
     replay, main = wp.capture_launch, threading.main_thread()
     calls = [0, 0]
 
@@ -177,7 +195,7 @@ def test_steps_are_the_same_however_they_are_parted(
     assert soil is not None
     whole, parted = Simulation(soil), Simulation(soil)
     whole.advance(100)
-    monkeypatch.setattr(mpm_warp.recording, "LONGEST_CALL", 7 * parted.plan.particle_count)
+    monkeypatch.setattr(mpm_warp.ensemble, "LONGEST_CALL", 7 * parted.plan.particle_count)
     for count in (1, 15, 16, 17, 3, 48):
         parted.advance(count)
     for name in whole.arrays:
