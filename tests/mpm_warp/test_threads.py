@@ -165,6 +165,8 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
         thread = int(threading.current_thread() is not main)
         calls[thread] += 1
         if thread == unlucky and calls[thread] == 3:
+            while calls[1 - unlucky] < 3:  # until the other is in the step
+                time.sleep(0.001)
             raise InterruptedError
         replay(graph)
 
