@@ -78,8 +78,8 @@ class Clocks:
             float(np.median(self._overheads)),
             unit="1",
             meaning="share of the time that Python and the launches take",
-            description="Python: what is not within the steps, the watch, history and soil that "
-            "enters among it; launches: as many as in a step of one that does nothing; median",
+            description="Python: all that is not within the steps, such as the watch, history and "
+            "soil that enters; launches: those of a step, each as one that does nothing; median",
         )
         return _stage_table(self._simulation, self._times).assign(overhead_share=overhead)
 

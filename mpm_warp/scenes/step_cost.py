@@ -36,7 +36,7 @@ class StepCost(ReadyScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     headline: ClassVar[str] = "update_rate"
 
     size: int = parameter(
