@@ -34,7 +34,8 @@ def make_parser() -> argparse.ArgumentParser:
         "--workers",
         type=_count,
         metavar="N",
-        help="processes, each with a case at a time; default: one for each core",
+        help="processes, each with a case at a time; default: one for each core, or for each "
+        "--threads of them",
     )
     where.add_argument(
         "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"

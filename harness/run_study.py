@@ -13,7 +13,7 @@ from harness import HarnessError
 from harness.case_files import case_folder, discard, read_outcome
 from harness.cases import COMPLETED, DAMAGED, Case, cases_of
 from harness.progress import Display, tell
-from harness.runner import Watcher, run_cases
+from harness.runner import Watcher, cases_at_once, run_cases
 from harness.study import Study
 from harness.upkeep import collect_and_write, outcomes, summary
 from harness.whole_files import ArchiveError, abandoned, prepare
@@ -35,7 +35,7 @@ def on_this_machine(
 
     Args:
         study: where it asks for timed runs, one process runs alone.
-        worker_count: processes at work; None: one for each core.
+        worker_count: processes at work; None: as many as there are cores for their threads.
         time_limit: time that a case may take [s].
         device: where the cases are computed.
         threads: of each case; None: those that are idle, or one where the study asks for timing.
@@ -48,7 +48,7 @@ def on_this_machine(
     if batch > 1 and study.timing_repeats:
         raise HarnessError("[timing] repeats: cases are timed one at a time, without --batch")
     repeats = study.timing_repeats
-    workers = 1 if repeats else worker_count or os.cpu_count() or 1
+    workers = 1 if repeats else worker_count or cases_at_once(threads)
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
     return lambda cases, folder, watcher: run_cases(

@@ -218,6 +218,11 @@ def share_of_cores(cases_at_work: int) -> int:
     return max((count for count in THREAD_COUNTS if count <= cores), default=1)
 
 
+def cases_at_once(threads: int | None) -> int:
+    """Cases that have the cores of this machine, of so many threads each; None: of one."""
+    return max(1, (os.cpu_count() or 1) // (threads or 1))
+
+
 def _with_news(workers: Sequence[_Worker], time_limit: float) -> list[_Worker]:
     """Wait for workers that have something to say or have taken too long."""
     deadline = min((worker.deadline(time_limit) for worker in workers), default=0.0)

@@ -17,7 +17,7 @@ import xarray as xr
 from harness import archive, case_files
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
 from harness.measuring import differing
-from harness.runner import Watcher, run_cases, share_of_cores
+from harness.runner import Watcher, cases_at_once, run_cases, share_of_cores
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
 from harness.study import Study, load_study
@@ -86,8 +86,10 @@ def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study)
 def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "cpu_count", lambda: 8)
     assert [share_of_cores(cases) for cases in (1, 2, 3, 4, 5, 8, 20)] == [4, 4, 2, 2, 1, 1, 1]
+    assert [cases_at_once(threads) for threads in (None, 1, 2, 4)] == [8, 8, 4, 2]
     monkeypatch.setattr(os, "cpu_count", lambda: None)
     assert share_of_cores(1) == 1
+    assert cases_at_once(2) == 1
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
