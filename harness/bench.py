@@ -19,7 +19,7 @@ STAGE_COLUMNS = (
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
-    """Tables of speed, of what Python and launches take and of memory, a column a size.
+    """Tables of speed, of the gain by threads, of Python's share and of memory, a column a size.
 
     Below, for the largest case of the most physics, the stages of a step; with the times that their
     operations, or the bytes that they move, would take at the rates of bare loops.
@@ -34,10 +34,14 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     completed = cases.isel(it=np.flatnonzero(cases.status.values == COMPLETED))
     each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
     rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
-    if "stage_time" in completed:
-        clocked = [case for case in each if np.isfinite(case.overhead_share.item())]
-        rows += ["", *_by_size("Python and launches, share of the time", clocked, dims, _overhead)]
-    rows += ["", *_by_size("arrays, bytes a point", each, dims, _array_bytes)]
+    for title, name, text in (
+        ("times as fast as one thread, turn about", "thread_gain", _gain),
+        ("Python and launches, share of the time", "overhead_share", _overhead),
+        ("arrays, bytes a point", "array_bytes", _array_bytes),
+    ):
+        measured = [case for case in each if name in case and np.isfinite(case[name].item())]
+        if measured:
+            rows += ["", *_by_size(title, measured, dims, text)]
     return [*rows, "", *_stage_rows(completed)] if "stage_time" in completed else rows
 
 
@@ -47,6 +51,10 @@ def _speed(case: xr.Dataset) -> str:
         for name in ("update_rate", "update_rate_lowest", "update_rate_highest")
     )
     return f"{rate:.1f} ({low:.1f} to {high:.1f})"
+
+
+def _gain(case: xr.Dataset) -> str:
+    return f"{case.thread_gain.item():.2f}"
 
 
 def _overhead(case: xr.Dataset) -> str:

@@ -26,6 +26,7 @@ MEASURED = frozenset(
         "update_rate",
         "update_rate_lowest",
         "update_rate_highest",
+        "thread_gain",
         "overhead_share",
         "stage_time",
         "stage_bytes",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,10 @@ from mpm_warp.history import variable
 from mpm_warp.simulation import Simulation
 from mpm_warp.timing import ClockedExecution, StageClock, StepTimes, yardsticks
 
+LEAST_STEPS = 16
+"""Steps of a sample, at least."""
+WARM_SHARE = 0.5
+"""Of the time of a sample, for which steps are taken before any."""
 CLOCKED_STEPS = 16
 """Steps after each sample whose stages are clocked."""
 
@@ -46,7 +51,65 @@ def sample(simulation: Simulation, take: Callable[[int], None], count: int) -> S
     )
 
 
-class Clocks:
+def steps_within(seconds: float, simulation: Simulation, take: Callable[[int], None]) -> int:
+    """How many steps take so long [s], about, told by taking some; all is warm after them."""
+    count = LEAST_STEPS
+    # The first steps load kernels and record launches: only many tell how long one takes.
+    while (taken := sample(simulation, take, count)).seconds < WARM_SHARE * seconds:
+        count *= 2
+    return max(LEAST_STEPS, math.ceil(taken.steps * seconds / taken.seconds))
+
+
+class Beside:
+    """What else is measured, turn about with the samples: nothing."""
+
+    def begin(self) -> None:
+        """Go before a sample."""
+
+    def note(self, taken: Sample) -> None:
+        """Take down a sample that has been begun, and measure something after it."""
+
+    def table(self) -> xr.Dataset:
+        """What came out."""
+        return xr.Dataset()
+
+
+class OneThread(Beside):
+    """The same run on one thread, to tell how much faster several are.
+
+    The state of a machine changes from second to second: speeds are of the same moment only where
+    they are measured one right after the other.
+
+    Args:
+        simulation: a run like the one that is sampled, on one thread.
+        take: takes its steps.
+    """
+
+    def __init__(self, simulation: Simulation, take: Callable[[int], None]) -> None:
+        self._simulation = simulation
+        self._take = take
+        self._ratios: list[float] = []
+
+    def note(self, taken: Sample) -> None:
+        """See `Beside`."""
+        alone = sample(self._simulation, self._take, taken.steps)
+        self._ratios.append((alone.seconds / alone.steps) / (taken.seconds / taken.steps))
+
+    def table(self) -> xr.Dataset:
+        """How many times faster the threads are, each sample over the next of one thread."""
+        return xr.Dataset(
+            {
+                "thread_gain": variable(
+                    float(np.median(self._ratios)),
+                    unit="1",
+                    meaning="times as fast as on one thread",
+                    description="each sample beside one of one thread right after it; median",
+                )
+            }
+        )
+
+
+class Clocks(Beside):
     """Clocks of a run on one thread of the processor: between its steps, and between its stages.
 
     Args:
@@ -61,12 +124,12 @@ class Clocks:
         self._times: list[StepTimes] = []
         self._overheads: list[float] = []
 
-    def start(self) -> None:
+    def begin(self) -> None:
         """Start the one between the steps."""
         self._steps.start()
 
     def note(self, taken: Sample) -> None:
-        """Take down a sample, at whose begin the clock was started; and the times of stages."""
+        """Take down what that one tells, and the times of stages."""
         python = 1.0 - self._steps.share_of_steps
         times = self._stages.time_steps(CLOCKED_STEPS)
         self._times.append(times)

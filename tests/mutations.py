@@ -373,6 +373,12 @@ MUTATIONS = (
         "body.critical_time_step(scene.grid.cell_size, thinning)",
         "body.critical_time_step(scene.grid.cell_size)",
     ),
+    Mutation(
+        "gain by threads upside down",
+        "mpm_warp/speed.py",
+        "(alone.seconds / alone.steps) / (taken.seconds / taken.steps)",
+        "(taken.seconds / taken.steps) / (alone.seconds / alone.steps)",
+    ),
 )
 
 

@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from mpm_warp.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
+    from mpm_warp.speed import Beside
 
-LEAST_STEPS = 16
-"""Steps of a sample, at least."""
 BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
 
@@ -36,7 +35,7 @@ class StepCost(ReadyScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     headline: ClassVar[str] = "update_rate"
 
     size: int = parameter(
@@ -60,7 +59,7 @@ class StepCost(ReadyScene):
     )
     samples: int = parameter(7, unit="1", meaning="timed samples", minimum=1, maximum=1000)
     sample_time: float = parameter(
-        0.3, unit="s", meaning="least time of a sample", above=0, maximum=100
+        0.3, unit="s", meaning="time of a sample, about", above=0, maximum=100
     )
 
     def cone(self) -> ConePenetration:
@@ -111,6 +110,7 @@ class StepCost(ReadyScene):
         from mpm_warp.batch import Batch
         from mpm_warp.execution import Execution
         from mpm_warp.simulation import Simulation
+        from mpm_warp.speed import LEAST_STEPS
         from mpm_warp.timing import ClockedExecution
 
         device = "cpu" if execution is None else execution.device
@@ -138,25 +138,18 @@ class StepCost(ReadyScene):
 
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
-        from mpm_warp.speed import Clocks, sample
-        from mpm_warp.timing import ClockedExecution
+        from mpm_warp.speed import sample, steps_within
 
         simulation = Simulation(self.build(), execution)
-        clocks = None
-        if isinstance(execution, ClockedExecution):
-            clocks = Clocks(simulation, execution)
+        beside = self._beside(simulation, execution)
         take = self._stirred(simulation)
         begun = time.perf_counter()
-        take(LEAST_STEPS)  # warm
-        first = sample(simulation, take, LEAST_STEPS)
-        step_count = max(LEAST_STEPS, math.ceil(LEAST_STEPS * self.sample_time / first.seconds))
+        step_count = steps_within(self.sample_time, simulation, take)
         samples = []
         for number in range(self.samples):
-            if clocks is not None:
-                clocks.start()
+            beside.begin()
             samples.append(sample(simulation, take, step_count))
-            if clocks is not None:
-                clocks.note(samples[-1])
+            beside.note(samples[-1])
             if progress is not None:
                 progress((number + 1) / self.samples)
         simulation.check()
@@ -184,7 +177,23 @@ class StepCost(ReadyScene):
                 **cost(simulation, run_time=time.perf_counter() - begun),
             }
         )
-        return result if clocks is None else result.merge(clocks.table())
+        return result.merge(beside.table())
+
+    def _beside(self, simulation: Simulation, execution: Execution) -> Beside:
+        """What else is measured of a case, by how it is computed."""
+        from mpm_warp.execution import Execution
+        from mpm_warp.simulation import Simulation
+        from mpm_warp.speed import LEAST_STEPS, Beside, Clocks, OneThread
+        from mpm_warp.timing import ClockedExecution
+
+        if isinstance(execution, ClockedExecution):
+            return Clocks(simulation, execution)
+        if self.cases > 1 or execution.device != "cpu":
+            return Beside()
+        alone = Simulation(self.build(), Execution())
+        take = self._stirred(alone)
+        take(LEAST_STEPS)  # warm
+        return OneThread(alone, take)
 
     def _stirred(self, simulation: Simulation) -> Callable[[int], None]:
         """Give the soil its stresses and the window its speed; returns what takes steps."""

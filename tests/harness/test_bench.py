@@ -9,10 +9,8 @@ import xarray as xr
 
 from harness.bench import bench_rows
 from harness.cli import main
-from mpm_warp.scenes.step_cost import StepCost
-from mpm_warp.simulation import Simulation
-from mpm_warp.timing import StageClock, yardsticks
 
+GAIN_HEADER = "| times as fast as one thread, turn about | 600 points |"
 QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
 
 
@@ -47,36 +45,12 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
         larger = 1e9 * max(float(by_memory), float(by_arithmetic))
         assert over == pytest.approx(float(stage.stage_time) / larger, abs=0.051)
     assert float(dataset.array_bytes.max()) < 300
-
-
-def test_less_physics_has_fewer_stages() -> None:
-    stages = {
-        physics: {
-            launch.kernel.key.split("__")[-1]
-            for launch in StepCost(physics=physics, size=600).plan().step  # type: ignore[union-attr]
-        }
-        for physics in ("cone", "plastic", "elastic")
-    }
-    left_out = {"surface_contact", "far_field", "advance_window"}
-    assert stages["cone"] - stages["plastic"] == left_out
-    assert stages["plastic"] == stages["elastic"]
-
-
-def test_the_clock_tells_where_the_time_of_a_step_goes() -> None:
-    simulation = Simulation(StepCost(physics="elastic", size=5000).build())
-    before = simulation.array("particle.position").copy()
-    times = StageClock(simulation).time_steps(20)
-    stages = times.stages
-    assert list(stages) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
-    assert 0 < times.launching < sum(stages.values())
-    assert (simulation.array("particle.position") == before).all()  # at rest
-
-
-def test_yardsticks_are_within_what_processors_do() -> None:
-    machine = yardsticks()
-    assert 1e8 < machine.streaming < 1e12
-    assert 1e8 < machine.arithmetic < 1e12
-    assert 1e7 < machine.division < machine.arithmetic
+    assert (dataset.thread_gain.sel(threads=2) > 0).all()
+    assert dataset.thread_gain.sel(threads=1).isnull().all()
+    gains = rows[rows.index(GAIN_HEADER) + 2 :]
+    assert [row.split("|")[2].strip() for row in gains[: gains.index("")]] == [
+        f"{case:.2f}" for case in dataset.thread_gain.sel(threads=2).values.flat
+    ]
 
 
 def test_two_benches_can_be_compared(
@@ -89,11 +63,3 @@ def test_two_benches_can_be_compared(
     assert "update_rate " in capsys.readouterr().out
     # A measurement that came out the same to the last bit would be no measurement.
     assert main(["compare", str(result), str(other), "--tolerance", "0"]) == 1
-
-
-def test_cases_that_are_computed_together_are_measured_together() -> None:
-    result = StepCost(size=600, cases=3, samples=2, sample_time=0.01).run()
-    assert float(result.update_rate) > 0
-    # Of one of them; no stage is clocked, because other cases share its launches.
-    assert float(result.particle_updates) < 3 * float(result.particle_count * result.step_count)
-    assert "stage_time" not in result

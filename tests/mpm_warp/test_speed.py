@@ -1,0 +1,59 @@
+"""How fast a run is: what is measured of it."""
+
+from __future__ import annotations
+
+from mpm_warp.scenes.step_cost import StepCost
+from mpm_warp.simulation import Simulation
+from mpm_warp.speed import OneThread, Sample
+from mpm_warp.timing import StageClock, yardsticks
+
+
+def test_the_gain_by_threads_is_that_over_one() -> None:
+    simulation = Simulation(StepCost(physics="elastic", size=600).build())
+    gains = []
+    for seconds in (1e-9, 1e9):  # of the threads, for ten steps
+        one = OneThread(simulation, simulation.advance)
+        one.note(Sample(steps=10, updates=6000, seconds=seconds))
+        gains.append(float(one.table().thread_gain))
+    assert gains[0] > 1000
+    assert gains[1] < 0.001
+    assert simulation.step_count == 20
+
+
+def test_less_physics_has_fewer_stages() -> None:
+    stages = {
+        physics: {
+            launch.kernel.key.split("__")[-1]
+            for launch in StepCost(physics=physics, size=600).plan().step  # type: ignore[union-attr]
+        }
+        for physics in ("cone", "plastic", "elastic")
+    }
+    left_out = {"surface_contact", "far_field", "advance_window"}
+    assert stages["cone"] - stages["plastic"] == left_out
+    assert stages["plastic"] == stages["elastic"]
+
+
+def test_the_clock_tells_where_the_time_of_a_step_goes() -> None:
+    simulation = Simulation(StepCost(physics="elastic", size=5000).build())
+    before = simulation.array("particle.position").copy()
+    times = StageClock(simulation).time_steps(20)
+    stages = times.stages
+    assert list(stages) == [it.kernel.key.split("__")[-1] for it in simulation.plan.step]
+    assert 0 < times.launching < sum(stages.values())
+    assert (simulation.array("particle.position") == before).all()  # at rest
+
+
+def test_yardsticks_are_within_what_processors_do() -> None:
+    machine = yardsticks()
+    assert 1e8 < machine.streaming < 1e12
+    assert 1e8 < machine.arithmetic < 1e12
+    assert 1e7 < machine.division < machine.arithmetic
+
+
+def test_cases_that_are_computed_together_are_measured_together() -> None:
+    result = StepCost(size=600, cases=3, samples=2, sample_time=0.01).run()
+    assert float(result.update_rate) > 0
+    # Of one of them; no stage is clocked, because other cases share its launches.
+    assert float(result.particle_updates) < 3 * float(result.particle_count * result.step_count)
+    assert "stage_time" not in result
+    assert "thread_gain" not in result
