@@ -81,6 +81,7 @@ def run_cases(
     waiting = deque(cases)
     alone: deque[Case] = deque()
     workers: list[_Worker] = []
+    ready = list[tuple[_Worker, list[Case]]]()
 
     def next_case(queue: deque[Case]) -> Case | None:
         while queue:
@@ -96,26 +97,34 @@ def run_cases(
         count = min(batch, math.ceil(len(waiting) / worker_count))
         return [case for _ in range(count) if (case := next_case(waiting))]
 
+    def hear(worker: _Worker) -> None:
+        for case, news in worker.news(time_limit):
+            if isinstance(news, float):
+                watcher.advanced(case, news)
+            elif news.status == MISSING:
+                raise ArchiveError(news.message)  # of no use to compute what is not kept
+            else:
+                watcher.finished(case, news)
+
     try:
         while waiting or alone or workers:
             while len(workers) < worker_count and (following := next_cases()):
-                workers.append(_Worker(folder, following, device, repeats))
+                workers.append(_Worker(folder, device, repeats))
+                ready.append((workers[-1], following))
+            # A case may take long to its first report, and is told of its threads no sooner.
             for worker in workers:
                 worker.allow(threads or share_of_cores(len(workers)))
+            for worker, following in ready:
+                worker.begin(following)
+            ready.clear()
             for worker in _with_news(workers, time_limit):
-                for case, news in worker.news(time_limit):
-                    if isinstance(news, float):
-                        watcher.advanced(case, news)
-                    elif news.status == MISSING:
-                        raise ArchiveError(news.message)  # of no use to compute what is not kept
-                    else:
-                        watcher.finished(case, news)
+                hear(worker)
                 if worker.is_at_work:
                     continue
                 alone.extend(worker.left.values())
                 following = next_cases() if worker.process.is_alive() else []
                 if following:
-                    worker.begin(following)
+                    ready.append((worker, following))
                 else:
                     workers.remove(worker)
                     _end([worker])
@@ -132,7 +141,7 @@ class _Worker:
         is_at_work: whether it is at them.
     """
 
-    def __init__(self, folder: Path, cases: Sequence[Case], device: str, repeats: int) -> None:
+    def __init__(self, folder: Path, device: str, repeats: int) -> None:
         self.folder = folder
         self.repeats = repeats
         self.threads = 1
@@ -144,7 +153,6 @@ class _Worker:
             self.process.start()
         # With this copy closed, the death of the worker reads as an end of file.
         theirs.close()
-        self.begin(cases)
 
     def begin(self, cases: Sequence[Case]) -> None:
         self.given = tuple(cases)

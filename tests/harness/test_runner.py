@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness import archive, case_files
+from harness import archive, case_files, runner
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
 from harness.measuring import differing
 from harness.runner import Watcher, cases_at_once, run_cases, share_of_cores
@@ -81,6 +81,22 @@ def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study)
         datasets.append(archive.collect(small, cases, folder))
     assert differing(datasets[0], datasets[1]) == []
     assert differing(datasets[0], datasets[2]) == []
+
+
+def test_a_case_has_its_threads_from_the_first_step_on(
+    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent = []
+    send = runner._Worker._send
+
+    def noted(worker: runner._Worker, message: tuple[Case, ...] | int) -> None:
+        sent.append(message)
+        send(worker, message)
+
+    monkeypatch.setattr(runner._Worker, "_send", noted)
+    cases = cases_of(small)
+    run_cases(cases, prepared(small, tmp_path), 1, Record(), threads=2)
+    assert sent == [2, *((case,) for case in cases)]
 
 
 def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
