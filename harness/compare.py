@@ -36,6 +36,7 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
         shaft_adhesion=shaft.where(shaft.notnull(), face),
         stress_anisotropy=dataset.get("stress_anisotropy", xr.DataArray(0.0)),
         apex_angle=dataset.get("apex_angle", xr.DataArray(60.0)),
+        friction=dataset.get("friction_coefficient", xr.DataArray(0.0)),
     )
 
 
@@ -110,8 +111,7 @@ def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
     """
     conditions = conditions_of(dataset)
     exact = conditions.face_adhesion / np.tan(np.radians(conditions.apex_angle) / 2)
-    friction = dataset.get("friction_coefficient", xr.DataArray(0.0))
-    return xr.DataArray(exact).where(friction == 0)
+    return xr.DataArray(exact).where(xr.DataArray(conditions.friction) == 0)
 
 
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:

@@ -149,6 +149,7 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
+        "computed: su is the strength in pure shear, for von_mises too (sqrt(J2) = su)",
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
         "literature: value, computed / literature - 1; [outside the validity of the reference]",

@@ -38,6 +38,8 @@ class Bearing(ReadyScene):
     below a cell, where the free surface is as sharp as the grid.
     """
 
+    exact_source: ClassVar[str]
+    """Where the exact load comes from, and how exact it is."""
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_radius",
         "rigidity_index",
@@ -140,4 +142,6 @@ class Bearing(ReadyScene):
             progress=progress,
         )
         run_time = time.perf_counter() - start
-        return curve.beside(self.exact_load).assign(cost(simulation, run_time=run_time))
+        return curve.beside(self.exact_load, self.exact_source).assign(
+            cost(simulation, run_time=run_time)
+        )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mpm_warp.boundaries import FarField, Fixed
     from mpm_warp.execution import Execution
     from mpm_warp.grids import Grid
-    from mpm_warp.materials import Tresca
+    from mpm_warp.materials import LinearElastic
     from mpm_warp.scene import Scene
 
 RADIUS = 1.0
@@ -29,14 +29,16 @@ SAMPLE_COUNT = 150
 
 @dataclass(frozen=True, kw_only=True)
 class Cavity(ReadyScene):
-    """A cavity in Tresca soil whose wall moves, the grid following it.
+    """A cavity in perfectly plastic soil whose wall moves, the grid following it.
 
     Incompressible soil with strains of any size: with a the radius, a0 that at the start,
     e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm, (p - p0)/su = k Ir Li2(e) while
     e <= x, then k (Ir Li2(x) + ln(e/x)); m = 2 and k = 1 for the cylinder, m = 3 and k = 4/3 for
-    the sphere. The soil here is slightly compressible (Poisson's ratio 0.495), which lowers the
-    limit by ln(2 (1 + nu) / (5 - 4 nu)) = -0.0101 and 4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0178
-    (Hill 1950); nothing is corrected for that.
+    the sphere. Soil of von Mises, with sqrt(J2) = su, yields like that of Tresca in the plane
+    strain around a cylinder, and around a sphere like one with sqrt(3)/2 su. The soil here is
+    slightly compressible (Poisson's ratio 0.495), which lowers the limit by
+    ln(2 (1 + nu) / (5 - 4 nu)) = -0.0100 and 4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 (Hill 1950);
+    nothing is corrected for that.
     """
 
     method: ClassVar[tuple[str, ...]] = ("cells_per_radius", "particles_per_cell", "speed_ratio")
@@ -44,9 +46,17 @@ class Cavity(ReadyScene):
     """m: 2 for the cylinder, 3 for the sphere."""
     factor: ClassVar[float]
     """k: 1 for the cylinder, 4/3 for the sphere."""
+    von_mises_strength: ClassVar[float]
+    """Strength of soil of von Mises over su where the cavity takes it to yield."""
 
     rigidity_index: float = parameter(
         100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=2000
+    )
+    material: str = parameter(
+        "tresca",
+        unit="1",
+        meaning="yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
+        choices=("tresca", "von_mises"),
     )
     poissons_ratio: float = parameter(
         0.495, unit="1", meaning="Poisson's ratio", minimum=0.4, maximum=0.4999
@@ -77,7 +87,7 @@ class Cavity(ReadyScene):
         """Nodes on planes and axes of symmetry."""
 
     @abstractmethod
-    def far_field(self, grid: Grid, material: Tresca) -> FarField | None:
+    def far_field(self, grid: Grid, material: LinearElastic) -> FarField | None:
         """The medium around the grid, or none."""
 
     @abstractmethod
@@ -104,12 +114,12 @@ class Cavity(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.materials import Tresca
+        from mpm_warp.materials import Tresca, VonMises
         from mpm_warp.moving_wall import MovingWall
         from mpm_warp.scene import Scene
 
         grid = self.grid()
-        material = Tresca(
+        material = {"tresca": Tresca, "von_mises": VonMises}[self.material](
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=self.poissons_ratio,
             density=DENSITY,
@@ -121,7 +131,6 @@ class Cavity(ReadyScene):
             material=material,
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=0.85,
-            # The time in which the wall passes a cell.
             bulk_viscosity=0.2,
             fixed=self.fixed(grid),
             far_field=self.far_field(grid, material),
@@ -132,12 +141,22 @@ class Cavity(ReadyScene):
         """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
         import numpy as np
 
-        index = self.rigidity_index
+        index = self.rigidity_index / self._strength
         strain = 1.0 - expansion ** -float(self.exponent)
         yielding = -math.expm1(-1.0 / index)
         elastic = index * _dilogarithm(np.minimum(strain, yielding))
         pressure: np.ndarray = elastic + np.log(np.maximum(strain / yielding, 1.0))
-        return self.factor * pressure
+        return self.factor * self._strength * pressure
+
+    @property
+    def limit(self) -> float:
+        """Excess pressure over strength that no expansion exceeds."""
+        return self.factor * self._strength * (1.0 + math.log(self.rigidity_index / self._strength))
+
+    @property
+    def _strength(self) -> float:
+        """Half the difference of the stresses along and across the wall at yield, over su."""
+        return self.von_mises_strength if self.material == "von_mises" else 1.0
 
     def run(
         self, progress: Progress | None = None, execution: Execution | None = None
@@ -175,9 +194,8 @@ class Cavity(ReadyScene):
 
         curves = self._curves(np.array(expansion), np.array(pressure))
         difference = curves.cavity_pressure - curves.cavity_pressure_exact
-        limit = self.factor * (1.0 + math.log(self.rigidity_index))
         error = variable(
-            float(np.abs(difference).max()) / limit,
+            float(np.abs(difference).max()) / self.limit,
             unit="1",
             meaning="error of the cavity pressure",
             description="greatest difference over the whole curve, over the limit pressure",
@@ -199,10 +217,13 @@ class Cavity(ReadyScene):
         axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
         variables = {
             "cavity_pressure": variable(
-                pressure, unit="1", meaning="cavity pressure over su", dims=dims
+                pressure, unit="1", meaning="excess cavity pressure over su", dims=dims
             ),
             "cavity_pressure_exact": variable(
-                self.exact(expansion), unit="1", meaning="cavity pressure over su, exact", dims=dims
+                self.exact(expansion),
+                unit="1",
+                meaning="excess cavity pressure over su, exact",
+                dims=dims,
             ),
         }
         return xr.Dataset(variables, coords={"expansion": axis})
@@ -213,15 +234,15 @@ class Cavity(ReadyScene):
 
 
 def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
-    """Soft and stiff soil at two resolutions, with a bound on the error of the finer one."""
+    """Soft and stiff soil, and soil of von Mises, at two resolutions; bounds the finer's error."""
     return tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=resolutions,
             bounds={"error": largest_error},
-            settings={"rigidity_index": rigidity_index},
+            settings={"rigidity_index": rigidity_index, "material": material},
         )
-        for rigidity_index in (50.0, 500.0)
+        for rigidity_index, material in ((50.0, "tresca"), (500.0, "tresca"), (50.0, "von_mises"))
     )
 
 

@@ -9,19 +9,22 @@ import math
 from typing import TYPE_CHECKING
 
 from mpm_warp.materials import LinearElastic
+from mpm_warp.penetration import SAMPLE_SPACING, STEADY_SAMPLES
 from mpm_warp.window import Approach, Window
 
 if TYPE_CHECKING:
     from mpm_warp.scenes.cone_penetration import ConePenetration
 
-STEADY_PENETRATION = 5.0
-"""Penetration at the final speed, at least, in cone radii: two such means, and one to forget."""
 RAMP = 1.0
 """Penetration in which the speed rises from rest, in cone radii."""
 SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
 FORGETTING = 1.5
 """Penetration at the final speed in which the soil forgets the approach, in cone radii."""
+STEADY_PENETRATION = FORGETTING + 2.0 * STEADY_SAMPLES * SAMPLE_SPACING
+"""Penetration at the final speed, at least, in cone radii: that, and two means to compare."""
+FROM_REST = 2.0
+"""Penetration without an approach before which no resistance counts as steady, in cone radii."""
 SPARE_FRACTION, SPARE_FRACTION_OF_FRICTION = 0.15, 0.4
 """Places for material points beside those that fill the grid, over their number: the cells along a
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
@@ -61,7 +64,7 @@ def _approach(test: ConePenetration, speed: float) -> Approach | None:
 
 
 def unsteady_penetration(test: ConePenetration, window: Window | None) -> float:
-    """Penetration of the ramp, or until the approach is forgotten, over the radius."""
+    """Penetration before which no resistance counts as steady, over the radius."""
     if window is None or window.approach is None:
-        return 2.0
+        return FROM_REST
     return window.approach.travel / test.cone_radius + FORGETTING

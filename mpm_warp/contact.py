@@ -17,9 +17,10 @@ PARTED = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceContact:
-    """Contact with a rigid body whose surface is the first column of the grid's nodes.
+    """Contact of nodes of the grid with a rigid body whose surface goes through them.
 
-    Areas are per radian: integrals of the nodes' shape functions over the surface, times r.
+    Areas are integrals of the nodes' shape functions over the surface, times r: per radian. In
+    plane strain they are lengths, without the r.
 
     Attributes:
         nodes: flat indices of the nodes in contact, shape [node_count].

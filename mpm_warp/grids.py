@@ -203,7 +203,7 @@ def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
     """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
 
     1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
-    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, Eng. Comput. 1:249-253).
+    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, J. Appl. Mech. 51:35-40).
     Infinite where nothing of the cell is open.
 
     Args:

@@ -47,8 +47,8 @@ class LoadCurve:
         resistance = variable(self.load, unit="1", meaning="load over area and su", dims=dims)
         return xr.Dataset({"resistance": resistance}, coords={"displacement": axis})
 
-    def beside(self, exact: float) -> xr.Dataset:
-        """The curve and its limit, beside the exact limit load, over area and su."""
+    def beside(self, exact: float, source: str) -> xr.Dataset:
+        """The curve and its limit, beside the exact one, over area and su, and its source."""
         variables = {
             "error": variable(
                 abs(self.limit / exact - 1),
@@ -64,7 +64,10 @@ class LoadCurve:
                 f"load changes there by at most {PLATEAU_CHANGE:.0%}; else not a number",
             ),
             "bearing_capacity_exact": variable(
-                exact, unit="1", meaning="limit load over area and su, exact"
+                exact,
+                unit="1",
+                meaning="limit load over area and su, exact",
+                description=source,
             ),
         }
         return self.curves().assign(variables)

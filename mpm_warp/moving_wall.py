@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class MovingWall:
-    """A smooth vertical wall, the first column of the grid's nodes, pushed outward.
+    """A smooth wall, a cylinder or a sphere, the first column of the grid's nodes, pushed outward.
 
     The columns between the wall and the outer radius draw together in proportion; soil passes
     from cell to cell.

@@ -141,35 +141,45 @@ class Penetration:
 
 
 def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """The cone factor and its parts, from the last two radii of the curves.
+    """The cone factor and its parts, from the last two radii of the curves or their last half.
 
     Args:
         curves: see :meth:`Penetration.curves`.
         strength: undrained shear strength su [Pa].
     """
     count = curves.sizes["penetration"]
-    last = slice(-min(STEADY_SAMPLES, count // 2), None)
+    mean_count = min(STEADY_SAMPLES, count // 2)
+    last = slice(-mean_count, None)
+    over = f"over the last {mean_count * SAMPLE_SPACING:g} radii"
     resistance = curves.penetration_resistance.values[last]
     shear = curves.penetration_resistance_shear.values[last]
     steady = {
-        "cone_factor": (resistance, "cone factor"),
-        "cone_factor_normal": (resistance - shear, "cone factor, normal part"),
-        "cone_factor_shear": (shear, "cone factor, shear part"),
+        "cone_factor": (resistance, "cone factor", "Nc = (qc - sigma_v0) / su"),
+        "cone_factor_normal": (
+            resistance - shear,
+            "cone factor, normal part",
+            "what the normal traction on the face adds to Nc",
+        ),
+        "cone_factor_shear": (
+            shear,
+            "cone factor, shear part",
+            "what the shear traction on the face adds to Nc",
+        ),
     }
     variables = {
         name: variable(
             values.mean() / strength,
             unit="1",
             meaning=meaning,
-            description="Nc = (qc - sigma_v0) / su, mean over the last two radii",
+            description=f"{description}, mean {over}",
         )
-        for name, (values, meaning) in steady.items()
+        for name, (values, meaning, description) in steady.items()
     }
     variables["cone_factor_variation"] = variable(
         np.ptp(resistance) / resistance.mean(),
         unit="1",
         meaning="variation of the cone factor",
-        description="range over the last two radii of penetration, over the mean",
+        description=f"range {over} of penetration, over the mean",
     )
     variables["penetration_reached"] = variable(
         count * SAMPLE_SPACING,

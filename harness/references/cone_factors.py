@@ -32,6 +32,7 @@ class Conditions:
         shaft_adhesion: adhesion factor of the shaft, 0 to 1.
         stress_anisotropy: (sigma_v0 - sigma_h0) / (2 su) in the ground before.
         apex_angle: of the cone [degree]; no formula uses it, all are made for 60.
+        friction: Coulomb coefficient of the penetrometer; no formula knows any.
     """
 
     rigidity_index: Quantity
@@ -39,6 +40,7 @@ class Conditions:
     shaft_adhesion: Quantity
     stress_anisotropy: Quantity = 0.0
     apex_angle: Quantity = 60.0
+    friction: Quantity = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,15 +80,19 @@ class ConeFactor:
         """The conditions that the formula is meant for, in words."""
         low, high = self.rigidity_index_range
         smooth = "" if self.has_adhesion_term else ", smooth face"
-        return f"60 degree cone, rigidity index {low:g} to {high:g}{smooth}"
+        return f"60 degree cone, no friction, rigidity index {low:g} to {high:g}{smooth}"
 
     def applies(self, conditions: Conditions) -> Quantity:
-        """Whether `conditions` lie within the :attr:`validity`, element by element."""
+        """Whether `conditions` lie within the :attr:`validity`, element by element.
+
+        Criterion and meaning of su may differ: see :attr:`criterion`.
+        """
         low, high = self.rigidity_index_range
         inside = (
             (conditions.rigidity_index >= low)
             & (conditions.rigidity_index <= high)
             & (conditions.apex_angle == 60.0)
+            & (conditions.friction == 0.0)
         )
         return inside if self.has_adhesion_term else inside & (conditions.face_adhesion == 0)
 

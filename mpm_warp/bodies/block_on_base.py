@@ -47,7 +47,8 @@ class BlockOnBase(ReadyScene):
     driving: str = parameter(
         "constant",
         unit="1",
-        meaning="how the driving forces, gravity's included, begin: at once, or rising steadily",
+        meaning="driving forces, gravity's included: soon constant (risen in ten crossing times of "
+        "a wave), or ramped: rising until the end, where the block slides",
         choices=("constant", "ramped"),
     )
     grid_angle: float = parameter(

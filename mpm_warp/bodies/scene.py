@@ -139,7 +139,7 @@ class BodyContact:
     """Contact between two bodies.
 
     The normal is that of the base, whose surface should go on where the body's ends: at its edges
-    a body's own normal turns away. The area is the lesser of the two bodies' along that normal.
+    a body's own normal turns away. The area is the body's own along that normal.
 
     Attributes:
         body: index of one body in the scene.

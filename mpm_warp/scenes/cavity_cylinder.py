@@ -12,7 +12,7 @@ from mpm_warp.scenes.base import Verification
 if TYPE_CHECKING:
     from mpm_warp.boundaries import FarField, Fixed
     from mpm_warp.grids import Grid
-    from mpm_warp.materials import Tresca
+    from mpm_warp.materials import LinearElastic
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,10 +20,11 @@ class CavityCylinder(Cavity):
     """One row of cells between smooth ends; see `Cavity` for the exact solution."""
 
     summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     verifications: ClassVar[tuple[Verification, ...]] = verifications(0.015, (4, 8))
     exponent: ClassVar[int] = 2
     factor: ClassVar[float] = 1.0
+    von_mises_strength: ClassVar[float] = 1.0
 
     def grid(self) -> Grid:
         """See `Cavity`."""
@@ -49,7 +50,7 @@ class CavityCylinder(Cavity):
         vertical = np.ones((2, len(grid.columns)), dtype=bool)
         return Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
 
-    def far_field(self, grid: Grid, material: Tresca) -> FarField:
+    def far_field(self, grid: Grid, material: LinearElastic) -> FarField:
         """See `Cavity`."""
         from mpm_warp.boundaries import FarField
 

@@ -32,7 +32,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",
@@ -73,10 +73,17 @@ class ConePenetration(ReadyScene):
         maximum=1,
     )
     undrained_shear_strength: float = parameter(
-        20e3, unit="Pa", meaning="undrained shear strength su", minimum=1e-3, maximum=1e9
+        20e3,
+        unit="Pa",
+        meaning="undrained shear strength su in pure shear",
+        minimum=1e-3,
+        maximum=1e9,
     )
     material: str = parameter(
-        "tresca", unit="1", meaning="yield criterion", choices=("tresca", "von_mises")
+        "tresca",
+        unit="1",
+        meaning="yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
+        choices=("tresca", "von_mises"),
     )
     poissons_ratio: float = parameter(
         0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
@@ -99,14 +106,16 @@ class ConePenetration(ReadyScene):
     approach: float = parameter(
         8.0,
         unit="1",
-        meaning="penetration at the approach speed over cone radius; ends 5 before the greatest",
+        meaning="penetration of the approach, its rise and fall of speed included, over cone "
+        "radius; ends 5.5 before the greatest at the latest, 3 or less: none",
         minimum=0,
         maximum=200,
     )
     approach_speed_ratio: float | None = parameter(
         None,
         unit="1",
-        meaning="approach speed over shear wave speed (default: 4 speed_ratio or sqrt(7 / Ir))",
+        meaning="approach speed over shear wave speed (default: the lesser of 4 speed_ratio and "
+        "sqrt(7 / Ir)); not above speed_ratio: no approach",
         above=0,
         maximum=0.5,
     )
@@ -221,7 +230,6 @@ class ConePenetration(ReadyScene):
             material=material,
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=self.time_step_fraction,
-            # The time in which soil passes a cell: noise comes from the crossing of cells.
             bulk_viscosity=0.2,
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),

@@ -25,13 +25,17 @@ class FullFlowCylinder(Bearing):
     """Half a cylinder on rays, moved by a small part of its radius; see `Bearing`.
 
     Soil surrounds the cylinder, so that the limit load of a small displacement is that of steady
-    flow. Force over (diameter times su), with D = asin(adhesion factor) (Randolph & Houlsby 1984,
-    Geotechnique 34(4):613-623), a lower bound, which the best upper bounds exceed by 0.65 %:
-    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)).
+    flow. Force over (diameter times su), with D = asin(adhesion factor):
+    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `exact_source`.
     """
 
     summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
     version: ClassVar[int] = 3
+    exact_source: ClassVar[str] = (
+        "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
+        "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
+        "Geotechnique 56(2):141-145)"
+    )
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",

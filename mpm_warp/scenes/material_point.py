@@ -44,7 +44,7 @@ class MaterialPoint(ReadyScene):
     """Tresca soil strained and turned through the stress update of the simulator, without a grid.
 
     Simple shear far beyond yield has the steady state of the Jaumann rate with perfect plasticity:
-    the direction of yielding stands at the angle asin(su / G) to that of shearing, at which the
+    half difference of the stresses and shear stress stand at the angle asin(su / G), at which the
     spin turns it as fast as the strain turns it back.
     """
 

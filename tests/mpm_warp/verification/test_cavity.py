@@ -9,6 +9,7 @@ import pytest
 
 from mpm_warp.grids import Grid
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
+from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.simulation import Simulation
 
 RADII = np.array([1.01, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0])
@@ -46,13 +47,23 @@ def test_the_grid_that_followed_the_wall_is_the_grid_around_it() -> None:
     np.testing.assert_allclose(simulation.array("cell.volume"), grid.cell_volumes, rtol=1e-9)
 
 
-@pytest.mark.parametrize("rigidity_index", [50.0, 100.0])
-def test_pressure_follows_the_closed_form(rigidity_index: float) -> None:
+@pytest.mark.parametrize(
+    ("rigidity_index", "material"), [(50.0, "tresca"), (100.0, "tresca"), (50.0, "von_mises")]
+)
+def test_pressure_follows_the_closed_form(rigidity_index: float, material: str) -> None:
     cells = 4
-    result = CavityCylinder(rigidity_index=rigidity_index, cells_per_radius=cells).run()
+    scene = CavityCylinder(rigidity_index=rigidity_index, material=material, cells_per_radius=cells)
+    result = scene.run()
     # Beside the wall the stress falls by 2 su per radius: that of half a cell, over the limit.
     limit = 1.0 + math.log(rigidity_index)
     assert float(result["error"]) <= 2.0 / (2 * cells) / limit
     # At the end the cavity is four times as wide, and the half cell with it a quarter as much.
     last = float(result["cavity_pressure"][-1] - result["cavity_pressure_exact"][-1])
     assert abs(last) <= 2.0 / (2 * cells) / 4.0
+
+
+def test_around_a_sphere_von_mises_yields_at_less_than_tresca() -> None:
+    """As soil of Tresca with sqrt(3)/2 of the strength, and of that rigidity index."""
+    von_mises = CavitySphere(rigidity_index=100.0, material="von_mises").exact(RADII)
+    weaker = CavitySphere(rigidity_index=100.0 / math.sqrt(0.75)).exact(RADII)
+    np.testing.assert_allclose(von_mises, math.sqrt(0.75) * weaker, rtol=1e-12)
