@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from mpm_warp.plan import Launch
@@ -23,6 +23,8 @@ class ThreadShare:
         own: what no other does.
         open: pieces that are for the first thread to claim them, by number, in the order in which
             this one tries: those of its own part, then those of others, the last ones first.
+
+    Parts without items, as of a launch with fewer rows than shares, are in neither.
     """
 
     own: list[Launch]
@@ -44,20 +46,26 @@ def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> Thr
         share_count: into how many shares a launch is split that adds up; a multiple of `threads`.
     """
     if not launch.is_shared:
-        return ThreadShare([launch.share(0, 1)] if thread == 0 else [])
+        return ThreadShare(_filled([launch.share(0, 1)]) if thread == 0 else [])
     if launch.adds_up:
         numbers = range(thread * share_count // threads, (thread + 1) * share_count // threads)
-        return ThreadShare([launch.share(number, share_count) for number in numbers])
+        return ThreadShare(_filled(launch.share(number, share_count) for number in numbers))
     if threads == 1 or not has_open_pieces(launch):
-        return ThreadShare([launch.share(thread, threads)])
+        return ThreadShare(_filled([launch.share(thread, threads)]))
     own = range(PARTS * thread, PARTS * thread + PARTS - 1)
+    pieces = {
+        piece: launch.share(_place(piece), PARTS * PIECES * threads)
+        for piece in _tried(thread, threads)
+    }
     return ThreadShare(
-        own=[launch.share(number, PARTS * threads) for number in own],
-        open={
-            piece: launch.share(_place(piece), PARTS * PIECES * threads)
-            for piece in _tried(thread, threads)
-        },
+        own=_filled(launch.share(number, PARTS * threads) for number in own),
+        open={number: piece for number, piece in pieces.items() if piece.item_count > 0},
     )
+
+
+def _filled(parts: Iterable[Launch]) -> list[Launch]:
+    """Those that have items: Warp records no launch of nothing."""
+    return [part for part in parts if part.item_count > 0]
 
 
 def _tried(thread: int, threads: int) -> Iterator[int]:
