@@ -27,6 +27,7 @@ def test_nobody_is_given_a_part_of_a_launch_that_is_empty() -> None:
 
 def test_fewer_rows_than_threads_give_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Pace, "choose", lambda self, wanted: wanted)
+    monkeypatch.setattr(Pace, "note", lambda self, threads, step_count, seconds: None)
     runs = [Simulation(TWO_ROWS.simulated_scene(), Execution(threads=count)) for count in (1, 4)]
     for simulation in runs:
         simulation.advance(40)
