@@ -18,6 +18,9 @@ PLATEAU_SHARE = 0.25
 PLATEAU_CHANGE = 0.01
 """What its linear fit may change there by, over its mean."""
 
+LEAST_SAMPLES = 3
+"""Samples that tell a plateau, at least."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoadCurve:
@@ -36,6 +39,8 @@ class LoadCurve:
         """Mean load of the plateau; not a number where the curve does not end in one."""
         last = self.displacement >= (1.0 - PLATEAU_SHARE) * self.displacement[-1]
         displacement, load = self.displacement[last], self.load[last]
+        if len(load) < LEAST_SAMPLES:
+            return math.nan
         slope = np.polyfit(displacement, load, 1)[0]
         change = abs(slope) * (displacement[-1] - displacement[0])
         return float(load.mean()) if change <= PLATEAU_CHANGE * abs(load.mean()) else math.nan
@@ -88,7 +93,7 @@ def press(
         simulation: a simulation of a scene with contact and without a window.
         displacement: how far [m], > 0.
         length: to measure the displacement by [m], > 0.
-        sample_count: samples of the curve, > 0.
+        sample_count: samples of the curve, > 0; fewer where there are fewer steps.
         load: the load over area and su, out of the forces of the contact nodes.
         progress: called with the fraction done.
 
@@ -108,7 +113,9 @@ def press(
 
     with curves_kept(lambda: curve().curves()):
         for sample in range(1, sample_count + 1):
-            step = round(sample / sample_count * displacement / travel_per_step)
+            step = max(1, round(sample / sample_count * displacement / travel_per_step))
+            if step == simulation.step_count:
+                continue
             simulation.advance(step - simulation.step_count)
             loads.append(load(simulation.take_contact_forces()))
             reached.append(step * travel_per_step)
