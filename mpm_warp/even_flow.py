@@ -17,8 +17,6 @@ def even_flow_weights(grid: Grid) -> Floats:
         Ten dimensionless numbers a cell, in the order in which the kernel takes them; shape
         [cell_count, 10].
     """
-    assert not grid.polar, "flow is made even in horizontal rows"
-    assert not grid.planar, "flow is made even about an axis"
     radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
     r0, r1 = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
     r, w, h = 0.5 * (r0 + r1), r1 - r0, height[:, 2] - height[:, 0]

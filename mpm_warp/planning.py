@@ -93,7 +93,7 @@ def _add_particles(plan: Plan) -> None:
     bounds = share_bounds(seed.particle_count, plan.share_count)
     shift = share_bounds(places, plan.share_count) - bounds
     taken = np.arange(seed.particle_count) + np.repeat(shift[:-1], np.diff(bounds))
-    # A place without a particle has the cell (-1, -1); its position only has to be finite.
+    # A place without a particle has the cell (-1, -1).
     position = np.full((places, 2), scene.grid.outer_radius)
     mass = np.zeros(places)
     cell = np.full((places, 2), -1, dtype=np.int32)
@@ -131,8 +131,6 @@ def _add_particles_to_grid(plan: Plan) -> None:
 
 def _add_consistent_mass(plan: Plan) -> None:
     grid = plan.scene.grid
-    assert not grid.polar, "the consistent mass matrix is that of horizontal rows"
-    assert plan.scene.window is None, "the consistent mass matrix is for soil without a window"
     plan.add_launch(
         make_consistent_mass(plan.precision),
         plan.arrays["particle.mass"].shape,
@@ -168,6 +166,7 @@ def _add_cell_stress(plan: Plan) -> None:
 def _add_node_update(plan: Plan) -> None:
     grid = plan.scene.grid
     plan.add_array("cell.integrals", "vec3", grid.gradient_integrals)
+    # Where a wall moves it stays that of the start.
     half_full = 0.5 * plan.scene.material.density * grid.node_volumes
     plan.add_array("node.least_mass", "real", half_full)
     plan.add_zeros("node.mass", "real", grid.node_count)

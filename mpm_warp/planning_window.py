@@ -19,7 +19,7 @@ def add_admission(plan: Plan) -> None:
     plan.add_array("layer.position", "vec2", position)
     plan.add_array("layer.mass", "real", scene.material.density * lowest.volume[:count])
     plan.add_array("layer.cell", "vec2i", lowest.cell[:count])
-    plan.add_zeros("window.motion", "real", 3)
+    plan.add_zeros("window.motion", "double", 3)
     plan.add_zeros("layer.lift", "real", 1)
     plan.add_zeros("layer.places", "int", count)
     plan.admission = Launch(
@@ -37,7 +37,7 @@ def add_travel(plan: Plan, window: Window) -> None:
     approach = window.approach
     falling = (0.0, 0.0) if approach is None else (approach.travel, approach.slowing_travel)
     plan.add_launch(
-        make_advance_window(approach is not None, plan.precision),
+        make_advance_window(approach is not None),
         1,
         *(plan.time_step, window.first_speed, window.ramp_time, window.speed, *falling),
         "window.motion",

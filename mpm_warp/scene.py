@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
 from mpm_warp.grids import Grid
@@ -11,6 +13,18 @@ from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import LinearElastic
 from mpm_warp.moving_wall import MovingWall
 from mpm_warp.window import Window
+
+PRECISIONS = ("float64", "float32")
+
+
+class SceneError(ValueError):
+    """A scene is not one that can be run; the message is one line.
+
+    Attributes:
+        status: how a harness files the case.
+    """
+
+    status = "refused"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,7 +44,8 @@ class Scene:
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
         contact: contact with a rigid body, or none.
-        moving_wall: inner wall that moves and takes the grid along, or none.
+        moving_wall: inner wall that moves and takes the grid along, or none; it is a cylinder or a
+            sphere, and there is no window then.
         window: travel of the grid through the soil, or none.
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
@@ -40,7 +55,10 @@ class Scene:
             their energy, see `mpm_warp.kernels.consistent_mass`; on a grid with horizontal rows
             and without a window.
         energy_audit: whether to sample what energy the transfers create or dissipate.
-        precision: floating point numbers of the run, "float64" or "float32".
+        precision: floating point numbers of the run, one of `PRECISIONS`.
+
+    Raises:
+        SceneError: a value is not allowed, or two parts do not go together.
     """
 
     grid: Grid
@@ -62,11 +80,33 @@ class Scene:
     energy_audit: bool = False
     precision: str = "float64"
 
+    def __post_init__(self) -> None:
+        for name in ("particles_per_side", "time_step_fraction"):
+            if not getattr(self, name) > 0:
+                raise SceneError(f"{name} = {getattr(self, name):g} must be > 0")
+        for name in ("bulk_viscosity", "gravity", "damping"):
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise SceneError(f"{name} = {value:g} must be > 0, or none")
+        if self.precision not in PRECISIONS:
+            raise SceneError(f"precision = {self.precision!r} is not one of {PRECISIONS}")
+        leans = np.ptp(self.grid.surface_radius) > 0.0
+        for part, does_not_go_with, why in (
+            ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
+            ("moving_wall", self.window, "a window"),
+            ("even_flow", self.grid.polar or self.grid.planar, "a grid of rays or that is plane"),
+            ("consistent_mass", self.grid.polar, "a grid of rays"),
+            ("consistent_mass", self.window, "a window"),
+        ):
+            if getattr(self, part) and does_not_go_with:
+                raise SceneError(f"{part}: not together with {why}")
+
     @property
     def sharpened(self) -> bool:
         """Whether nodes are given back what the transfers take from their velocity at the least.
 
         See `mpm_warp.kernels.sharpening`: it is that of full cells, and a part of what the
-        consistent mass matrix gives back.
+        consistent mass matrix gives back. A single particle in the middle of a cell takes nothing
+        of what is sharpened.
         """
-        return not (self.consistent_mass or self.free_surface)
+        return self.particles_per_side > 1 and not (self.consistent_mass or self.free_surface)

@@ -15,19 +15,10 @@ from numpy.typing import NDArray
 
 from mpm_warp.grids import Floats
 from mpm_warp.materials import LinearElastic
+from mpm_warp.scene import SceneError
 
 TOUCHING = 0.9
 """Bodies overlap where particles are nearer to each other than this, over their mean spacing."""
-
-
-class SceneError(ValueError):
-    """A scene is not one that can be run; the message is one line.
-
-    Attributes:
-        status: how a harness files the case.
-    """
-
-    status = "refused"
 
 
 @dataclass(frozen=True, kw_only=True)

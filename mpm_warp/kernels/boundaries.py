@@ -37,7 +37,7 @@ def make_far_field(precision: Precision) -> Any:
     Spring k and dashpots c per radian, the dashpots implicit: m dv/dt = -k w - c v, dw/dt = v_r.
     """
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    one = wp.constant(real(1.0))
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 
     @wp.kernel(module=f"mpm_warp.far_field.{precision.numpy_name}", enable_backward=False)
     def far_field(
@@ -51,6 +51,8 @@ def make_far_field(precision: Precision) -> Any:
         motion: wp.array(dtype=vec4),
     ):
         k = first + wp.tid()
+        if mass[nodes[k]] <= zero:
+            return
         v = motion[nodes[k]]
         rate = time_step / mass[nodes[k]]
         v_r = (v[0] - rate * spring[k] * displacement[k]) / (one + rate * dashpot[k][0])

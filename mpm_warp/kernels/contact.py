@@ -8,8 +8,8 @@ Symbols: m mass of the body at the node, d its predicted velocity less that of t
 the bodies together, mu friction coefficient, a A adhesion times contact area, p A in-situ pressure
 times contact area, which the simulated stress leaves out.
 
-    J_n = m d.n              while P > 0; otherwise the bodies part and J_n = -p A dt
-    J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)
+    J_n = m d.n, at least -p A dt: there the bodies part
+    J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)  while P > 0, else 0
 
 On a surface that the grid follows P = m d.n + p A dt, the node's own.
 """
@@ -73,7 +73,7 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
         mass: wp.array(dtype=real),
         time_step: real,
         speed: real,
-        window_motion: wp.array(dtype=real),
+        window_motion: wp.array(dtype=wp.float64),
         motion: wp.array(dtype=vec4),
         impulse: wp.array(dtype=vec2),
     ):
@@ -87,7 +87,7 @@ def make_surface_contact(moving: bool, precision: Precision) -> Any:
         d = vec2(v[0], v[1])
         if wp.static(moving):
             # The body sinks through the soil at the speed at which the soil passes the grid.
-            d += vec2(real(0.0), window_motion[1])
+            d += vec2(real(0.0), real(window_motion[1]))
         else:
             d += vec2(real(0.0), speed)
         in_situ = pressure[k] * time_step

@@ -78,7 +78,7 @@ def make_grid_to_particles(
         velocity: wp.array(dtype=vec2),
         stress: wp.array(dtype=vec4),
         particle_cell: wp.array(dtype=wp.vec2i),
-        window_motion: wp.array(dtype=real),
+        window_motion: wp.array(dtype=wp.float64),
         top: real,
     ):
         p = first + wp.tid()
@@ -116,7 +116,7 @@ def make_grid_to_particles(
             across = xi * (one - xi) * (step[7] + xi * step[8])
             x += vec2(across + upright * step[9], upright * step[10])
         if wp.static(window):
-            x += vec2(real(0.0), time_step * window_motion[1])
+            x += vec2(real(0.0), time_step * real(window_motion[1]))
             if x[1] >= top:
                 particle_cell[p] = wp.vec2i(-1, -1)
                 return

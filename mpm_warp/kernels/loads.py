@@ -18,6 +18,7 @@ from mpm_warp.kernels.precision import Precision
 def make_nodal_load(precision: Precision) -> Any:
     """Constant forces on some nodes; launched over these nodes."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    zero = wp.constant(real(0.0))
 
     @wp.kernel(module=f"mpm_warp.nodal_load.{precision.numpy_name}", enable_backward=False)
     def nodal_load(
@@ -29,8 +30,10 @@ def make_nodal_load(precision: Precision) -> Any:
     ):
         k = wp.tid()
         node = nodes[k]
+        if mass[node] <= zero:
+            return
         change = (time_step / mass[node]) * forces[k]
-        motion[node] += vec4(change[0], change[1], real(0.0), real(0.0))
+        motion[node] += vec4(change[0], change[1], zero, zero)
 
     return nodal_load
 

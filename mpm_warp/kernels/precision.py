@@ -8,7 +8,10 @@ import warp as wp
 
 @dataclass(frozen=True)
 class Precision:
-    """Scalar and vector types of one width; `numpy_name` is the name of the scalar in numpy."""
+    """Scalar and vector types of one width; `numpy_name` is the name of the scalar in numpy.
+
+    `double` is the same in each: for what a step adds so little to that it would be rounded away.
+    """
 
     numpy_name: str
     real: Any
@@ -20,6 +23,7 @@ class Precision:
     vec10: Any
     vec11: Any
     mat22: Any
+    double: Any = wp.float64
 
 
 def _precision(numpy_name: str, real: Any) -> Precision:

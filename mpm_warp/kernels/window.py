@@ -1,7 +1,8 @@
 """Stage 4: the window moves on, and now and then a layer of soil enters at its bottom.
 
 Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
-device so that a recorded step can be replayed as it is.
+device so that a recorded step can be replayed as it is, in double precision whatever that of the
+run: a step moves it by a ten-millionth of its travel.
 """
 
 import functools
@@ -13,26 +14,24 @@ from mpm_warp.kernels.precision import Precision
 
 
 @functools.cache
-def make_advance_window(hurried: bool, precision: Precision) -> Any:
+def make_advance_window(hurried: bool) -> Any:
     """One step of the motion, the speed rising linearly in time; launched once.
 
     Args:
         hurried: whether it falls again at the end of an approach, linearly in travel.
-        precision: floating point types.
     """
-    real = precision.real
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
-    key = f"{'hurried' if hurried else 'steady'}.{precision.numpy_name}"
+    zero, one = wp.constant(wp.float64(0.0)), wp.constant(wp.float64(1.0))
+    key = "hurried" if hurried else "steady"
 
     @wp.kernel(module=f"mpm_warp.advance_window.{key}", enable_backward=False)
     def advance_window(
-        time_step: real,
-        speed: real,
-        ramp_time: real,
-        final_speed: real,
-        approach_travel: real,
-        slowing_travel: real,
-        window: wp.array(dtype=real),
+        time_step: wp.float64,
+        speed: wp.float64,
+        ramp_time: wp.float64,
+        final_speed: wp.float64,
+        approach_travel: wp.float64,
+        slowing_travel: wp.float64,
+        window: wp.array(dtype=wp.float64),
     ):
         window[2] += time_step * window[1]
         window[0] += time_step

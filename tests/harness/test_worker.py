@@ -11,7 +11,7 @@ from harness import case_files
 from harness.cases import cases_of
 from harness.study import Study
 from harness.worker import run_case
-from mpm_warp.bodies.scene import SceneError
+from mpm_warp.scene import SceneError
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
 
