@@ -121,7 +121,7 @@ def _same(one: xr.Dataset, other: xr.Dataset, name: str) -> bool:
 
 
 def _reset_peak_memory() -> bool:
-    """Have the kernel count the peak from now on; False where it can not, as outside of Linux."""
+    """Have the kernel count the peak from now on; False where it cannot, as outside of Linux."""
     try:
         _RESET.write_text("5")
     except OSError:

@@ -31,7 +31,8 @@ Result = TypeVar("Result")
 class Batch(Execution):
     """An execution that many runs share.
 
-    The result of a run does not depend on which others are in the batch, not by a bit.
+    On a processor the result of a run does not depend on which others are in the batch, not by a
+    bit.
     """
 
     _players: dict[tuple[_Run, ...], Player] = field(default_factory=dict, init=False)

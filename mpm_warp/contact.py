@@ -23,7 +23,7 @@ class SurfaceContact:
     plane strain they are lengths, without the r.
 
     Attributes:
-        nodes: flat indices of the nodes in contact, shape [node_count].
+        nodes: flat indices of the nodes in contact, each once, shape [node_count].
         normals: unit normals, outward from the soil, shape [node_count, 2].
         normal_areas: areas on which the normal traction acts [m2], shape [node_count].
         adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count].

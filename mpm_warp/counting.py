@@ -53,7 +53,7 @@ def stage_work(loop: TimeLoop) -> dict[str, Work]:
     """
     work = {}
     for launch in loop.plan.step:
-        work[launch.kernel.key.split("__")[-1]] = Count(launch, loop.arrays).work()
+        work[launch.name] = Count(launch, loop.arrays).work()
         loop.launch(launch)  # leaves what the next one finds
     return work
 

@@ -26,7 +26,8 @@ class Steps(Protocol):
 class Execution:
     """Where a run is computed. It may be given other threads while the run goes on.
 
-    The number of threads does not change the result, not by a bit.
+    The number of threads of a processor does not change the result, not by a bit; a GPU adds up in
+    an order of its own.
 
     Attributes:
         device: "cpu", or a GPU by Warp's name for it, "cuda:0" say.

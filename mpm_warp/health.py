@@ -8,7 +8,7 @@ import numpy as np
 
 from mpm_warp.contact import SurfaceContact
 from mpm_warp.grids import Floats, Integers
-from mpm_warp.materials import PerfectlyPlastic, Tresca
+from mpm_warp.materials import PerfectlyPlastic, Tresca, VonMises
 
 if TYPE_CHECKING:
     import xarray
@@ -22,7 +22,7 @@ OVERFULL = 20
 EMPTIED = 0.1
 """Soil in a block of cells, over that at the start, that no passing of particles could explain."""
 LARGEST_PARTED_SHARE = 0.1
-"""Share of a surface that noise may part where the soil can not pull as the ground presses."""
+"""Share of a surface that noise may part where the soil cannot pull as the ground presses."""
 ROUNDED = 1e-3
 """Normal velocity at a surface, over the greatest there, that is rounding."""
 
@@ -59,7 +59,7 @@ class WindowOverfull(SimulationDiverged):
 
 
 class Fault(Exception):
-    """What the watch has found: the begin of a message, without when and what to do."""
+    """What the watch has found: the beginning of a message, without when and what to do."""
 
 
 def check_particles(
@@ -122,16 +122,22 @@ def check_yield(
 
 def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
     """How far stresses are outside the yield surface over the strength; < 0 inside."""
-    rr, zz, rz, tt = stress.T.astype(np.float64, order="C")
-    if isinstance(material, Tresca):
-        centre, radius = 0.5 * (rr + zz), np.sqrt((0.5 * (rr - zz)) ** 2 + rz**2)
-        extreme = np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt)
-        beyond: Floats = 0.5 * extreme / material.strength - 1.0
-        return beyond
+    shear = {Tresca: _greatest_shear, VonMises: _root_of_j2}[type(material)]
+    excess: Floats = shear(*stress.T.astype(np.float64, order="C")) / material.strength - 1.0
+    return excess
+
+
+def _greatest_shear(rr: Floats, zz: Floats, rz: Floats, tt: Floats) -> Floats:
+    centre, radius = 0.5 * (rr + zz), np.sqrt((0.5 * (rr - zz)) ** 2 + rz**2)
+    shear: Floats = 0.5 * (np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt))
+    return shear
+
+
+def _root_of_j2(rr: Floats, zz: Floats, rz: Floats, tt: Floats) -> Floats:
     mean = (rr + zz + tt) / 3.0
     j2 = 0.5 * ((rr - mean) ** 2 + (zz - mean) ** 2 + (tt - mean) ** 2) + rz**2
-    excess: Floats = np.sqrt(j2) / material.strength - 1.0
-    return excess
+    root: Floats = np.sqrt(j2)
+    return root
 
 
 def check_cells(
@@ -191,7 +197,7 @@ def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) ->
     """Check that soil and surface move together along their normal, on nearly all of it.
 
     Args:
-        contact: one of a surface from which the soil can not part.
+        contact: one of a surface from which the soil cannot part.
         velocity: of the soil at its nodes in the last step [m/s], shape [node_count, 2].
         speed: of the body into the soil in that step [m/s].
 

@@ -1,4 +1,4 @@
-"""The load that a rigid surface, pressed slowly into soil, can not exceed."""
+"""The load that a rigid surface, pressed slowly into soil, cannot exceed."""
 
 from __future__ import annotations
 

@@ -41,7 +41,8 @@ class Seed:
 def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: int) -> Seed:
     """Fill rows of cells with particles, `particles_per_side` along each side of every cell.
 
-    At the centroids, the mass of each node comes out as the exact integral of its shape function.
+    At the centroids, the mass of each node comes out as the exact integral of its shape function
+    where cells are upright; where they lean, along a cone, within 0.2 %.
     Particles are ordered by height, then by radius: one layer of particles after the other.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.

@@ -21,7 +21,13 @@ from mpm_warp.time_step import TimeStepControl
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Array:
-    """One array on the device: its type, and what it holds when the run starts (None: zeros)."""
+    """One array on the device.
+
+    Attributes:
+        dtype: type of Warp, of numbers, vectors or matrices.
+        shape: its lengths.
+        initial: what it holds when the run starts; None: zeros.
+    """
 
     dtype: Any
     shape: tuple[int, ...]
@@ -74,6 +80,11 @@ class Launch:
 
     One that has `FIRST` among its arguments can be split along its first axis into shares, which
     may run at the same time: what they write does not overlap, or is their `Own`.
+
+    Attributes:
+        kernel: a kernel of Warp.
+        dim: threads along each of its axes.
+        arguments: those of the kernel, in its order.
     """
 
     share_axis: ClassVar[int] = 0
@@ -81,6 +92,11 @@ class Launch:
     kernel: Any
     dim: tuple[int, ...]
     arguments: tuple[Any, ...]
+
+    @property
+    def name(self) -> str:
+        """That of its kernel, whichever of its variants it is."""
+        return str(self.kernel.key.split("__")[-1])
 
     @property
     def item_count(self) -> int:

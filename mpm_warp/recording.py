@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.ensemble import Ensemble
-from mpm_warp.kernels.next_step import AUDIT_INTERVAL
+from mpm_warp.kernels.next_step import AUDIT_INTERVAL, make_next_step
 from mpm_warp.pace import Pace
 from mpm_warp.plan import Launch, StepPlan
 from mpm_warp.sharing import share_of
@@ -30,7 +30,8 @@ class Player:
         self._arrays = arrays
         self._device = wp.get_device(device)
         self._pace = Pace()
-        wp.force_load(self._device, modules=[launch.kernel.module for launch in plan.launches])
+        kernels = [*(launch.kernel for launch in plan.launches), make_next_step()]
+        wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
         self._ensembles: dict[int, Ensemble] = {}  # by threads
         self._graphs: dict[bool, Any] = {}  # of a GPU: a step, audited or not
         self._commands: dict[Launch, tuple[list[Any], list[Any]]] = {}

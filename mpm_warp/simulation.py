@@ -217,7 +217,10 @@ class Simulation(TimeLoop):
     def transfer_energy(self) -> float:
         """What the transfers have added to the kinetic energy per radian, dissipated if < 0 [J].
 
-        A sample of the steps, where the scene has an energy audit.
+        A sample of the steps.
+
+        Raises:
+            KeyError: the scene has no energy audit.
         """
         return AUDIT_INTERVAL * float(self.array("transfer.energy").sum())
 

@@ -98,7 +98,7 @@ class StageClock:
 
     def __init__(self, loop: TimeLoop) -> None:
         step = loop.plan.step
-        self._names = [launch.kernel.key.split("__")[-1] for launch in step]
+        self._names = [launch.name for launch in step]
         adds_up = [launch.adds_up for launch in step]
         self._launch_count = sum(loop.plan.share_count if it else 1 for it in adds_up)
         self._latest = wp.zeros(1, dtype=wp.int64, device="cpu")

@@ -235,12 +235,12 @@ class BlockOnBase(ReadyScene):
 
     @property
     def settled_time(self) -> float:
-        """Time from the begin of the drive until a block that sticks is at rest again [s]."""
+        """Time from the beginning of the drive until a block that sticks is at rest again [s]."""
         return (DRIVE_RISE + SETTLING) * self._crossing
 
     @property
     def duration(self) -> float:
-        """Time from the begin of the drive to the end of the run [s].
+        """Time from the beginning of the drive to the end of the run [s].
 
         A block that slides covers its `travel`; one that sticks gets its `rest_time`, once at rest.
         """

@@ -206,7 +206,7 @@ class BodyScene:
                     "bodies, counted from 0; contact needs two"
                 )
         if contact.body == contact.base:
-            raise SceneError(f"contact {index}: body {contact.body} can not touch itself")
+            raise SceneError(f"contact {index}: body {contact.body} cannot touch itself")
         for name in ("friction", "adhesion"):
             value = getattr(contact, name)
             if not (np.isfinite(value) and value >= 0.0):

@@ -32,7 +32,7 @@ class SlidingMotion:
         return self.driving_force > self.resistance
 
     def duration(self, travel: float) -> float:
-        """Time from the begin of the drive until a block that slides has gone `travel` [m], in s.
+        """Time from the beginning of the drive until a sliding block has gone `travel` [m], in s.
 
         The distance that it covers while a force of its own `rise_time` rises is left out.
         """

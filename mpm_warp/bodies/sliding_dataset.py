@@ -20,7 +20,7 @@ def sliding_curves(
     """Computed curves, of a run to its end or not.
 
     Args:
-        history: of a block that is body 0; its first sample is the begin of the drive.
+        history: of a block that is body 0; its first sample is the beginning of the drive.
         along: unit vector along the interface, shape [2].
         start: time at which the drive begins [s].
         sample_count: samples of the whole run after the first.
@@ -57,7 +57,7 @@ def sliding_dataset(
     """Computed and exact curves of a whole run, and what they come to.
 
     Args:
-        history: of a block that is body 0; its first sample is the begin of the drive.
+        history: of a block that is body 0; its first sample is the beginning of the drive.
         motion: the exact one.
         along: unit vector along the interface, shape [2].
         length: of the block [m].

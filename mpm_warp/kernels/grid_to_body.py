@@ -19,8 +19,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernels.grid_to_particles import make_elastic_trial
-from mpm_warp.kernels.grid_update import make_stress_step
+from mpm_warp.kernels.elasticity import make_elastic_trial, make_stress_step
 from mpm_warp.kernels.precision import Precision
 from mpm_warp.kernels.splines import make_splines
 

@@ -14,29 +14,10 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.kernels.elasticity import make_elastic_trial
 from mpm_warp.kernels.grid_update import cell_step_type
 from mpm_warp.kernels.location import make_location
 from mpm_warp.kernels.precision import Precision
-
-
-@functools.cache
-def make_elastic_trial(precision: Precision) -> Any:
-    """The function (stress, step of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
-    real, vec4 = precision.real, precision.vec4
-    two = wp.constant(real(2.0))
-
-    @wp.func
-    def elastic_trial(stress: vec4, step: Any) -> vec4:
-        rr, zz, rz = stress[0], stress[1], stress[2]
-        cc, ss, cs = step[4], step[5], step[6]
-        return vec4(
-            cc * rr + ss * zz + two * cs * rz + step[0],
-            ss * rr + cc * zz - two * cs * rz + step[1],
-            (cc - ss) * rz + cs * (zz - rr) + step[2],
-            stress[3] + step[3],
-        )
-
-    return elastic_trial
 
 
 @functools.cache

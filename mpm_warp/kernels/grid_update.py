@@ -1,9 +1,9 @@
 """Stage 2: the momentum equation on cells and nodes.
 
-Symbols: sigma stress (rr, zz, rz, tt), V volume of a cell, m mass, M half the mass of a node whose
-cells are full, u and v velocity before and after the step, h length of a cell, c pressure wave
-speed, b coefficient of the bulk viscosity, G_i the integrals over a cell of (dN_i/dr r, dN_i/dz r,
-N_i), S the sharpening of `mpm_warp.kernels.sharpening` where there is one.
+Symbols: sigma stress (rr, zz, rz, tt), V volume of a cell, m mass, M half a quarter of the mass of
+the cells around a node when they are full, u and v velocity before and after the step, h length of
+a cell, c pressure wave speed, b coefficient of the bulk viscosity, G_i the integrals over a cell of
+(dN_i/dr r, dN_i/dz r, N_i), S the sharpening of `mpm_warp.kernels.sharpening` where there is one.
 
     sigma_c = sum m sigma / sum m + b rho c h div v          mean stress and bulk viscosity
     f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
@@ -18,6 +18,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.kernels.elasticity import make_stress_step
 from mpm_warp.kernels.even_flow import make_even_flow
 from mpm_warp.kernels.precision import Precision
 from mpm_warp.kernels.sharpening import make_sharpening
@@ -157,38 +158,6 @@ def make_node_update(share_count: int, sharpened: bool, precision: Precision) ->
         motion[node] = vec4(after[0], after[1], before[0], before[1])
 
     return node_update
-
-
-@functools.cache
-def make_stress_step(precision: Precision) -> Any:
-    """The function (L, time step, G, K) -> what a step at the velocity gradient L does to stress.
-
-    L is (rr, rz, zr, zz, tt); the result holds the elastic increment (rr, zz, rz, tt) and the
-    squares and the product of cosine and sine of the rotation, in this order.
-    """
-    real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
-    quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
-
-    @wp.func
-    def stress_step(L: vec5, time_step: real, shear_modulus: real, bulk_modulus: real) -> vec7:
-        two_shear = two * shear_modulus * time_step
-        pressure = (bulk_modulus * time_step - two_shear / three) * (L[0] + L[3] + L[4])
-        # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
-        t = quarter * time_step * (L[1] - L[2])
-        scale = one / (one + t * t)
-        cosine = (one - t * t) * scale
-        sine = two * t * scale
-        return vec7(
-            two_shear * L[0] + pressure,
-            two_shear * L[3] + pressure,
-            shear_modulus * time_step * (L[1] + L[2]),
-            two_shear * L[4] + pressure,
-            cosine * cosine,
-            sine * sine,
-            cosine * sine,
-        )
-
-    return stress_step
 
 
 def cell_step_type(even: bool, precision: Precision) -> Any:

@@ -64,7 +64,7 @@ def make_location(polar: bool, precision: Precision) -> Location:
         outer_radius: real,
         cell_counts: wp.vec2i,
     ) -> wp.vec2i:
-        # To a neighbour at most: an index can not leave the grid, whatever the position is.
+        # To a neighbour at most: an index cannot leave the grid, whatever the position is.
         q = on_grid(x)
         i, j = cell[0], cell[1]
         row = rows[j]

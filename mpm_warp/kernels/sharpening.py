@@ -6,7 +6,8 @@ the particles of a cell, times second differences. The operator S gives back the
 is taken wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
 
 Symbols: v_ij velocity of the nodes of a cell after the step before, X and Y its differences across
-and up, rho density, V volume of a cell, m_i mass of a node, M_i half its mass where cells are full.
+and up, rho density, V volume of a cell, m_i mass of a node, M_i half a quarter of that of the full
+cells around it.
 
     u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)         velocity before the step
     (S v)_i = sum over cells (+-X +-Y) k rho V / 4     + at the right and at the upper nodes, else -

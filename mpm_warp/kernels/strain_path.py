@@ -11,14 +11,15 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernels.grid_to_particles import make_elastic_trial
-from mpm_warp.kernels.grid_update import make_stress_step
+from mpm_warp.kernels.elasticity import make_elastic_trial, make_stress_step
 from mpm_warp.kernels.precision import Precision
 
 
 @functools.cache
 def make_strain_path(yielding: Any, precision: Precision) -> Any:
     """The kernel, launched over paths.
+
+    `excess` is the greatest (sigma_1 - sigma_3) / 2 over the strength on the way, less 1.
 
     Args:
         yielding: returns a trial stress to the yield surface.

@@ -61,7 +61,7 @@ def full_disk(tmp_path: Path) -> Iterator[Path]:
     place.mkdir()
     command = [str(mount), "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(place)]
     if mount is None or subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("a file system can not be mounted here")
+        pytest.skip("a file system cannot be mounted here")
     yield place
     subprocess.run(["umount", str(place)], check=True)
 
@@ -120,7 +120,7 @@ def test_a_folder_that_is_read_only_is_one_line(
     if os.geteuid() == 0:  # root may write everywhere, unless it gives that up
         setpriv = shutil.which("setpriv")
         if setpriv is None:
-            pytest.skip("root can not give up its rights here")
+            pytest.skip("root cannot give up its rights here")
         before = [setpriv, "--bounding-set=-dac_override", "--inh-caps=-dac_override"]
     out = tmp_path / "out"
     assert main([*arguments(small_file, out), "--set", "adhesion_factor=[0]"]) == 0

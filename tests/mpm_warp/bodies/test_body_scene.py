@@ -75,7 +75,7 @@ def test_bodies_that_touch_are_accepted() -> None:
             lambda: BodyScene(
                 grid=GRID, bodies=(ABOVE, BELOW), contacts=(BodyContact(body=1, base=1),)
             ),
-            "contact 0: body 1 can not touch itself",
+            "contact 0: body 1 cannot touch itself",
         ),
         (
             lambda: BodyScene(grid=GRID, bodies=(ABOVE,), time_step_fraction=0.0),
