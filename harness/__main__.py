@@ -1,8 +1,18 @@
-"""``python -m harness``."""
+"""``harness``, and ``python -m harness``."""
 
+import signal
 import sys
 
-from harness.cli import main
+
+def main() -> int:
+    """Run the command line; the exit code. See `harness.cli.main`."""
+    try:
+        # Ctrl-C may come while this is imported.
+        from harness.cli import main as run
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+    return run()
+
 
 if __name__ == "__main__":
     sys.exit(main())

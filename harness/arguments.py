@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from harness.endings import BAD_INPUT
 from mpm_warp.execution import THREAD_COUNTS
@@ -15,7 +16,10 @@ if TYPE_CHECKING:
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, like all others."""
+    """A parser whose errors are one line, like all others, and that takes no options cut short."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, **options)
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
@@ -51,7 +55,7 @@ def make_parser() -> argparse.ArgumentParser:
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
         "--case-timeout",
-        type=_seconds,
+        type=_number("a number > 0", lambda number: number > 0),
         default=math.inf,
         metavar="SECONDS",
         help="end a case that takes longer; default: none is ended",
@@ -91,7 +95,9 @@ def make_parser() -> argparse.ArgumentParser:
 
     verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
     verify.set_defaults(command="verify")
-    verify.add_argument("--scene", nargs="+", default=[], metavar="NAME", help="default: all")
+    verify.add_argument(
+        "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
+    )
     verify.add_argument("--extreme", action="store_true", help="run the extreme cases instead")
     verify.add_argument(
         "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
@@ -116,7 +122,7 @@ def _add_results(commands: _Commands) -> None:
     )
     compare.add_argument(
         "--tolerance",
-        type=_tolerance,
+        type=_number("a number >= 0", lambda number: number >= 0),
         default=0.0,
         metavar="X",
         help="relative difference allowed between FILE and OTHER; default: none",
@@ -130,7 +136,7 @@ def _add_results(commands: _Commands) -> None:
     report = commands.add_parser("report", help="write one page of HTML on results")
     report.set_defaults(command="report")
     report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
-    report.add_argument("-o", "--out", type=Path, default=Path("report.html"), metavar="HTML")
+    report.add_argument("-o", "--out", type=_page, default=Path("report.html"), metavar="HTML")
 
     recommend = commands.add_parser("recommend", help="name the cheapest settings for an error")
     recommend.set_defaults(command="recommend")
@@ -178,24 +184,26 @@ def _add_device(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not 0 < seconds < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number > 0")
-    return seconds
+def _number(meaning: str, holds: Callable[[float], bool]) -> Callable[[str], float]:
+    """What reads a finite number for which something holds, described in words."""
+
+    def read(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not (math.isfinite(number) and holds(number)):
+            raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
+        return number
+
+    return read
 
 
-def _tolerance(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 <= number < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be a number >= 0")
-    return number
+def _page(text: str) -> Path:
+    # A result in its place, the page's name forgotten, would be lost.
+    if not text.endswith(".html"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must end in .html")
+    return Path(text)
 
 
 def _share(text: str) -> float:
@@ -209,6 +217,9 @@ def _share(text: str) -> float:
 
 
 def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be an integer >= 1")
+    if not text.isdecimal() or len(text) > 6 or int(text) < 1:
+        shown = text if len(text) < 20 else f"{text[:20]}..."
+        raise argparse.ArgumentTypeError(
+            f"{shown!r} is not allowed: must be an integer from 1 to 999999"
+        )
     return int(text)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from harness import HarnessError, result_commands, scene_commands, study_commands
 from harness.arguments import make_parser
-from harness.endings import BAD_INPUT, Terminated
+from harness.endings import BAD_INPUT, Terminated, complete_streams
 from harness.progress import tell
 from mpm_warp.scenes import UnknownSceneError
 
@@ -44,6 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         2 bad input or unusable files, 130 Ctrl-C, 141 the reader of its output has gone,
         143 SIGTERM.
     """
+    complete_streams()
     options = make_parser().parse_args(arguments)
     try:
         code = COMMANDS[options.command](options)

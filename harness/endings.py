@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from types import FrameType
 from typing import NoReturn
 
@@ -13,6 +15,16 @@ BAD_INPUT = 2
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM has come; ends a run as Ctrl-C does."""
+
+
+def complete_streams() -> None:
+    """Let standard streams that the process was started without, as by ``2>&-``, go nowhere."""
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass  # the first three numbers are theirs: no other file may come to have one
+    os.close(number)
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
 
 
 def end_at_sigterm() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from datetime import timedelta
 from types import TracebackType
 from typing import TextIO
 
@@ -69,7 +70,7 @@ class Display:
             texts.append(f"{len(self.running)} running, at {mean:.0%}")
         if share > 0:
             left = (time.monotonic() - self.started) * (1 - share) / share
-            texts.append(f"{left // 60:.0f}:{left % 60:02.0f} left")
+            texts.append(f"{timedelta(seconds=round(left))} left")
         return ", ".join(texts)
 
     def _write_over(self, text: str) -> None:

@@ -17,6 +17,7 @@ from harness.runner import Watcher, cases_at_once, run_cases
 from harness.study import Study
 from harness.upkeep import collect_and_write, outcomes, summary
 from harness.whole_files import ArchiveError, abandoned, prepare
+from mpm_warp.scenes import scene_class
 
 RunCases = Callable[[Sequence[Case], Path, Watcher], None]
 """Runs cases, keeps their results in a folder, and tells a watcher."""
@@ -34,7 +35,8 @@ def on_this_machine(
     """How to run the cases of a study in worker processes here.
 
     Args:
-        study: where it asks for timed runs, one process runs alone.
+        study: where it asks for timed runs, or its scenes measure the machine, one process runs
+            alone.
         worker_count: processes at work; None: as many as there are cores for their threads.
         time_limit: time that a case may take [s].
         device: where the cases are computed.
@@ -42,13 +44,15 @@ def on_this_machine(
         batch: greatest number of cases that a process computes together.
 
     Raises:
-        HarnessError: there is no such device, or cases to be timed are to be computed together.
+        HarnessError: there is no such device, or cases to be timed are to run at the same time.
     """
     check_device(device)
-    if batch > 1 and study.timing_repeats:
-        raise HarnessError("[timing] repeats: cases are timed one at a time, without --batch")
     repeats = study.timing_repeats
-    workers = 1 if repeats else worker_count or cases_at_once(threads)
+    alone = repeats > 0 or any(scene_class(part.scene).runs_alone for part in study.parts)
+    for option, count in (("--batch", batch), ("--workers", worker_count or 1)):
+        if alone and count > 1:
+            raise HarnessError(f"{study.name}: cases are timed one at a time, without {option}")
+    workers = 1 if alone else worker_count or cases_at_once(threads)
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
     return lambda cases, folder, watcher: run_cases(
@@ -125,7 +129,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     try:
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
-    except (KeyboardInterrupt, HarnessError) as error:
+    except (KeyboardInterrupt, HarnessError, OSError) as error:
         stand = outcomes(study, cases, out)
         can_write = not isinstance(error, ArchiveError)
         if can_write and any(outcome.status == COMPLETED for outcome in stand):

@@ -26,6 +26,8 @@ from mpm_warp.execution import THREAD_COUNTS
 
 GRACE = 2.0
 """Seconds that workers have to end after they were told to."""
+LONGEST_WAIT = 3600.0
+"""Seconds to wait for news at a time: the system takes no more than some weeks."""
 
 # A fresh interpreter: a forked one would share the state of Warp and of the netCDF library.
 _PROCESSES = multiprocessing.get_context("spawn")
@@ -234,7 +236,7 @@ def cases_at_once(threads: int | None) -> int:
 def _with_news(workers: Sequence[_Worker], time_limit: float) -> list[_Worker]:
     """Wait for workers that have something to say or have taken too long."""
     deadline = min((worker.deadline(time_limit) for worker in workers), default=0.0)
-    left = None if math.isinf(deadline) else max(0.0, deadline - time.monotonic())
+    left = min(max(0.0, deadline - time.monotonic()), LONGEST_WAIT)
     wait([worker.connection for worker in workers], left)
     return [it for it in workers if it.connection.poll() or it.is_late(time_limit)]
 

@@ -64,6 +64,7 @@ def show_plan(options: argparse.Namespace) -> int:
 def verify_scenes(options: argparse.Namespace) -> int:
     """Hold scenes against their exact solutions."""
     from harness.case_files import write_netcdf
+    from harness.provenance import provenance
     from harness.verify import as_dataset, checks_of, heading, table_rows, verify
     from harness.whole_files import prepare, write_whole
     from harness.worker import start_warp_in_silence
@@ -78,11 +79,12 @@ def verify_scenes(options: argparse.Namespace) -> int:
         results.append(verify(check))
         lines.append(table_rows(results[-1]))
         print(lines[-1], flush=True)
+        if options.out is not None:
+            dataset = as_dataset(results).assign_attrs(provenance())
+            write_netcdf(dataset, options.out / "verify.nc")
+            write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
     if options.out is not None:
         from harness.work_precision import draw_work_precision
 
-        dataset = as_dataset(results)
-        write_netcdf(dataset, options.out / "verify.nc")
-        write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
-        draw_work_precision(dataset, options.out / "verify.png")
+        draw_work_precision(as_dataset(results), options.out / "verify.png")
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE

@@ -140,7 +140,7 @@ def bench(options: argparse.Namespace) -> int:
     end_at_sigterm()
     study = load_study("bench", options.set)
     cases = cases_of(study)
-    runner = on_this_machine(study, 1, math.inf, device=options.device)
+    runner = on_this_machine(study, None, math.inf, device=options.device)
     dataset = run_study(study, options.out, runner, fresh=True)
     print(*bench_rows(dataset), sep="\n")
     print(result_file(options.out, study))

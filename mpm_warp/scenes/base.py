@@ -56,6 +56,8 @@ class ReadyScene(ABC):
     """Raised whenever the same parameters no longer give the same numbers."""
     headline: ClassVar[str] = "error"
     """The scalar result that the scene is run for."""
+    runs_alone: ClassVar[bool] = False
+    """Whether its results measure the machine, so that no other case may run beside it."""
     method: ClassVar[tuple[str, ...]] = ()
     """Parameters of the method alone: without its error, the headline would not depend on them."""
     verifications: ClassVar[tuple[Verification, ...]] = ()

@@ -37,6 +37,7 @@ class StepCost(ReadyScene):
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
     version: ClassVar[int] = 5
     headline: ClassVar[str] = "update_rate"
+    runs_alone: ClassVar[bool] = True
 
     size: int = parameter(
         5000, unit="1", meaning="material points, about", minimum=500, maximum=10_000_000

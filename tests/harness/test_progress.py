@@ -36,7 +36,7 @@ def test_the_bar_shows_cases_done_running_and_time_left(
     display.advanced(third, 0.25)
     clock[0] += 60  # half of four cases are done after a minute
     bar = "█" * 12 + "░" * 12
-    assert display.bar() == f"{bar} 1/4 cases, 2 running, at 50%, 1:00 left"
+    assert display.bar() == f"{bar} 1/4 cases, 2 running, at 50%, 0:01:00 left"
 
 
 def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
