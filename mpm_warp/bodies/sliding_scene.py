@@ -13,7 +13,7 @@ from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, Load
 from mpm_warp.materials import LinearElastic
 
 if TYPE_CHECKING:
-    from mpm_warp.bodies.block_on_base import BlockOnBase
+    from mpm_warp.scenes.families.block_on_base import BlockOnBase
 
 BASE_CELLS = 3
 """Thickness of the base in cells."""

@@ -1,7 +1,8 @@
 """Ready scenes, one file each. A new scene is a new file here and nothing else.
 
 The file ``name.py`` defines the class ``Name``: a frozen dataclass whose fields are the scene's
-parameters, see :class:`mpm_warp.scenes.base.ReadyScene`.
+parameters, see :class:`mpm_warp.scenes.base.ReadyScene`. What several have in common is in
+`families`.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ class UnknownSceneError(LookupError):
 
 def scene_names() -> tuple[str, ...]:
     """Names of all scenes, sorted."""
-    return tuple(sorted(m.name for m in pkgutil.iter_modules(__path__) if m.name != "base"))
+    modules = pkgutil.iter_modules(__path__)
+    return tuple(sorted(it.name for it in modules if it.name != "base" and not it.ispkg))
 
 
 def scene_class(name: str) -> type[ReadyScene]:

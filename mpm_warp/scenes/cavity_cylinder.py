@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.cavity import RADIUS, Cavity, verifications
 from mpm_warp.scenes.base import Verification
+from mpm_warp.scenes.families.cavity import RADIUS, Cavity, verifications
 
 if TYPE_CHECKING:
     from mpm_warp.boundaries import FarField, Fixed

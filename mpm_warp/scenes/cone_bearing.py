@@ -7,9 +7,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Verification
+from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 if TYPE_CHECKING:
     from mpm_warp.contact import SurfaceContact
@@ -53,11 +53,11 @@ class ConeBearing(Bearing):
 
     @property
     def exact_load(self) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`; not a number where none is known."""
+        """See `Bearing`; not a number where none is known."""
         return EXACT.get(self.adhesion_factor, math.nan) if self.apex_angle == 60.0 else math.nan
 
     def grid(self) -> Grid:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         return self._penetrometer().fitted_grid(
             cell_size=RADIUS / self.cells_per_radius,
             cell_growth=0.3,
@@ -67,11 +67,11 @@ class ConeBearing(Bearing):
         )
 
     def contact(self, grid: Grid) -> SurfaceContact:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         return dataclasses.replace(self._surface(grid).contact, speed=self.speed)
 
     def load(self, grid: Grid, nodal: Floats) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         forces = self._surface(grid).forces(nodal)
         return (forces.face_normal + forces.face_shear) / (0.5 * RADIUS**2 * STRENGTH)
 

@@ -188,11 +188,11 @@ class ConePenetration(ReadyScene):
     def build(self) -> tuple[Scene, PenetrometerSurface]:
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
         from mpm_warp.boundaries import FarField, Fixed
-        from mpm_warp.cone_window import cone_window
         from mpm_warp.immersed import ImmersedGrid, SampledSurface
         from mpm_warp.materials import Tresca, VonMises
         from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
         from mpm_warp.scene import Scene
+        from mpm_warp.scenes.families.cone_window import cone_window
 
         strength, radius = self.undrained_shear_strength, self.cone_radius
         material = {"tresca": Tresca, "von_mises": VonMises}[self.material](
@@ -256,10 +256,10 @@ class ConePenetration(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.cone_window import unsteady_penetration
         from mpm_warp.health import InaccurateRun
         from mpm_warp.history import cost, variable
         from mpm_warp.penetration import Penetration, steady_values
+        from mpm_warp.scenes.families.cone_window import unsteady_penetration
         from mpm_warp.simulation import Simulation
 
         scene, surface = self.build()

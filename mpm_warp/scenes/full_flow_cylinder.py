@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Verification
+from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 if TYPE_CHECKING:
     from mpm_warp.boundaries import Fixed
@@ -52,13 +52,13 @@ class FullFlowCylinder(Bearing):
 
     @property
     def exact_load(self) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         delta = math.asin(self.adhesion_factor)
         fans = math.cos(0.5 * delta) + math.sin(0.5 * delta)
         return math.pi + 2.0 * delta + 2.0 * math.cos(delta) + 4.0 * fans
 
     def grid(self) -> PolarGrid:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         import numpy as np
 
         from mpm_warp.grids import graded
@@ -87,7 +87,7 @@ class FullFlowCylinder(Bearing):
         return Fixed.where(radial=radial, vertical=vertical)
 
     def contact(self, grid: Grid) -> SurfaceContact:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         import numpy as np
 
         from mpm_warp.contact import SurfaceContact
@@ -109,7 +109,7 @@ class FullFlowCylinder(Bearing):
         )
 
     def load(self, grid: Grid, nodal: Floats) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         normals = self.contact(grid).normals
         upward = nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]
         return float(upward.sum()) / (RADIUS * STRENGTH)

@@ -7,8 +7,8 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.bodies.block_on_base import BlockOnBase
 from mpm_warp.scenes.base import Progress, Verification
+from mpm_warp.scenes.families.block_on_base import BlockOnBase
 
 # The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
 if TYPE_CHECKING:

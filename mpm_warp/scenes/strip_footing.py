@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.footing import Footing
+from mpm_warp.scenes.families.footing import Footing
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.impact import LENGTH, Impact
 from mpm_warp.scenes.base import Progress
+from mpm_warp.scenes.families.impact import LENGTH, Impact
 
 if TYPE_CHECKING:
     import xarray

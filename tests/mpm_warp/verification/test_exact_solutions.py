@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.footing import Footing
 from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.scenes.circular_footing import CircularFooting
 from mpm_warp.scenes.cone_bearing import ConeBearing
 from mpm_warp.scenes.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
+from mpm_warp.scenes.families.footing import Footing
 from mpm_warp.scenes.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.material_point import MaterialPoint

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from mpm_warp.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Verification
+from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 if TYPE_CHECKING:
     from mpm_warp.contact import SurfaceContact
@@ -40,11 +40,11 @@ class Footing(Bearing):
 
     @property
     def exact_load(self) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         return self.exact[self.adhesion_factor]
 
     def grid(self) -> Grid:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         import numpy as np
 
         from mpm_warp.grids import Grid, graded
@@ -89,6 +89,6 @@ class Footing(Bearing):
         )
 
     def load(self, grid: Grid, nodal: Floats) -> float:
-        """See :class:`~mpm_warp.bearing.Bearing`."""
+        """See `Bearing`."""
         area = RADIUS if grid.planar else 0.5 * RADIUS**2
         return float(nodal[:, 0].sum()) / (area * STRENGTH)
