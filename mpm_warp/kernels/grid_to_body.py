@@ -6,7 +6,7 @@ Symbols: v_i velocity of node i, d_i its offset, N_i shape function, L velocity 
     v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
     L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
                                      symmetric part of L: without it a body that turns grows
-    x <- x + dt v,       V <- V (1 + dt tr L)
+    x <- x + dt v,       V <- V exp(dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
     W <- W + dt V sigma_v : L                        what it has dissipated
@@ -39,7 +39,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
     first_node, place, offsets = splines.first_node, splines.place, splines.offsets
     weights, slopes = splines.weights, splines.slopes
     elastic_trial, stress_step = make_elastic_trial(precision), make_stress_step(precision)
-    half, one, four = (wp.constant(real(x)) for x in (0.5, 1.0, 4.0))
+    half, four = (wp.constant(real(x)) for x in (0.5, 4.0))
 
     shape = "axisymmetric" if axisymmetric else "plane"
     key = f"{shape}.{'damped.' if damped else ''}{precision.numpy_name}"
@@ -102,7 +102,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
             power = viscous[0] * L[0] + viscous[1] * L[3] + viscous[3] * L[4]
             power += viscous[2] * (L[1] + L[2])
             dissipated[p] = dissipated[p] + time_step * volume[p] * power
-        volume[p] = volume[p] * (one + time_step * (L[0] + L[3] + L[4]))
+        volume[p] = volume[p] * wp.exp(time_step * (L[0] + L[3] + L[4]))
         velocity[p] = v
         affine[p] = (four / (h * h)) * B
         position[p] = x + time_step * v

@@ -37,7 +37,7 @@ class FlyingBlock(ReadyScene):
     """
 
     summary: ClassVar[str] = "elastic block in free flight, turning; momentum, spin and shape stay"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="step_count",

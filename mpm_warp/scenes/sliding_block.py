@@ -28,7 +28,7 @@ class SlidingBlock(BlockOnBase):
     """A block is pressed on a base, driven along it, and its motion held against the exact one."""
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_length",
         "particles_per_cell",

@@ -48,7 +48,7 @@ class StretchedBar(ReadyScene):
     """
 
     summary: ClassVar[str] = "viscoelastic bar drawn out many times its length; closed form"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     method: ClassVar[tuple[str, ...]] = ("cell_count",)
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(

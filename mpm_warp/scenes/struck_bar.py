@@ -29,7 +29,7 @@ class StruckBar(Impact):
     """A body, a bar of Poisson's ratio 0 and a cell thick, comes to rest on another, rigid one."""
 
     summary: ClassVar[str] = "bar that strikes a wall at half its wave speed; shock relations"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     modulus: ClassVar[float] = 2e6
     density: ClassVar[float] = 1000.0
 
