@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from harness import HarnessError
-from mpm_warp.parameters import Parameter, ParameterError, Value, nearest_name
+from mpm_warp.parameters import Parameter, ParameterError, Value, did_you_mean, nearest_name
 
 LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
@@ -183,7 +183,8 @@ class Table:
         """One of `choices`; the first where the key is not there."""
         value = self.values.get(key, choices[0])
         if not isinstance(value, str) or value not in choices:
-            raise self.refuse(key, f"must be one of {', '.join(choices)}{_nearest(value, choices)}")
+            near = did_you_mean(value, choices) if isinstance(value, str) else ""
+            raise self.refuse(key, f"must be one of {', '.join(choices)}{near}")
         return value
 
     def integer(self, key: str, least: int, most: int) -> int:
@@ -282,8 +283,3 @@ def shown(value: object) -> str:
         return repr(value)
     except (ValueError, RecursionError):
         return "(too long to show)"
-
-
-def _nearest(value: object, choices: Iterable[str]) -> str:
-    near = nearest_name(value, choices) if isinstance(value, str) else ""
-    return near if "did you mean" in near else ""

@@ -31,7 +31,7 @@ from harness.definition import StudyError, Table, find_study, joined, lineage, p
 from harness.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.references import reference_ids
 from harness.scene_part import LARGEST_STUDY, ScenePart, read_part
-from mpm_warp.parameters import nearest_name
+from mpm_warp.parameters import known_names, nearest_name
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
 MOST_REPEATS = 1000
@@ -124,9 +124,10 @@ def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]
 
 def _scenes(document: Table) -> tuple[str, ...]:
     given = document.values.get("scene")
-    names = (
-        given if isinstance(given, list) and given else [document.text("scene", _known_scenes())]
-    )
+    if isinstance(given, list) and given:
+        names = given
+    else:
+        names = [document.text("scene", known_names(scene_names()))]
     for name in names:
         try:
             scene_class(name if isinstance(name, str) else shown(name))
@@ -135,10 +136,6 @@ def _scenes(document: Table) -> tuple[str, ...]:
     if len(set(names)) < len(names):
         raise document.refuse("scene", "names a scene twice")
     return tuple(names)
-
-
-def _known_scenes() -> str:
-    return nearest_name("", scene_names())
 
 
 def _design(document: Table) -> Design:
