@@ -27,11 +27,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.definition import StudyError, Table, find_study, joined, lineage, parse_setting, shown
+from harness.definition import (
+    KnownParameters,
+    StudyError,
+    Table,
+    find_study,
+    joined,
+    lineage,
+    parse_setting,
+    shown,
+)
 from harness.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.references import reference_ids
 from harness.scene_part import LARGEST_STUDY, ScenePart, read_part
-from mpm_warp.parameters import known_names, nearest_name
+from mpm_warp.parameters import known_names, nearest_name, parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
 MOST_REPEATS = 1000
@@ -79,27 +88,33 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
 
     A setting's value is a TOML value, or a bare word for a text. A list or a range varies the
     parameter, a scalar fixes it, whatever the file says; of two settings of one key the last holds.
+    Of several scenes a setting is for those that have the parameter.
 
     Raises:
         StudyError: the file is missing or not a study, or a setting is malformed.
     """
     path = find_study(study)
-    assignments = [parse_setting(setting) for setting in settings]
+    assignments = dict(parse_setting(setting) for setting in settings)
     *bases, (_, own) = lineage(path)
     values: dict[str, Any] = {}
     for base, its_own in bases:
-        values = joined(values, its_own)
-        _read(base, values, [])  # what is wrong there is to be told of that file
-    return _read(path, joined(values, own), assignments)
+        values = _standing_on(values, its_own)
+        _read(base, values, {})  # what is wrong there is to be told of that file
+    return _read(path, _standing_on(values, own), assignments)
 
 
-def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]) -> Study:
+def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    return joined(base, own, {**base, **own}.get("design", DESIGNS[0]))
+
+
+def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
     document = Table(f"{path}:", values)
     document.allow(*OF_STUDY, *OF_SCENE)
     design = _design(document)
     scenes = _scenes(document)
     own = document.table("scenes")
     own.allow(*scenes)
+    _check_settings(settings, scenes)
     shared = {key: value for key, value in values.items() if key in OF_SCENE}
     parts = []
     for scene in scenes:
@@ -107,9 +122,8 @@ def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]
         of_scene.allow(*OF_SCENE)
         where = of_scene.where if of_scene.values else document.where
         _check_assignments(document, of_scene)
-        parts.append(
-            read_part(scene, Table(where, joined(shared, of_scene.values)), design, settings)
-        )
+        table = Table(where, joined(shared, of_scene.values, design.kind))
+        parts.append(read_part(scene, table, design, _settings_of(scene, settings)))
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
@@ -150,6 +164,18 @@ def _design(document: Table) -> Design:
         samples=document.integer("samples", 1, LARGEST_STUDY),
         seed=document.integer("seed", 0, LARGEST_SEED),
     )
+
+
+def _check_settings(settings: Mapping[str, Any], scenes: Iterable[str]) -> None:
+    """Refuse a setting of what is a parameter of none of the scenes."""
+    known = {name: it for scene in scenes for name, it in parameters_of(scene_class(scene)).items()}
+    for key, value in settings.items():
+        KnownParameters(known, "--set").definition(key, value)
+
+
+def _settings_of(scene: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    known = parameters_of(scene_class(scene))
+    return {key: value for key, value in settings.items() if key in known}
 
 
 def _check_assignments(*tables: Table) -> None:
