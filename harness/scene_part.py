@@ -64,11 +64,7 @@ def read_part(scene: str, table: Table, design: Design, settings: Mapping[str, A
     varied = _varied(known, vary_table, design)
     derived = _derived(known, table.table("derived"))
     listed = _listed(known, table, design)
-    for key in varied:
-        if design.kind == LIST:
-            raise vary_table.refuse(key, f'does not go with design = "{LIST}"')
-        if design.kind in EITHER_FIXED_OR_VARIED and key in fixed:
-            raise vary_table.refuse(key, "is under [fixed] as well; keep one of them")
+    _check_varied(vary_table, design, fixed)
     parameters = KnownParameters(known, "--set")
     for key, value in settings.items():
         derived.pop(key, None)
@@ -80,7 +76,7 @@ def read_part(scene: str, table: Table, design: Design, settings: Mapping[str, A
         if design.kind in EITHER_FIXED_OR_VARIED:
             fixed.pop(key, None)
     if design.kind == LATIN_HYPERCUBE and not varied:
-        raise StudyError(f"{vary_table.where}: is missing or empty; there is nothing to sample")
+        raise StudyError(f"{vary_table.where}: nothing varies, there is nothing to sample")
     return ScenePart(
         scene=scene,
         fixed=fixed,
@@ -126,6 +122,14 @@ def _varied(
 ) -> dict[str, tuple[Value, ...] | Range]:
     parameters = KnownParameters(known, table.where)
     return {key: _variation(parameters, key, value, design) for key, value in table.values.items()}
+
+
+def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> None:
+    for key in table.values:
+        if design.kind == LIST:
+            raise table.refuse(key, f'does not go with design = "{LIST}"')
+        if design.kind in EITHER_FIXED_OR_VARIED and key in fixed:
+            raise table.refuse(key, "is under [fixed] as well; keep one of them")
 
 
 def _variation(

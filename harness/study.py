@@ -22,7 +22,7 @@ The README has all keys.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,12 +40,18 @@ from harness.definition import (
 from harness.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.references import reference_ids
 from harness.scene_part import LARGEST_STUDY, ScenePart, read_part
-from mpm_warp.parameters import known_names, nearest_name, parameters_of
+from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
 MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
 LARGEST_SEED = 2**32 - 1
+COMPARED = "cone_factor"
+"""The result that the references are of."""
+ERRORS = ("error", "error_finest")
+"""Results that :mod:`harness.errors` tells of, which loads what no definition needs."""
+MISSPELT = 0.85
+"""Likeness from which on a name is a slip; two results of a scene are less alike."""
 
 OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
 OF_SCENE = ("fixed", "vary", "derived", "exclude", "case")
@@ -129,8 +135,8 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
-        references=_references(document),
-        tolerances=_tolerances(document),
+        references=_references(document, scenes),
+        tolerances=_tolerances(document, scenes),
         timing_repeats=_timing_repeats(document),
         source=path,
     )
@@ -194,7 +200,7 @@ def _timing_repeats(document: Table) -> int:
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
 
 
-def _references(document: Table) -> tuple[str, ...]:
+def _references(document: Table, scenes: Sequence[str]) -> tuple[str, ...]:
     table = document.table("compare")
     table.allow("references", "tolerance")
     ids = table.list("references")
@@ -204,13 +210,31 @@ def _references(document: Table) -> tuple[str, ...]:
             raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
     if len(set(ids)) < len(ids):
         raise table.refuse("references", "names a reference twice")
+    if ids and not _compared(scenes):
+        able = ", ".join(_compared(scene_names()))
+        raise table.refuse("references", f"no scene here gives a {COMPARED}, as {able} does")
     return tuple(ids)
 
 
-def _tolerances(document: Table) -> dict[str, float]:
+def _compared(scenes: Iterable[str]) -> list[str]:
+    return [name for name in scenes if scene_class(name).headline == COMPARED]
+
+
+def _known_results(scene: str) -> set[str]:
+    """Results that a scene is known to have before it has run."""
+    known = scene_class(scene)
+    return {known.headline, *ERRORS, *(name for it in known.verifications for name in it.bounds)}
+
+
+def _tolerances(document: Table, scenes: Sequence[str]) -> dict[str, float]:
+    """Tolerances by name, which may be that of any result: slips in known names are refused."""
     table = document.table("compare").table("tolerance")
-    unused = set(reference_ids()) - set(_references(document))
+    references = _references(document, scenes)
+    unused = set(reference_ids()) - set(references)
+    known = {*references, *(name for scene in scenes for name in _known_results(scene))}
     for name in table.values:
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
+        if name not in known and (near := did_you_mean(name, known, MISSPELT)):
+            raise table.refuse(name, f"is neither a reference nor a result{near}")
     return {name: table.positive(name) for name in table.values}
