@@ -12,6 +12,8 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullLocator, StrMethodFo
 
 from harness.compare import conditions_of, stored_references, varied_names
 from harness.plot_parts import (
+    FAILED,
+    MARKERS,
     CurveEnd,
     axis_label,
     empty_figure,
@@ -25,8 +27,6 @@ from harness.references.cone_factors import CONE_FACTORS, Quantity, envelope, en
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
 """Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
 
-MARKERS = "osD^v<>p"
-FAILED = "#B00020"
 ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
 FINE = 400
 """Points of a literature curve."""

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from harness import HarnessError
-from mpm_warp.parameters import Parameter, ParameterError, Value, nearest_name
+from harness.designs import EITHER_FIXED_OR_VARIED
+from mpm_warp.parameters import Parameter, ParameterError, Value, did_you_mean, nearest_name
 
 LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
@@ -55,19 +56,21 @@ def find_study(study: str, beside: Path | None = None) -> Path:
     Raises:
         StudyError: there is none (the nearest name is given), or its name names no results.
     """
-    path = Path(study)
+    path, here = Path(study), beside or Path()
     is_name = path.suffix != ".toml" and path.name == study
-    if is_name:
-        path = studies_folder() / f"{study}.toml"
-    elif beside is not None:
-        path = beside / path
+    path = studies_folder() / f"{study}.toml" if is_name else here / path
     try:
         found = path.is_file()
     except (OSError, ValueError) as error:  # too long a name; a null character in it
         raise StudyError(f"{study}: {getattr(error, 'strerror', error)}") from None
     if not found:
         problem = "no such study" if is_name else "not a file" if path.exists() else "no such file"
-        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}")
+        meant = (
+            f"; a file here is called {path.name}"
+            if is_name and (here / path.name).is_file()
+            else ""
+        )
+        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}{meant}")
     if path.suffix != ".toml" or not re.fullmatch(r"\w[\w.-]*", path.stem):
         raise StudyError(
             f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"
@@ -122,28 +125,47 @@ def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
     return line
 
 
-def joined(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> dict[str, Any]:
     """What `own` says, and what `base` says where `own` says nothing.
 
     Tables are joined key by key. A parameter that `own` fixes, varies or derives is no longer what
-    `base` makes of it.
+    `base` makes of it; but one that `own` varies keeps its fixed value where a case has that.
+
+    Args:
+        base: a definition, or what stands in one under [scenes.NAME].
+        own: the same of a study that stands on it.
+        design: of the study, checked or not.
     """
-    said = {key for name in ASSIGNING if isinstance(table := own.get(name), dict) for key in table}
     result = dict(base)
     for name in ASSIGNING:
+        keeps = name == "fixed" and design not in EITHER_FIXED_OR_VARIED
+        said = _keys(own, *(it for it in ASSIGNING if not (keeps and it == "vary")))
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}
     for key, value in own.items():
         inherited = result.get(key)
-        both_tables = isinstance(inherited, dict) and isinstance(value, dict)
-        # Under [scenes] stand whole definitions, under the others names with their values.
-        join = joined if key == "scenes" else _updated
-        result[key] = join(inherited or {}, value) if both_tables else value
+        if not (isinstance(inherited, dict) and isinstance(value, dict)):
+            result[key] = value
+        elif key == "scenes":
+            result[key] = _joined_scenes(inherited, value, design)
+        else:
+            result[key] = {**inherited, **value}
     return result
 
 
-def _updated(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    return {**base, **own}
+def _keys(definition: Mapping[str, Any], *tables: str) -> set[str]:
+    return {key for it in tables if isinstance(table := definition.get(it), dict) for key in table}
+
+
+def _joined_scenes(
+    base: Mapping[str, Any], own: Mapping[str, Any], design: object
+) -> dict[str, Any]:
+    """The same for what stands under [scenes], a definition for each of them."""
+    result = {**base, **own}
+    for name, definition in own.items():
+        if isinstance(base.get(name), dict) and isinstance(definition, dict):
+            result[name] = joined(base[name], definition, design)
+    return result
 
 
 class Table:
@@ -183,7 +205,8 @@ class Table:
         """One of `choices`; the first where the key is not there."""
         value = self.values.get(key, choices[0])
         if not isinstance(value, str) or value not in choices:
-            raise self.refuse(key, f"must be one of {', '.join(choices)}{_nearest(value, choices)}")
+            near = did_you_mean(value, choices) if isinstance(value, str) else ""
+            raise self.refuse(key, f"must be one of {', '.join(choices)}{near}")
         return value
 
     def integer(self, key: str, least: int, most: int) -> int:
@@ -232,8 +255,6 @@ class KnownParameters:
         """`value` in the parameter's own type."""
         definition = self.definition(key, value)
         place = f"{self.where} {key} = {shown(value)}"
-        if isinstance(value, list):
-            raise StudyError(f"{place}: is a list; what varies belongs under [vary]")
         if not isinstance(value, Value) or (isinstance(value, int) and abs(value) >= 2**63):
             raise StudyError(f"{place} is not allowed: must be {definition.allowed}")
         try:
@@ -282,8 +303,3 @@ def shown(value: object) -> str:
         return repr(value)
     except (ValueError, RecursionError):
         return "(too long to show)"
-
-
-def _nearest(value: object, choices: Iterable[str]) -> str:
-    near = nearest_name(value, choices) if isinstance(value, str) else ""
-    return near if "did you mean" in near else ""

@@ -20,6 +20,8 @@ from mpm_warp.parameters import Parameter, Value
 
 FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
 DESIGNS = (FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE)
+EITHER_FIXED_OR_VARIED = (FULL, LATIN_HYPERCUBE)
+"""Designs of which no case has a varied parameter's fixed value; one at a time most cases do."""
 SPACINGS = ("linear", "logarithmic")
 
 Combination = Mapping[str, Value]

@@ -14,6 +14,9 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 SIZE = (6.4, 4.2)
+MARKERS = "osD^v<>pX*"
+FAILED = "#B00020"
+"""Colour of cases that failed."""
 
 
 def png(figure: Figure) -> bytes:

@@ -16,7 +16,7 @@ from harness.compare import NothingToCompareError
 from harness.cone_factor_table import cone_factor_table
 from harness.errors import error_name
 from harness.gate import ATTRIBUTE, misses
-from harness.plot_parts import png
+from harness.plot_parts import FAILED, png
 from harness.plots import figures
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
@@ -28,8 +28,9 @@ h1, h2, h3 { font-weight: 600 } h2 { border-top: 1px solid #ccc; padding-top: 1e
 table { border-collapse: collapse; font-size: 13px; display: block; overflow-x: auto }
 td, th { padding: .2em .7em; text-align: left; border-bottom: 1px solid #ddd; white-space: nowrap }
 pre { font-size: 12px; overflow-x: auto; background: #f6f6f6; padding: 1em }
-img { max-width: 48em; width: 100% } .bad { color: #B00020 }
+img { max-width: 48em; width: 100% }
 """
+STYLE += f".bad {{ color: {FAILED} }}\n"
 RESULTS = ("cone_factor", "bearing_capacity", "acceleration")
 """Scalars that the list of cases shows beside the error, where a result has them."""
 

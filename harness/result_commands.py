@@ -101,10 +101,10 @@ def report(options: argparse.Namespace) -> int:
 
 def show_recommendation(options: argparse.Namespace) -> int:
     """Print the cheapest settings that keep an error."""
-    from harness.recommend import recommend
+    from harness.recommend import recommend, results_in
 
     scene_class(options.scene)
-    found = recommend(options.scene, options.error, sorted(options.results.glob("*.nc")))
+    found = recommend(options.scene, options.error, results_in(options.results))
     if found is None:
         print(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
         return INCOMPLETE

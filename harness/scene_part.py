@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from harness.definition import KnownParameters, StudyError, Table, shown
-from harness.designs import FULL, LATIN_HYPERCUBE, LIST, SPACINGS, Combination, Design, Range
+from harness.designs import (
+    EITHER_FIXED_OR_VARIED,
+    LATIN_HYPERCUBE,
+    LIST,
+    SPACINGS,
+    Combination,
+    Design,
+    Range,
+)
 from harness.expressions import Expression, ExpressionError
 from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class
@@ -37,55 +45,76 @@ class ScenePart:
     excluded: tuple[Expression, ...]
 
 
-def read_part(
-    scene: str, table: Table, design: Design, settings: Iterable[tuple[str, Any]]
-) -> ScenePart:
+def read_part(scene: str, table: Table, design: Design, settings: Mapping[str, Any]) -> ScenePart:
     """Read what a study does with a scene, and apply settings.
 
     Args:
         scene: its name.
         table: all that the definition says of it.
         design: how varied values are combined.
-        settings: parameters and their values, which hold whatever the definition says.
+        settings: parameters and their values, which hold whatever the definition says; one that
+            varies leaves alone what the design `one_at_a_time` begins with.
 
     Raises:
         StudyError: something in it is not allowed.
     """
     known = parameters_of(scene_class(scene))
-    fixed_table, vary_table = table.table("fixed"), table.table("vary")
-    fixed = _fixed(known, fixed_table)
+    vary_table = table.table("vary")
+    fixed = _fixed(known, table.table("fixed"))
     varied = _varied(known, vary_table, design)
     derived = _derived(known, table.table("derived"))
-    if design.kind in (FULL, LATIN_HYPERCUBE):
-        for key in varied:
-            if key in fixed:
-                raise vary_table.refuse(key, "is under [fixed] as well; keep one of them")
-    for key, value in settings:
-        derived.pop(key, None)
-        if isinstance(value, (list, dict)):
-            varied[key] = _variation(KnownParameters(known, "--set"), key, value, design)
-            fixed.pop(key, None)
-        else:
-            fixed[key] = KnownParameters(known, "--set").value(key, value)
-            varied.pop(key, None)
     listed = _listed(known, table, design)
-    if design.kind == LIST and varied:
-        raise vary_table.refuse(next(iter(varied)), f'does not go with design = "{LIST}"')
+    _check_varied(vary_table, design, fixed)
+    parameters = KnownParameters(known, "--set")
+    for key, value in settings.items():
+        derived.pop(key, None)
+        if not isinstance(value, (list, dict)):
+            fixed[key] = parameters.value(key, value)
+            varied.pop(key, None)
+            continue
+        varied[key] = _set_variation(parameters, key, value, design)
+        if design.kind in EITHER_FIXED_OR_VARIED:
+            fixed.pop(key, None)
     if design.kind == LATIN_HYPERCUBE and not varied:
-        raise StudyError(f"{vary_table.where}: is missing or empty; there is nothing to sample")
+        raise StudyError(f"{vary_table.where}: nothing varies, there is nothing to sample")
     return ScenePart(
         scene=scene,
         fixed=fixed,
         varied=varied,
-        listed=listed,
+        listed=tuple(_without(case, settings) for case in listed),
         derived=derived,
         excluded=_excluded(known, table),
     )
 
 
 def _fixed(known: Mapping[str, Parameter], table: Table) -> dict[str, Value]:
+    for key, value in table.values.items():
+        KnownParameters(known, table.where).definition(key, value)
+        if isinstance(value, list):
+            raise table.refuse(key, "is a list; what varies belongs under [vary]")
+    return _values(known, table)
+
+
+def _values(known: Mapping[str, Parameter], table: Table) -> dict[str, Value]:
     parameters = KnownParameters(known, table.where)
     return {key: parameters.value(key, value) for key, value in table.values.items()}
+
+
+def _without(case: Combination, settings: Mapping[str, Any]) -> Combination:
+    return {key: value for key, value in case.items() if key not in settings}
+
+
+def _set_variation(
+    parameters: KnownParameters, key: str, value: object, design: Design
+) -> tuple[Value, ...] | Range:
+    """What a setting varies, which in a list of cases none can."""
+    if design.kind == LIST:
+        allowed = parameters.definition(key, value).allowed
+        raise StudyError(
+            f'{parameters.where} {key} = {shown(value)}: design = "{LIST}" does not vary it; '
+            f"must be {allowed}"
+        )
+    return _variation(parameters, key, value, design)
 
 
 def _varied(
@@ -93,6 +122,14 @@ def _varied(
 ) -> dict[str, tuple[Value, ...] | Range]:
     parameters = KnownParameters(known, table.where)
     return {key: _variation(parameters, key, value, design) for key, value in table.values.items()}
+
+
+def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> None:
+    for key in table.values:
+        if design.kind == LIST:
+            raise table.refuse(key, f'does not go with design = "{LIST}"')
+        if design.kind in EITHER_FIXED_OR_VARIED and key in fixed:
+            raise table.refuse(key, "is under [fixed] as well; keep one of them")
 
 
 def _variation(
@@ -172,6 +209,6 @@ def _listed(
         if not isinstance(case, dict):
             raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
     return tuple(
-        _fixed(known, Table(f"{table.where} [[case]] {number}:", case))
+        _values(known, Table(f"{table.where} [[case]] {number}:", case))
         for number, case in enumerate(cases, 1)
     )

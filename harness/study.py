@@ -22,21 +22,36 @@ The README has all keys.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.definition import StudyError, Table, find_study, joined, lineage, parse_setting, shown
+from harness.definition import (
+    KnownParameters,
+    StudyError,
+    Table,
+    find_study,
+    joined,
+    lineage,
+    parse_setting,
+    shown,
+)
 from harness.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.references import reference_ids
 from harness.scene_part import LARGEST_STUDY, ScenePart, read_part
-from mpm_warp.parameters import nearest_name
+from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 
 MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
 LARGEST_SEED = 2**32 - 1
+COMPARED = "cone_factor"
+"""The result that the references are of."""
+ERRORS = ("error", "error_finest")
+"""Results that :mod:`harness.errors` tells of, which loads what no definition needs."""
+MISSPELT = 0.85
+"""Likeness from which on a name is a slip; two results of a scene are less alike."""
 
 OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
 OF_SCENE = ("fixed", "vary", "derived", "exclude", "case")
@@ -79,27 +94,33 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
 
     A setting's value is a TOML value, or a bare word for a text. A list or a range varies the
     parameter, a scalar fixes it, whatever the file says; of two settings of one key the last holds.
+    Of several scenes a setting is for those that have the parameter.
 
     Raises:
         StudyError: the file is missing or not a study, or a setting is malformed.
     """
     path = find_study(study)
-    assignments = [parse_setting(setting) for setting in settings]
+    assignments = dict(parse_setting(setting) for setting in settings)
     *bases, (_, own) = lineage(path)
     values: dict[str, Any] = {}
     for base, its_own in bases:
-        values = joined(values, its_own)
-        _read(base, values, [])  # what is wrong there is to be told of that file
-    return _read(path, joined(values, own), assignments)
+        values = _standing_on(values, its_own)
+        _read(base, values, {})  # what is wrong there is to be told of that file
+    return _read(path, _standing_on(values, own), assignments)
 
 
-def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]) -> Study:
+def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    return joined(base, own, {**base, **own}.get("design", DESIGNS[0]))
+
+
+def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
     document = Table(f"{path}:", values)
     document.allow(*OF_STUDY, *OF_SCENE)
     design = _design(document)
     scenes = _scenes(document)
     own = document.table("scenes")
     own.allow(*scenes)
+    _check_settings(settings, scenes)
     shared = {key: value for key, value in values.items() if key in OF_SCENE}
     parts = []
     for scene in scenes:
@@ -107,16 +128,15 @@ def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]
         of_scene.allow(*OF_SCENE)
         where = of_scene.where if of_scene.values else document.where
         _check_assignments(document, of_scene)
-        parts.append(
-            read_part(scene, Table(where, joined(shared, of_scene.values)), design, settings)
-        )
+        table = Table(where, joined(shared, of_scene.values, design.kind))
+        parts.append(read_part(scene, table, design, _settings_of(scene, settings)))
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
-        references=_references(document),
-        tolerances=_tolerances(document),
+        references=_references(document, scenes),
+        tolerances=_tolerances(document, scenes),
         timing_repeats=_timing_repeats(document),
         source=path,
     )
@@ -124,9 +144,10 @@ def _read(path: Path, values: Mapping[str, Any], settings: list[tuple[str, Any]]
 
 def _scenes(document: Table) -> tuple[str, ...]:
     given = document.values.get("scene")
-    names = (
-        given if isinstance(given, list) and given else [document.text("scene", _known_scenes())]
-    )
+    if isinstance(given, list) and given:
+        names = given
+    else:
+        names = [document.text("scene", known_names(scene_names()))]
     for name in names:
         try:
             scene_class(name if isinstance(name, str) else shown(name))
@@ -135,10 +156,6 @@ def _scenes(document: Table) -> tuple[str, ...]:
     if len(set(names)) < len(names):
         raise document.refuse("scene", "names a scene twice")
     return tuple(names)
-
-
-def _known_scenes() -> str:
-    return nearest_name("", scene_names())
 
 
 def _design(document: Table) -> Design:
@@ -153,6 +170,18 @@ def _design(document: Table) -> Design:
         samples=document.integer("samples", 1, LARGEST_STUDY),
         seed=document.integer("seed", 0, LARGEST_SEED),
     )
+
+
+def _check_settings(settings: Mapping[str, Any], scenes: Iterable[str]) -> None:
+    """Refuse a setting of what is a parameter of none of the scenes."""
+    known = {name: it for scene in scenes for name, it in parameters_of(scene_class(scene)).items()}
+    for key, value in settings.items():
+        KnownParameters(known, "--set").definition(key, value)
+
+
+def _settings_of(scene: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    known = parameters_of(scene_class(scene))
+    return {key: value for key, value in settings.items() if key in known}
 
 
 def _check_assignments(*tables: Table) -> None:
@@ -171,7 +200,7 @@ def _timing_repeats(document: Table) -> int:
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
 
 
-def _references(document: Table) -> tuple[str, ...]:
+def _references(document: Table, scenes: Sequence[str]) -> tuple[str, ...]:
     table = document.table("compare")
     table.allow("references", "tolerance")
     ids = table.list("references")
@@ -181,13 +210,31 @@ def _references(document: Table) -> tuple[str, ...]:
             raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
     if len(set(ids)) < len(ids):
         raise table.refuse("references", "names a reference twice")
+    if ids and not _compared(scenes):
+        able = ", ".join(_compared(scene_names()))
+        raise table.refuse("references", f"no scene here gives a {COMPARED}, as {able} does")
     return tuple(ids)
 
 
-def _tolerances(document: Table) -> dict[str, float]:
+def _compared(scenes: Iterable[str]) -> list[str]:
+    return [name for name in scenes if scene_class(name).headline == COMPARED]
+
+
+def _known_results(scene: str) -> set[str]:
+    """Results that a scene is known to have before it has run."""
+    known = scene_class(scene)
+    return {known.headline, *ERRORS, *(name for it in known.verifications for name in it.bounds)}
+
+
+def _tolerances(document: Table, scenes: Sequence[str]) -> dict[str, float]:
+    """Tolerances by name, which may be that of any result: slips in known names are refused."""
     table = document.table("compare").table("tolerance")
-    unused = set(reference_ids()) - set(_references(document))
+    references = _references(document, scenes)
+    unused = set(reference_ids()) - set(references)
+    known = {*references, *(name for scene in scenes for name in _known_results(scene))}
     for name in table.values:
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
+        if name not in known and (near := did_you_mean(name, known, MISSPELT)):
+            raise table.refuse(name, f"is neither a reference nor a result{near}")
     return {name: table.positive(name) for name in table.values}

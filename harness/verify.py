@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from harness import HarnessError
+from harness import HarnessError, in_one_line
 from mpm_warp.parameters import Value
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.base import Verification
@@ -136,7 +136,7 @@ def _outcome(run: Callable[[], xr.Dataset]) -> tuple[xr.Dataset | None, str]:
     try:
         return run(), ""
     except Exception as error:
-        return None, " ".join(f"{type(error).__name__}: {error}".split())
+        return None, in_one_line(error)
 
 
 HEADING = ("scene", "resolution", "error", "bound", "order", "run time", "")

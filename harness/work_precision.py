@@ -12,12 +12,10 @@ from matplotlib.figure import Figure
 from harness.cases import COMPLETED
 from harness.compare import varied_along
 from harness.errors import error_name
-from harness.plot_parts import png
+from harness.plot_parts import FAILED, MARKERS, png
 from harness.whole_files import write_whole
 from mpm_warp.scenes import scene_class, scene_names
 
-MARKERS = "osD^v<>pX*"
-FAILED = "#B00020"
 MOST_LABELS = 12
 """Settings on the Pareto front that find room in a picture."""
 

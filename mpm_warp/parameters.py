@@ -188,20 +188,28 @@ def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:
     return scene(**values)
 
 
+def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    """A phrase that names the nearest valid name; "" where none is as like as 0 to 1."""
+    close = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def known_names(known: Iterable[str]) -> str:
+    """A phrase that names all valid names; "" where there are none."""
+    names = ", ".join(known)
+    return f"; known: {names}" if names else ""
+
+
 def nearest_name(name: str, known: Iterable[str]) -> str:
     """A phrase that names the nearest valid name, or all of them where none is near."""
     names = list(known)
-    close = difflib.get_close_matches(name, names, n=1)
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    return "; known: " + ", ".join(names)
+    return did_you_mean(name, names) or known_names(names)
 
 
 def _nearest_choice(value: object, choices: tuple[Value, ...] | None) -> str:
     if not isinstance(value, str) or choices is None:
         return ""
-    close = difflib.get_close_matches(value, [str(choice) for choice in choices], n=1)
-    return f"; did you mean {close[0]!r}?" if close else ""
+    return did_you_mean(value, map(str, choices))
 
 
 def _bare_type(hint: Any) -> type:

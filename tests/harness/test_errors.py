@@ -13,6 +13,7 @@ from harness.archive import write_study
 from harness.case_files import FORMAT_VERSION
 from harness.cli import main
 from harness.errors import FINEST, with_errors
+from harness.plot_parts import FAILED
 from harness.plots import figures
 from harness.recommend import recommend
 from harness.report import page
@@ -157,3 +158,7 @@ def test_each_scene_of_several_has_its_own_front() -> None:
     (axes,) = study_figure(dataset).axes
     fronts = [line.get_xydata() for line in axes.lines[1:]]
     np.testing.assert_allclose(fronts, [[[1, 0.1], [2, 0.01]], [[1.5, 0.5], [3, 0.3]]])
+
+
+def test_failures_have_one_colour_on_the_page_and_in_its_pictures() -> None:
+    assert f".bad {{ color: {FAILED} }}" in page([with_errors(result())])

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from mpm_warp.parameters import ParameterError, from_mapping, parameters_of
+from mpm_warp.parameters import (
+    ParameterError,
+    did_you_mean,
+    from_mapping,
+    known_names,
+    nearest_name,
+    parameters_of,
+)
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
@@ -55,3 +62,16 @@ def test_every_parameter_of_every_scene_is_explained_and_accepts_its_default() -
 def test_an_unknown_scene_is_refused_by_name() -> None:
     with pytest.raises(UnknownSceneError, match="did you mean 'cone_penetration'"):
         scene_class("cone_penetraton")
+
+
+def test_the_nearest_name_and_where_none_is_near_all_of_them() -> None:
+    assert did_you_mean("eror", ["error", "stress"]) == "; did you mean 'error'?"
+    assert did_you_mean("eror", ["error"], likeness=0.9) == ""
+    assert did_you_mean("depth", ["error", "stress"]) == ""
+    assert known_names(["error", "stress"]) == "; known: error, stress"
+    assert nearest_name("eror", ["error", "stress"]) == "; did you mean 'error'?"
+    assert nearest_name("depth", ["error", "stress"]) == "; known: error, stress"
+
+
+def test_where_no_name_is_known_none_is_told() -> None:
+    assert did_you_mean("error", []) == known_names([]) == nearest_name("error", []) == ""
