@@ -11,7 +11,7 @@ import xarray as xr
 from distributed import Client, KilledWorker, as_completed
 from distributed.comm.addressing import get_address_host_port
 
-from harness import HarnessError
+from harness import HarnessError, in_one_line
 from harness.case_files import is_complete, write_case
 from harness.cases import COMPLETED, CRASHED, Case, Outcome
 from harness.provenance import provenance
@@ -102,6 +102,5 @@ def _loss(error: BaseException) -> Result:
         times = error.allowed_failures + 1
         outcome = Outcome(CRASHED, f"each of {times} workers that ran the case died")
     else:
-        message = " ".join(f"{type(error).__name__}: {error}".split())
-        outcome = Outcome("failed", f"on the cluster: {message}")
+        outcome = Outcome("failed", f"on the cluster: {in_one_line(error)}")
     return Result(outcome, xr.Dataset())

@@ -13,6 +13,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness import in_one_line
 from harness.cases import COMPLETED, MISSING, Case, Outcome
 from mpm_warp.execution import Execution
 from mpm_warp.parameters import from_mapping
@@ -70,7 +71,7 @@ def compute(
         history = getattr(error, "history", None)
         dataset = xr.Dataset() if history is None else history
         status = getattr(error, "status", "failed")
-        message = " ".join(f"{type(error).__name__}: {error}".split())
+        message = in_one_line(error)
     scalars = ((name, array) for name, array in dataset.data_vars.items() if array.ndim == 0)
     headline = next(
         (f"{str(name).replace('_', ' ')} {array.item():.4g}" for name, array in scalars), ""
