@@ -74,7 +74,7 @@ def check_study(path: Path, dataset: xr.Dataset) -> None:
     said = dataset.attrs
     holds = {
         # As a study's own file is called: pictures are called by it, and go to no other folder.
-        "study": re.fullmatch(r"\w[\w.-]*", str(said["study"])),
+        "study": isinstance(said["study"], str) and re.fullmatch(r"\w[\w.-]*", said["study"]),
         "scene": isinstance(said.get("scene"), str),
         "scene_version": isinstance(said.get("scene_version"), int | np.integer),
         TOLERANCES: _are_tolerances(str(said.get(TOLERANCES, "{}"))),
