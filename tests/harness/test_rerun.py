@@ -117,7 +117,7 @@ def test_what_cannot_be_run_again_is_one_line(
         (str(unversioned),): "scene, scene_version or status is missing or malformed",
         (str(unread),): "unknown scene 'spiral'",
         (str(stranger),): "is neither the file of a case nor the result of a study",
-        (str(tmp_path / "none.nc"),): "none.nc: no such file; known: ",
+        (str(tmp_path / "none.nc"),): "none.nc: no such file",
     }
     capsys.readouterr()
     for arguments, expected in refusals.items():
