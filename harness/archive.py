@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,13 +13,17 @@ import numpy as np
 import xarray as xr
 
 from harness.case_files import FORMAT_VERSION, read_case, read_netcdf, write_netcdf
-from harness.cases import COMPLETED, MISSING, Case
+from harness.cases import COMPLETED, DAMAGED, MISSING, Case
 from harness.designs import Range
-from harness.provenance import provenance
+from harness.gate import ATTRIBUTE as TOLERANCES
+from harness.provenance import OF_CASE, provenance_of_collector
 from harness.study import Study
 from harness.whole_files import ArchiveError
 from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class
+
+MOST_NAMED = 10
+"""Files of a folder that are named where none is like the one that is asked for."""
 
 
 def write_study(path: Path, dataset: xr.Dataset) -> None:
@@ -26,7 +32,7 @@ def write_study(path: Path, dataset: xr.Dataset) -> None:
     Raises:
         ArchiveError: it cannot be written.
     """
-    write_netcdf(dataset.assign_attrs(provenance()), path)
+    write_netcdf(dataset.assign_attrs(provenance_of_collector()), path)
 
 
 def read_study(path: Path) -> xr.Dataset:
@@ -34,15 +40,52 @@ def read_study(path: Path) -> xr.Dataset:
 
     Raises:
         ArchiveError: there is no such file (the nearest one is named), or it is damaged, or of
-            another format version, or of a case alone.
+            another format version, or of a case alone, or lacks what every result has.
     """
-    if not path.exists():
-        near = nearest_name(path.name, (file.name for file in path.parent.glob("*.nc")))
-        raise ArchiveError(f"{path}: no such file{near}")
-    dataset = read_netcdf(path)
+    dataset = read_result(path)
     if "study" not in dataset.attrs:
         raise ArchiveError(f"{path}: is not the result of a study")
+    check_study(path, dataset)
     return dataset
+
+
+def read_result(path: Path) -> xr.Dataset:
+    """Read the file of a case, or the collected dataset of a study.
+
+    Raises:
+        ArchiveError: there is no such file (the nearest one is named), or it is damaged, or of
+            another format version.
+    """
+    if not path.exists():
+        beside = [file.name for file in path.parent.glob("*.nc")]
+        near = nearest_name(path.name, beside)
+        # Of the many files of cases a list would say nothing.
+        is_told = "did you mean" in near or 0 < len(beside) <= MOST_NAMED
+        raise ArchiveError(f"{path}: no such file{near if is_told else ''}")
+    return read_netcdf(path)
+
+
+def check_study(path: Path, dataset: xr.Dataset) -> None:
+    """Check that a collected dataset has what every one has, whoever has written it.
+
+    Raises:
+        ArchiveError: something is not there, or not what it should be; it is named.
+    """
+    said = dataset.attrs
+    holds = {
+        # As a study's own file is called: pictures are called by it, and go to no other folder.
+        "study": isinstance(said["study"], str) and re.fullmatch(r"\w[\w.-]*", said["study"]),
+        "scene": isinstance(said.get("scene"), str),
+        "scene_version": isinstance(said.get("scene_version"), int | np.integer),
+        TOLERANCES: _are_tolerances(str(said.get(TOLERANCES, "{}"))),
+        **{name: _is_text_of_cases(dataset, name) for name in ("status", "message", "case_key")},
+    }
+    for name, is_sound in holds.items():
+        if not is_sound:
+            raise ArchiveError(
+                f"{path}: is no whole result of a study: {name} is missing or malformed; "
+                "collect it again"
+            )
 
 
 def collect(study: Study, cases: Sequence[Case], folder: Path) -> xr.Dataset:
@@ -54,13 +97,12 @@ def collect(study: Study, cases: Sequence[Case], folder: Path) -> xr.Dataset:
     all cases. Every parameter is there by name: what varies is a coordinate, what is the same in
     all cases a scalar, not a number where the scene derives it or has no such parameter. A
     parameter that shares its name with a result is called ``<name>_parameter``. A case that did
-    not complete is not a number; its `status` and `message` say why. A result whose name a scene
-    before has used over other dims is called ``<scene>_<name>``.
-
-    Raises:
-        ArchiveError: a case file is damaged.
+    not complete is not a number; its `status` and `message` say why, also where its file is of no
+    use. A result whose name a scene before has used over other dims is called ``<scene>_<name>``.
+    Where, when and with what the cases were computed are attributes where all agree that were
+    computed, otherwise variables over the cases, an empty text where a case file does not say.
     """
-    results = [read_case(folder, case) for case in cases]
+    results = [_result(folder, case) for case in cases]
     completed = {
         place: result
         for place, result in enumerate(results)
@@ -90,6 +132,14 @@ def collect(study: Study, cases: Sequence[Case], folder: Path) -> xr.Dataset:
             "case_key": ("name of the case's file", [case.key for case in cases]),
         }.items()
     }
+    computed: dict[str, str] = {}
+    for name in OF_CASE:
+        said = [_attribute(result, name) for result in results]
+        known = set(said) - {""}
+        if len(known) > 1:
+            per_case[name] = _over_grid(grid, np.array(said), {"long_name": name.replace("_", " ")})
+        elif known:
+            computed[name] = known.pop()
     coordinates: dict[Hashable, xr.Variable] = {}
     for name, definition in definitions.items():
         values, labels = [case.parameters.get(name) for case in cases], _attributes(definition)
@@ -117,8 +167,36 @@ def collect(study: Study, cases: Sequence[Case], folder: Path) -> xr.Dataset:
         "scene": " ".join(part.scene for part in study.parts),
         "scene_version": cases[0].scene_version,
         "format_version": FORMAT_VERSION,
+        **computed,
     }
     return xr.Dataset(_gathered(grid, completed) | per_case, coordinates, attributes)
+
+
+def _are_tolerances(text: str) -> bool:
+    try:
+        tolerances = json.loads(text)
+    except ValueError:
+        return False
+    return isinstance(tolerances, dict) and all(
+        isinstance(limit, int | float) for limit in tolerances.values()
+    )
+
+
+def _is_text_of_cases(dataset: xr.Dataset, name: str) -> bool:
+    """Whether a variable has a text for each case."""
+    if name not in dataset or "status" not in dataset:
+        return False
+    variable = dataset[name]
+    texts = all(isinstance(value, str) for value in variable.values.flat)
+    return texts and variable.dims == dataset["status"].dims
+
+
+def _result(folder: Path, case: Case) -> xr.Dataset | None:
+    """What the file of a case holds, None where there is none; where it is of no use, why."""
+    try:
+        return read_case(folder, case)
+    except ArchiveError as error:
+        return xr.Dataset(attrs={"status": DAMAGED, "message": str(error)})
 
 
 def _over_grid(
@@ -145,7 +223,7 @@ def _attributes(definition: Parameter) -> dict[str, str]:
 
 
 def _attribute(result: xr.Dataset | None, name: str, otherwise: str = "") -> str:
-    return otherwise if result is None else str(result.attrs[name])
+    return otherwise if result is None else str(result.attrs.get(name, otherwise))
 
 
 def _gathered(

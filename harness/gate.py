@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from harness import HarnessError
+from harness.cases import COMPLETED
 from harness.compare import conditions_of, varied_along
 from harness.measuring import MEASURED
 from harness.references import cone_factor_reference
@@ -21,7 +23,7 @@ ATTRIBUTE = "tolerances"
 
 
 class NotComparableError(HarnessError):
-    """Two results have no case in common; the message is one line."""
+    """Two results have no case or no number in common; the message is one line."""
 
 
 def with_tolerances(dataset: xr.Dataset, tolerances: Mapping[str, float]) -> xr.Dataset:
@@ -82,12 +84,14 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
 
     Returns:
         The largest difference of each scalar result, times and memory left aside where they are
-        not what the scene is for; and the cases that only one of them has, a line each.
+        not what the scene is for; and the cases that only one of them has or has completed, a line
+        each.
 
     Raises:
-        NotComparableError: they have no case in common.
+        NotComparableError: they have no case in common, or nothing there that can be compared.
     """
-    ours, theirs = _by_parameters(first), _by_parameters(second)
+    names = [set(_parameter_names(dataset)) for dataset in (first, second)]
+    ours, theirs = (_by_parameters(dataset, names[0] & names[1]) for dataset in (first, second))
     common = [key for key in ours if key in theirs]
     if not common:
         raise NotComparableError("nothing to compare: no case has the same parameters in both")
@@ -102,16 +106,46 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         if key not in other
     ]
     places = [ours[key] for key in common], [theirs[key] for key in common]
+    lonely += _completed_once(first, second, places)
     found = []
+    is_compared = False
     for name in sorted(_scalar_results(first) | _scalar_results(second)):
         before, after = (
             _flat(dataset, name)[place]
             for dataset, place in zip((first, second), places, strict=True)
         )
+        is_compared |= not (np.isnan(before) & np.isnan(after)).all()
         sizes = _relative(before, after)
         worst = int(np.argmax(sizes))
         found.append(Difference(name, float(sizes[worst]), labels[places[0][worst]]))
+    if not is_compared and not lonely:
+        raise NotComparableError("nothing to compare: no case has a scalar result in either")
     return found, lonely
+
+
+def unshared(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+    """The parameters that only one of two results has, a line for each that has some.
+
+    :func:`differences` compares cases in which these are at their default, where the scene has one.
+    """
+    ours, theirs = set(_parameter_names(first)), set(_parameter_names(second))
+    return [
+        f"only the {which} has {', '.join(sorted(names))}: compared where at the default"
+        for which, names in (("first", ours - theirs), ("second", theirs - ours))
+        if names
+    ]
+
+
+def _completed_once(
+    first: xr.Dataset, second: xr.Dataset, places: tuple[Sequence[int], Sequence[int]]
+) -> list[str]:
+    """The cases, at these places of both results, that have completed in one alone."""
+    labels, before, after = _labels(first), *(_flat(it, "status") for it in (first, second))
+    return [
+        f"{before[ours]} in the first, {after[theirs]} in the second: {labels[ours]}"
+        for ours, theirs in zip(*places, strict=True)
+        if (before[ours] == COMPLETED) != (after[theirs] == COMPLETED)
+    ]
 
 
 def difference_rows(found: list[Difference], tolerance: float) -> list[str]:
@@ -155,33 +189,54 @@ def _flat(dataset: xr.Dataset, name: str) -> np.ndarray:
     return flat
 
 
-def _by_parameters(dataset: xr.Dataset) -> dict[tuple[str, ...], int]:
-    """The place of each case, by all its parameters and its scene."""
+def _by_parameters(
+    dataset: xr.Dataset, shared: AbstractSet[str]
+) -> dict[tuple[str, frozenset[tuple[str, object]]], int]:
+    """The place of each case, by its scene and what is said of its parameters.
+
+    A parameter that the other result does not have, which another version of the scene has made,
+    is left out where it is at its default, or where the scene has none and it does not vary.
+    """
     names = _parameter_names(dataset)
+    columns = [_flat(dataset, stored).tolist() for stored in names.values()]
     scene = dataset["scene"].values if "scene" in dataset.coords else None
     scenes = [dataset.attrs["scene"]] * dataset["status"].size if scene is None else scene
-    columns = [_flat(dataset, name).tolist() for name in names.values()]
-    # Parameters by name, for one version of a scene may have more of them than another.
-    return {
-        (str(of_scene), *(f"{name}={value}" for name, value in zip(names, row, strict=True))): index
-        for index, (of_scene, row) in enumerate(
-            zip(scenes, zip(*columns, strict=True), strict=True)
+    strange = set(names) - set(_known_names(dataset))
+    telling = shared | {name for name in strange if dataset[names[name]].ndim}
+    places = {}
+    for index, (of_scene, *values) in enumerate(zip(scenes, *columns, strict=True)):
+        definitions = parameters_of(scene_class(str(of_scene)))
+        defaults = {name: definition.default for name, definition in definitions.items()}
+        said = frozenset(
+            (name, value)
+            for name, value in zip(names, values, strict=True)
+            if str(value) not in ("", "nan")  # derived, or of another scene
+            and (name in telling or value != defaults.get(name, value))
         )
-    }
+        places[str(of_scene), said] = index
+    return places
 
 
 def _parameter_names(dataset: xr.Dataset) -> dict[str, str]:
-    """What each parameter is called in the dataset."""
-    known = dict.fromkeys(
-        name for scene in str(dataset.attrs["scene"]).split() for name in _names_of(scene)
-    )
-    names = {name: f"{name}_parameter" for name in known}
+    """What each parameter is called in the dataset, those included that its scene no longer has."""
+    names = {name: f"{name}_parameter" for name in _known_names(dataset)}
     called = {name: own if own in dataset else name for name, own in names.items()}
+    dims = dataset["status"].dims
+    varied = [name for name in varied_along(dataset, dims) if name != "scene"]
+    # Over no dim of cases but one case alone are results, and what is the same in all cases.
+    fixed = [
+        str(name)
+        for name, array in dataset.data_vars.items()
+        if dims and array.ndim == 0 and "description" in array.attrs
+    ]
+    called |= {name: name for name in (*varied, *fixed) if name not in called.values()}
     return {name: own for name, own in called.items() if own in dataset}
 
 
-def _names_of(scene: str) -> list[str]:
-    return list(parameters_of(scene_class(scene)))
+def _known_names(dataset: xr.Dataset) -> list[str]:
+    """The parameters that its scenes have now."""
+    scenes = str(dataset.attrs["scene"]).split()
+    return list(dict.fromkeys(it for scene in scenes for it in parameters_of(scene_class(scene))))
 
 
 def _labels(dataset: xr.Dataset) -> list[str]:

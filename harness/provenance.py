@@ -14,12 +14,33 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 PACKAGES = ("mpm-warp", "warp-lang", "numpy", "xarray", "netCDF4")
+OF_CASE = (
+    "command_line",
+    "commit",
+    "python_version",
+    *(f"{name.lower().replace('-', '_')}_version" for name in PACKAGES),
+    "platform",
+    "processor",
+    "cores",
+    "device",
+    "time_written",
+)
+"""What the file of a case says of where, when and with what the case was computed."""
 
 
 def provenance() -> dict[str, str]:
     """Attributes for a result file that is written now by this process."""
     time = datetime.now(UTC).isoformat(timespec="seconds")
     return {"Conventions": "CF-1.11", **_of_process(), "time_written": time}
+
+
+def provenance_of_collector() -> dict[str, str]:
+    """Attributes for a dataset of cases, which may all have been computed elsewhere and before."""
+    conventions = "Conventions"  # of the file, whoever computed what is in it
+    return {
+        name if name == conventions else f"collected_{name}": value
+        for name, value in provenance().items()
+    }
 
 
 @functools.cache

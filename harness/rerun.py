@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.case_files import read_case, read_netcdf
+from harness.archive import check_study, read_result
+from harness.case_files import read_case
 from harness.cases import COMPLETED, Case
 from harness.measuring import differing
+from harness.provenance import OF_CASE
 from harness.runner import Watcher, run_cases
 from harness.whole_files import ArchiveError, prepare
 from mpm_warp.parameters import Value, nearest_name, parameters_of
@@ -21,9 +23,11 @@ from mpm_warp.scenes import scene_class
 
 PROVENANCE = (
     "commit",
+    "mpm_warp_version",
     "warp_lang_version",
     "numpy_version",
     "python_version",
+    "platform",
     "processor",
     "device",
 )
@@ -38,35 +42,59 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
         key: which case; a case file has but one.
 
     Raises:
-        ArchiveError: there is no such case, or another version of the simulator computed it.
+        ArchiveError: there is no such case, or another version of the simulator computed it, or
+            the file lacks what is needed.
+        mpm_warp.scenes.UnknownSceneError: the simulator has no such scene.
     """
-    dataset = read_netcdf(path)
+    dataset = read_result(path)
     if "study" in dataset.attrs:
+        check_study(path, dataset)
         dataset = _cell(path, dataset, key)
-        key = str(dataset.case_key.item())
-        parameters = _parameters(dataset)
-    elif "case_key" in dataset.attrs:
-        if key is not None and key != dataset.attrs["case_key"]:
-            raise ArchiveError(f"{path}: is the file of case {dataset.attrs['case_key']} alone")
-        key = str(dataset.attrs["case_key"])
-        parameters = json.loads(dataset.attrs["parameters"])
-    else:
+    elif "case_key" not in dataset.attrs:
         raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
-    case = Case(
-        scene=str(dataset.attrs["scene"]),
-        scene_version=int(dataset.attrs["scene_version"]),
-        parameters=parameters,
-        label=key,
-    )
-    if case.key != key:
-        raise ArchiveError(f"{path}: the parameters there are not those of case {key}")
-    version = scene_class(case.scene).version
-    if version != case.scene_version:
+    elif key is not None and key != dataset.attrs["case_key"]:
+        raise ArchiveError(f"{path}: is the file of case {dataset.attrs['case_key']} alone")
+    case = _case(path, dataset)
+    if case.key != dataset.attrs["case_key"]:
         raise ArchiveError(
-            f"{path}: was computed by version {case.scene_version} of {case.scene}, "
-            f"this simulator has version {version}"
+            f"{path}: the parameters there are not those of case {dataset.attrs['case_key']}"
         )
     return case, dataset
+
+
+def _case(path: Path, dataset: xr.Dataset) -> Case:
+    """What is to be run for a result, which is as the file of a case has it or a cell of many."""
+    try:
+        scene, key = str(dataset.attrs["scene"]), str(dataset.attrs["case_key"])
+        version = int(dataset.attrs["scene_version"])
+        _status(dataset)
+    except (KeyError, TypeError, ValueError):
+        raise _incomplete(path, "scene, scene_version or status") from None
+    known = scene_class(scene).version
+    if version != known:  # whose parameters may be others
+        raise ArchiveError(
+            f"{path}: was computed by version {version} of {scene}, "
+            f"this simulator has version {known}"
+        )
+    parameters = _parameters(path, dataset)
+    return Case(scene=scene, scene_version=version, parameters=parameters, label=key)
+
+
+def _parameters(path: Path, dataset: xr.Dataset) -> Mapping[str, Value | None]:
+    """All parameters of a case."""
+    try:
+        if "study" in dataset.attrs:
+            return _parameters_of_cell(dataset)
+        stored = json.loads(dataset.attrs["parameters"])
+    except (KeyError, TypeError, ValueError):
+        raise _incomplete(path, "a parameter") from None
+    if not isinstance(stored, dict):
+        raise _incomplete(path, "a parameter")
+    return stored
+
+
+def _incomplete(path: Path, what: str) -> ArchiveError:
+    return ArchiveError(f"{path}: {what} is missing or malformed; it cannot be run again")
 
 
 def rerun(
@@ -100,22 +128,21 @@ def _status(dataset: xr.Dataset) -> str:
 
 
 def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
-    """A case of a collected dataset."""
+    """A case of a collected dataset, with what is said of it alone as attributes."""
     keys = dataset.case_key
     places = np.argwhere(keys.values == key)
     if key is None or not len(places):
-        known = nearest_name(key or "", map(str, keys.values.flat))
-        raise ArchiveError(
-            f"{path}: {'no case is named' if key is None else f'no case {key}'}{known}"
-        )
+        problem = "no case is named" if key is None else f"no case {key}"
+        near = nearest_name(key or "", map(str, keys.values.flat))
+        # There may be thousands of keys, none of which says anything.
+        listed = f"; there are {keys.size}, `harness status {dataset.attrs['study']}` lists them"
+        raise ArchiveError(f"{path}: {problem}{near if 'did you mean' in near else listed}")
     cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
-    if "scene" in cell.coords:  # of several
-        of_case = {name: cell[name].item() for name in ("scene", "scene_version")}
-        return cell.assign_attrs(of_case)
-    return cell
+    own = ("case_key", "scene", "scene_version", *OF_CASE)
+    return cell.assign_attrs({name: cell[name].item() for name in own if name in cell})
 
 
-def _parameters(cell: xr.Dataset) -> dict[str, Value | None]:
+def _parameters_of_cell(cell: xr.Dataset) -> dict[str, Value | None]:
     """All parameters of a case of a collected dataset; not a number is what the scene derives."""
     parameters: dict[str, Value | None] = {}
     for name, definition in parameters_of(scene_class(cell.attrs["scene"])).items():
@@ -139,8 +166,8 @@ def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
 
 def _changes(before: Mapping[str, Any], again: Mapping[str, Any]) -> str:
     changed = [
-        f"{name} {before[name]} -> {again[name]}"
+        f"{name} {before.get(name) or 'unknown'} -> {again[name]}"
         for name in PROVENANCE
-        if name in before and before[name] != again[name]
+        if before.get(name) != again[name]
     ]
     return f"; {', '.join(changed)}" if changed else "; on the same machine with the same versions"

@@ -37,9 +37,11 @@ def compare(options: argparse.Namespace) -> int:
 
 
 def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
-    from harness.gate import difference_rows, differences
+    from harness.gate import difference_rows, differences, unshared
 
     found, lonely = differences(first, second)
+    for line in unshared(first, second):
+        tell(line)
     print(*difference_rows(found, tolerance), *lonely, sep="\n")
     return INCOMPLETE if lonely or any(it.size > tolerance for it in found) else DONE
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from harness import HarnessError
-from harness.cases import COMPLETED, Case, cases_of
+from harness.cases import COMPLETED, DAMAGED, Case, cases_of
 from harness.endings import DONE, INCOMPLETE, end_at_sigterm
 from harness.progress import tell
 from harness.result_commands import list_misses, show
@@ -78,13 +78,17 @@ def status(options: argparse.Namespace) -> int:
 
 def collect(options: argparse.Namespace) -> int:
     """Write the dataset of a study out of the case files that there are."""
-    from harness.upkeep import collect_and_write, outcomes_of, result_file, summary
+    from harness.upkeep import check_begun, collect_and_write, outcomes_of, result_file, summary
     from harness.whole_files import prepare
 
     study = load_study(options.study, options.set)
     cases = cases_of(study)
+    check_begun(study, cases, options.out)
     prepare(options.out)
-    stand = outcomes_of(collect_and_write(study, cases, options.out))
+    dataset = collect_and_write(study, cases, options.out)
+    for message in dataset.message.values[dataset.status.values == DAMAGED]:
+        tell(f"{message}; `harness run` runs the case again")
+    stand = outcomes_of(dataset)
     tell(summary(stand))
     print(result_file(options.out, study))
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
@@ -92,7 +96,7 @@ def collect(options: argparse.Namespace) -> int:
 
 def clean(options: argparse.Namespace) -> int:
     """Remove files that are no results of the study, where the user agrees."""
-    from harness.upkeep import leftovers
+    from harness.upkeep import counted, leftovers
 
     study = load_study(options.study, options.set)
     found = leftovers(study, cases_of(study), options.out)
@@ -101,17 +105,20 @@ def clean(options: argparse.Namespace) -> int:
     if not found:
         tell("nothing to remove")
         return DONE
-    if not options.yes and not _confirmed(f"remove {len(found)} files?"):
+    if not options.yes and not _confirmed(f"remove {counted(len(found), 'file')}?"):
         tell("nothing removed")
         return INCOMPLETE
     for path in found:
         path.unlink(missing_ok=True)
-    tell(f"{len(found)} files removed")
+    tell(f"{counted(len(found), 'file')} removed")
     return DONE
 
 
 def _confirmed(question: str) -> bool:
     print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin is None:  # closed, so that nobody can answer
+        print(file=sys.stderr)
+        return False
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 

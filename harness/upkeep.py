@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +19,10 @@ from harness.errors import with_errors
 from harness.gate import with_tolerances
 from harness.progress import tell
 from harness.study import Study
-from harness.whole_files import abandoned
+from harness.whole_files import ArchiveError, abandoned
+from mpm_warp.parameters import Value
+
+Parameters = Mapping[str, Value | None]
 
 
 def result_file(out: Path, study: Study) -> Path:
@@ -27,11 +30,25 @@ def result_file(out: Path, study: Study) -> Path:
     return out / f"{study.name}.nc"
 
 
+def check_begun(study: Study, cases: Sequence[Case], out: Path) -> None:
+    """Refuse a study of which no case has a file: there is nothing to collect.
+
+    Raises:
+        ArchiveError: none has.
+    """
+    folder = case_folder(out, study)
+    if not any(case_file(folder, case).exists() for case in cases):
+        raise ArchiveError(
+            f"{folder}: has no case of this study; "
+            "run it first, or give each --set that it was run with"
+        )
+
+
 def collect_and_write(study: Study, cases: Sequence[Case], out: Path) -> xr.Dataset:
     """Collect a study, compare it with its references, and write its dataset.
 
     Raises:
-        harness.whole_files.ArchiveError: a case file is damaged, or the dataset cannot be written.
+        ArchiveError: the dataset cannot be written.
     """
     dataset = with_errors(collect(study, cases, case_folder(out, study)))
     dataset = with_tolerances(dataset, study.tolerances)
@@ -77,7 +94,13 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     """How many cases of each status there are, and how long they took."""
     counts = Counter(outcome.status for outcome in outcomes)
     told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
-    return f"{len(outcomes)} cases: {told}; {sum(it.seconds for it in outcomes):.1f} s in all"
+    seconds = sum(it.seconds for it in outcomes)
+    return f"{counted(len(outcomes), 'case')}: {told}; {seconds:.1f} s in all"
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things in words: ``1 file``, ``2 files``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def leftovers(study: Study, cases: Sequence[Case], out: Path) -> dict[Path, str]:
@@ -89,25 +112,47 @@ def leftovers(study: Study, cases: Sequence[Case], out: Path) -> dict[Path, str]
     folder = case_folder(out, study)
     found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
     present = {case_file(folder, case): case for case in cases}
+    keys, shared = {path.stem for path in present}, _shared_parameters(cases)
     for path in sorted(folder.glob("*.nc")):
         if path not in present:
-            found[path] = _stranger(path, cases[0])
+            found[path] = _stranger(path, keys, shared)
         elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
-            found[path] = outcome.message
+            found[path] = outcome.message.removeprefix(f"{path}: ")
     return found
 
 
-def _stranger(path: Path, present: Case) -> str:
-    """What a case file is that belongs to no case, beside one that does."""
+def _stranger(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
+    """What a file in the folder of a study's cases is whose name is the key of none.
+
+    Args:
+        path: the file.
+        keys: of the study's cases.
+        shared: by scene, the parameters that are the same in all of these.
+    """
     try:
         with netCDF4.Dataset(path) as file:
-            parameters = json.loads(file.parameters)
-            told = f"{file.scene} version {file.scene_version}, {file.status}"
-    except (OSError, RuntimeError, ValueError, AttributeError):
+            parameters = dict(json.loads(file.parameters))
+            key, scene = str(file.case_key), str(file.scene)
+            told = f"{scene} version {file.scene_version}, {file.status}"
+    except (OSError, RuntimeError, ValueError, TypeError, AttributeError):
         return "not a case file, or a damaged one"
+    if key in keys:
+        return f"a copy of case {key}"
+    if scene not in shared:
+        return f"no case of this study: {told}: another scene"
     others = ", ".join(
         f"{name}={value}"
         for name, value in parameters.items()
-        if value != present.parameters.get(name)
+        if name not in shared[scene] or value != shared[scene][name]
     )
     return f"no case of this study: {told}: {others or 'the same parameters'}"
+
+
+def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:
+    """By scene, the parameters that are the same in all of its cases."""
+    shared: dict[str, Parameters] = {}
+    for case in cases:
+        before = shared.get(case.scene, case.parameters)
+        same = {name: value for name, value in before.items() if value == case.parameters[name]}
+        shared[case.scene] = same
+    return shared

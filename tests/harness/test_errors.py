@@ -37,6 +37,7 @@ def result() -> xr.Dataset:
             "particle_updates": (shape, 1e6 * seconds),
             "status": (shape, status),
             "message": (shape, np.where(status == "completed", "", "velocity of <particle 3>")),
+            "case_key": (shape, np.char.add("key ", status)),
             "adhesion_factor": ((), 0.0, {"description": "adhesion factor", "units": "1"}),
             "apex_angle": 60.0,
             "poissons_ratio": 0.49,
@@ -45,6 +46,7 @@ def result() -> xr.Dataset:
         coords={"rigidity_index": STIFFNESS, "cells_per_radius": MESHES},
         attrs={
             "scene": "cone_penetration",
+            "scene_version": 1,
             "study": "made",
             "title": "Made <up>",
             "format_version": FORMAT_VERSION,

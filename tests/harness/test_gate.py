@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from harness.cases import COMPLETED, cases_of
 from harness.cli import main
 from harness.compare import with_references
 from harness.definition import StudyError
-from harness.gate import NotComparableError, differences, misses, with_tolerances
+from harness.gate import NotComparableError, differences, misses, unshared, with_tolerances
 from harness.study import load_study
 from harness.whole_files import prepare
 
@@ -147,8 +148,29 @@ def test_the_largest_difference_is_named_with_its_case(tmp_path: Path) -> None:
 
 
 def test_a_case_that_failed_in_one_differs_without_bound(tmp_path: Path) -> None:
-    found, _ = differences(*two(tmp_path, 10.0, np.nan, 12.0))
+    found, lonely = differences(*two(tmp_path, 10.0, np.nan, 12.0))
     assert {it.size for it in found} == {np.inf}
+    assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
+
+
+def test_a_status_that_differs_counts_where_no_number_does(tmp_path: Path) -> None:
+    one, other = (it[["status", "adhesion_factor"]] for it in two(tmp_path, 10.0, np.nan, 12.0))
+    found, lonely = differences(one, other)
+    assert found == []
+    assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
+
+
+def test_what_was_not_compared_is_not_passed(
+    tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    path = tmp_path / "s.nc"
+    write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]))
+    told = "harness: nothing to compare: no case has a scalar result in either"
+    assert refusal(["compare", str(path), str(path)]) == told
+    one, other = two(tmp_path, *FACTORS)
+    nothing = {"cone_factor": np.nan * one["cone_factor"], "error": np.nan * one["error"]}
+    with pytest.raises(NotComparableError):
+        differences(one.assign(nothing), other.assign(nothing))
 
 
 def test_cases_of_one_result_alone_are_told(tmp_path: Path) -> None:
@@ -160,6 +182,45 @@ def test_cases_of_one_result_alone_are_told(tmp_path: Path) -> None:
 def test_results_of_other_parameters_are_not_compared(tmp_path: Path) -> None:
     with pytest.raises(NotComparableError):
         differences(*two(tmp_path, *FACTORS, settings=("density=1800",)))
+
+
+def without(dataset: xr.Dataset, name: str) -> xr.Dataset:
+    """A result of the scene before it had a parameter."""
+    return dataset.drop_vars(name)
+
+
+def test_a_result_from_before_a_parameter_is_compared_at_its_default(tmp_path: Path) -> None:
+    one, other = two(tmp_path, *FACTORS)
+    older = without(one, "friction_coefficient")
+    assert differences(older, other) == differences(one, other)
+    assert differences(other, older) == differences(other, one)
+    assert unshared(one, other) == []
+    told = "has friction_coefficient: compared where at the default"
+    assert unshared(older, other) == [f"only the second {told}"]
+    assert unshared(other, older) == [f"only the first {told}"]
+
+
+def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(tmp_path: Path) -> None:
+    one, other = two(tmp_path, *FACTORS, settings=("friction_coefficient=0.1",))
+    with pytest.raises(NotComparableError):
+        differences(without(one, "friction_coefficient"), other)
+
+
+def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(tmp_path: Path) -> None:
+    varied = ("adhesion_factor=0.5", "friction_coefficient=[0.2, 0.1, 0]")
+    one, other = two(tmp_path, 10.0, 11.0, 11.11, settings=varied)
+    found, lonely = differences(without(one, "friction_coefficient"), other)
+    assert [it.size for it in found] == pytest.approx([0.01, 0.01])
+    assert sum(line.startswith("only in the second: ") for line in lonely) == 2
+
+
+def test_a_parameter_that_is_no_more_is_named(tmp_path: Path) -> None:
+    one, other = two(tmp_path, *FACTORS)
+    older = one.assign(viscosity=((), 1.0, {"description": "as it was"}))
+    assert differences(older, other) == differences(one, other)
+    assert unshared(older, other) == ["only the first has viscosity: compared where at the default"]
+    with pytest.raises(NotComparableError):
+        differences(older, other.assign(viscosity=older["viscosity"] + 1.0))
 
 
 @pytest.mark.parametrize(("tolerance", "code"), [("0", 1), ("0.005", 1), ("0.02", 0)])

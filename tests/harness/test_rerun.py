@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -65,7 +66,8 @@ def test_another_bit_is_noticed(
     assert main(["rerun", str(path), case.key]) == 1
     told = capsys.readouterr().out
     assert told.startswith(f"{case.key}: differs in penetration_resistance; ")
-    assert collected or "commit other -> " in told
+    assert "; commit other -> " in told
+    assert "same machine" not in told
 
 
 def test_a_case_that_had_crashed_is_run_but_not_compared(
@@ -92,19 +94,63 @@ def test_what_cannot_be_run_again_is_one_line(
         tmp_path, old := one.__class__(**{**vars(one), "scene_version": 0}), changed, "completed"
     )
     case_files.case_file(tmp_path, old).rename(older)
+    text, list_, unversioned, unread = (tmp_path / f"{name}.nc" for name in range(4))
+    for path_, attributes_ in (
+        (text, {"parameters": "{"}),
+        (list_, {"parameters": "[1]"}),
+        (unversioned, {"scene_version": "new"}),
+        (unread, {"scene": "spiral"}),
+    ):
+        case_files.write_netcdf(changed.assign_attrs(attributes_), path_)
     stranger = tmp_path / "stranger.nc"
     case_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
     refusals = {
         (str(path), other.key): f"is the file of case {one.key} alone",
-        (str(tmp_path / "small.nc"),): "no case is named; known: ",
+        (
+            str(tmp_path / "small.nc"),
+        ): "no case is named; there are 2, `harness status small` lists them",
         (str(tmp_path / "small.nc"), one.key[:-1]): f"did you mean '{one.key}'?",
         (str(forged),): f"the parameters there are not those of case {one.key}",
         (str(older),): "was computed by version 0 of cone_penetration, this simulator has version",
+        (str(text),): "a parameter is missing or malformed; it cannot be run again",
+        (str(list_),): "a parameter is missing or malformed; it cannot be run again",
+        (str(unversioned),): "scene, scene_version or status is missing or malformed",
+        (str(unread),): "unknown scene 'spiral'",
         (str(stranger),): "is neither the file of a case nor the result of a study",
-        (str(tmp_path / "none.nc"),): "cannot be read",
+        (str(tmp_path / "none.nc"),): "none.nc: no such file",
     }
     capsys.readouterr()
     for arguments, expected in refusals.items():
         assert main(["rerun", *arguments]) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert expected in line
+
+
+@pytest.fixture
+def collected(small: Study, tmp_path: Path) -> xr.Dataset:
+    """A result of which no case has been run."""
+    return archive.collect(small, cases_of(small), tmp_path)
+
+
+def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
+    collected: xr.Dataset, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    path = tmp_path / "older.nc"
+    older = collected.drop_vars("friction_coefficient").assign_attrs(scene_version=0)
+    archive.write_study(path, older)
+    line = refusal(["rerun", str(path), str(older.case_key.values[1])])
+    assert "was computed by version 0 of cone_penetration, this simulator has version" in line
+
+
+@pytest.mark.parametrize("change", ["missing", "text"])
+def test_a_result_without_a_parameter_is_told(
+    collected: xr.Dataset, tmp_path: Path, change: str, refusal: Callable[[list[str]], str]
+) -> None:
+    path, name = tmp_path / "changed.nc", "friction_coefficient"
+    changed = {
+        "missing": collected.drop_vars(name),
+        "text": collected.assign({name: "rough"}),
+    }[change]
+    archive.write_study(path, changed)
+    line = refusal(["rerun", str(path), str(collected.case_key.values[1])])
+    assert line.endswith(": a parameter is missing or malformed; it cannot be run again")

@@ -17,6 +17,7 @@ import xarray as xr
 from harness import archive, case_files, runner
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
 from harness.measuring import differing
+from harness.provenance import OF_CASE
 from harness.runner import Watcher, cases_at_once, run_cases, share_of_cores
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
@@ -53,7 +54,13 @@ def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
     """Run a study in `out` and collect it."""
     folder = prepared(study, out)
     run_cases(cases_of(study), folder, workers, watcher)
-    return archive.collect(study, cases_of(study), folder)
+    return collected(study, folder)
+
+
+def collected(study: Study, folder: Path) -> xr.Dataset:
+    """What was computed, whenever that was."""
+    dataset = archive.collect(study, cases_of(study), folder)
+    return dataset.drop_vars(OF_CASE, errors="ignore")
 
 
 def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
@@ -78,7 +85,7 @@ def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study)
     for threads in (1, 2, None):
         folder = prepared(small, tmp_path / str(threads))
         run_cases(cases, folder, 1, Record(), threads=threads)
-        datasets.append(archive.collect(small, cases, folder))
+        datasets.append(collected(small, folder))
     assert differing(datasets[0], datasets[1]) == []
     assert differing(datasets[0], datasets[2]) == []
 
@@ -255,7 +262,7 @@ def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: S
     folder = prepared(small, tmp_path / "together")
     record = Record()
     run_cases(cases_of(small), folder, 1, record, batch=10)
-    together = archive.collect(small, cases_of(small), folder)
+    together = collected(small, folder)
     assert differing(alone, together) == []
     assert record.statuses(cases_of(small)) == [COMPLETED] * 3
     assert run_together(folder, cases_of(small)) == [3, 3, 3]

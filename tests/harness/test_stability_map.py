@@ -50,6 +50,7 @@ def made(design: str, statuses: Sequence[str], **parameters: Sequence[object]) -
         {
             "status": ("case", np.array(statuses)),
             "message": ("case", np.array(messages)),
+            "case_key": ("case", np.array([f"key {place}" for place in range(len(statuses))])),
         },
         coords={
             "case": range(len(statuses)),
@@ -58,6 +59,7 @@ def made(design: str, statuses: Sequence[str], **parameters: Sequence[object]) -
         attrs={
             "design": design,
             "scene": "cone_penetration",
+            "scene_version": 1,
             "study": "made",
             "title": "Made up",
             "format_version": FORMAT_VERSION,

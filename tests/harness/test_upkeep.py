@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -84,15 +85,6 @@ def test_collect_of_a_complete_study_succeeds(
     assert main(command("status", small_file)) == 0
 
 
-def test_collect_names_a_damaged_case(
-    folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = case_files.case_file(folder, half_done[2])
-    path.write_bytes(b"noise")
-    assert main(command("collect", small_file)) == 2
-    assert f"{path}: cannot be read" in capsys.readouterr().err
-
-
 @pytest.fixture
 def leftovers(folder: Path, half_done: list[Case]) -> set[Path]:
     """One of each kind of file that belongs to no case."""
@@ -155,3 +147,53 @@ def test_clean_leaves_the_results_of_the_study_and_what_is_being_written(
     kept = {case_files.case_file(folder, case) for case in half_done[:2]}
     assert set(folder.iterdir()) == {*kept, being_written, elsewhere}
     assert main(command("clean", small_file)) == 0  # nothing to ask about
+
+
+def test_clean_says_what_each_file_is(
+    folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    second = half_done[1]
+    copy, older, stiff = (folder / name for name in ("copy.nc", "older.nc", "stiff.nc"))
+    copy.write_bytes(case_files.case_file(folder, second).read_bytes())
+    for path, changed in (
+        (older, replace(second, scene_version=0)),
+        (stiff, replace(second, parameters={**second.parameters, "rigidity_index": 50.0})),
+    ):
+        case_files.write_case(folder, changed, xr.Dataset(), COMPLETED)
+        case_files.case_file(folder, changed).rename(path)
+    damaged = case_files.case_file(folder, second)
+    damaged.write_bytes(b"noise")
+    assert main(command("clean", small_file, "--yes")) == 0
+    told = dict(line.split(": ", 1) for line in capsys.readouterr().out.splitlines())
+    assert told.pop(str(damaged)).startswith("cannot be read: ")
+    stranger = "no case of this study: cone_penetration version"
+    version = second.scene_version
+    assert told == {
+        str(copy): f"a copy of case {second.key}",
+        str(older): f"{stranger} 0, completed: adhesion_factor=0.5",
+        str(stiff): f"{stranger} {version}, completed: rigidity_index=50.0, adhesion_factor=0.5",
+    }
+
+
+def test_clean_whose_input_is_closed_removes_nothing(
+    folder: Path,
+    half_done: list[Case],
+    small_file: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    noise = folder / "noise.nc"
+    noise.write_bytes(b"noise")
+    monkeypatch.setattr(sys, "stdin", None)
+    assert main(command("clean", small_file)) == 1
+    question, answer = capsys.readouterr().err.splitlines()
+    assert question == "remove 1 file? [y/N] "
+    assert answer == "harness: nothing removed"
+    assert noise.exists()
+    assert main(command("clean", small_file, "--yes")) == 0
+    assert capsys.readouterr().err == "harness: 1 file removed\n"
+
+
+def test_one_case_is_not_several(small_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(command("status", small_file, "--set", "adhesion_factor=0")) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == "1 case: 1 missing; 0.0 s in all"
