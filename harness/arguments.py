@@ -123,7 +123,6 @@ def _add_results(commands: _Commands) -> None:
     compare.add_argument(
         "--tolerance",
         type=_number("a number >= 0", lambda number: number >= 0),
-        default=0.0,
         metavar="X",
         help="relative difference allowed between FILE and OTHER; default: none",
     )

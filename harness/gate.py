@@ -15,7 +15,7 @@ from harness.cases import COMPLETED
 from harness.compare import conditions_of, varied_along
 from harness.measuring import MEASURED
 from harness.references import cone_factor_reference
-from mpm_warp.parameters import nearest_name, parameters_of
+from mpm_warp.parameters import did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
 ATTRIBUTE = "tolerances"
@@ -51,7 +51,7 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
         value, applies = dataset[name], xr.DataArray(True)
     else:
         known = [str(it) for it in dataset.data_vars if dataset[it].dtype.kind in "iuf"]
-        return [f"{name}: is neither a reference nor a result here{_near(name, known)}"]
+        return [f"{name}: is neither a reference nor a result here{did_you_mean(name, known)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in status.dims])
     sizes = size.broadcast_like(status).transpose(*status.dims).values.ravel()
     held = applies.broadcast_like(status).transpose(*status.dims).values.ravel()
@@ -252,8 +252,3 @@ def _labels(dataset: xr.Dataset) -> list[str]:
         )
         for row in zip(*columns, strict=True)
     ]
-
-
-def _near(name: str, known: list[str]) -> str:
-    near = nearest_name(name, known)
-    return near if "did you mean" in near else ""

@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from harness.provenance import OF_CASE
+
 MEASURED = frozenset(
     {
         "run_time",
@@ -99,8 +101,13 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
 
 
 def differing(one: xr.Dataset, other: xr.Dataset) -> list[str]:
-    """Names of variables that are not the same to the last bit, measurements left aside."""
-    names = sorted({str(name) for name in (*one.variables, *other.variables)} - MEASURED)
+    """Names of variables that are not the same to the last bit.
+
+    Left aside are measurements, and what tells where and when a case was computed.
+    """
+    names = sorted(
+        {str(name) for name in (*one.variables, *other.variables)} - MEASURED - {*OF_CASE}
+    )
     return [
         name
         for name in names

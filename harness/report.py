@@ -18,6 +18,7 @@ from harness.errors import error_name
 from harness.gate import ATTRIBUTE, misses
 from harness.plot_parts import FAILED, png
 from harness.plots import figures
+from harness.provenance import OF_CASE
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
 from harness.whole_files import write_whole
@@ -73,8 +74,7 @@ def _section(dataset: xr.Dataset) -> str:
         parts += ["<h3>Stability</h3>", _table(heading, rows)]
     parts += ["<h3>Cases</h3>", _cases(dataset)]
     parts += ["<h3>Fixed parameters</h3>", _table(("parameter", "value", "unit"), _fixed(dataset))]
-    attributes = ((name, value) for name, value in dataset.attrs.items())
-    parts += ["<h3>Provenance</h3>", _table(("attribute", "value"), attributes)]
+    parts += ["<h3>Provenance</h3>", _table(("attribute", "value"), _provenance(dataset))]
     return "\n".join(parts)
 
 
@@ -98,6 +98,13 @@ def _fixed(dataset: xr.Dataset) -> Iterable[tuple[str, str, str]]:
     for name, value in dataset.data_vars.items():
         if value.ndim == 0 and "description" in value.attrs:
             yield str(name), _shown(value.item()), str(value.attrs.get("units", ""))
+
+
+def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:
+    yield from ((str(name), str(value)) for name, value in dataset.attrs.items())
+    for name in OF_CASE:
+        if name in dataset:  # not the same for all cases
+            yield name, "; ".join(sorted({*map(str, dataset[name].values.flat)} - {""}))
 
 
 def _table(heading: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -25,9 +25,11 @@ def compare(options: argparse.Namespace) -> int:
     from harness.cone_factor_table import cone_factor_table
     from harness.gate import ATTRIBUTE
 
+    if options.tolerance is not None and options.other is None:
+        raise HarnessError("--tolerance: is for two results; give OTHER, or put it into the study")
     dataset = read_study(options.file)
     if options.other is not None:
-        return _compare_two(dataset, read_study(options.other), options.tolerance)
+        return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
     try:
         print(cone_factor_table(dataset))
     except NothingToCompareError as error:

@@ -15,7 +15,7 @@ from harness.cases import COMPLETED, DAMAGED, Case, cases_of
 from harness.progress import Display, tell
 from harness.runner import Watcher, cases_at_once, run_cases
 from harness.study import Study
-from harness.upkeep import collect_and_write, outcomes, summary
+from harness.upkeep import collect_and_write, counted, outcomes, summary
 from harness.whole_files import ArchiveError, abandoned, prepare
 from mpm_warp.scenes import scene_class
 
@@ -125,7 +125,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     if fresh:
         discard(folder, cases)
     pending = [case for case in cases if not _is_done(folder, case, study.timing_repeats)]
-    tell(f"{study.name}: {len(cases)} cases, {len(cases) - len(pending)} done already")
+    tell(f"{study.name}: {counted(len(cases), 'case')}, {len(cases) - len(pending)} done already")
     try:
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)

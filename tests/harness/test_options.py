@@ -47,6 +47,13 @@ def test_what_is_timed_runs_alone(
     assert line.endswith(f"cases are timed one at a time, without {option.partition('=')[0]}")
 
 
+def test_a_tolerance_for_two_results_is_not_ignored_where_there_is_one(
+    tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    line = refusal(["compare", str(tmp_path / "a.nc"), "--tolerance=0.5"])
+    assert "is for two results" in line
+
+
 def test_scenes_may_be_named_one_by_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "--scene", "material_point", "--scene", "gravity_column"]) == 0
     out = capsys.readouterr().out

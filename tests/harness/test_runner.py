@@ -17,7 +17,6 @@ import xarray as xr
 from harness import archive, case_files, runner
 from harness.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
 from harness.measuring import differing
-from harness.provenance import OF_CASE
 from harness.runner import Watcher, cases_at_once, run_cases, share_of_cores
 from harness.stability import shows_stability
 from harness.stability_map import stability_rows
@@ -58,9 +57,8 @@ def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
 
 
 def collected(study: Study, folder: Path) -> xr.Dataset:
-    """What was computed, whenever that was."""
-    dataset = archive.collect(study, cases_of(study), folder)
-    return dataset.drop_vars(OF_CASE, errors="ignore")
+    """What was computed."""
+    return archive.collect(study, cases_of(study), folder)
 
 
 def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
