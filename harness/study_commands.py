@@ -116,10 +116,10 @@ def clean(options: argparse.Namespace) -> int:
 
 def _confirmed(question: str) -> bool:
     print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
-    if sys.stdin is None:  # closed, so that nobody can answer
+    answer = sys.stdin.readline()
+    if not answer:  # closed: nobody can answer
         print(file=sys.stderr)
-        return False
-    return sys.stdin.readline().strip().lower() in ("y", "yes")
+    return answer.strip().lower() in ("y", "yes")
 
 
 def rerun_case(options: argparse.Namespace) -> int:
