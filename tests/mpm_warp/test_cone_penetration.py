@@ -44,6 +44,10 @@ def test_shaft_friction_is_the_adhesion_once_the_shaft_slips(rough: xr.Dataset) 
     assert float(rough.shaft_friction[-1]) == pytest.approx(adhesion, rel=0.01)
 
 
+def test_soil_touches_some_of_face_and_shaft_and_at_most_all(rough: xr.Dataset) -> None:
+    assert ((rough.contact_share > 0.0) & (rough.contact_share <= 1.0)).all()
+
+
 def test_the_face_feels_its_own_adhesion_and_not_the_shafts() -> None:
     smooth_face = run(adhesion_factor=0.0, shaft_adhesion_factor=0.5)
     assert float(smooth_face.cone_factor_shear) == pytest.approx(0.0, abs=1e-9)
