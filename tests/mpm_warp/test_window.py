@@ -85,7 +85,6 @@ def test_the_window_stops_at_the_first_step_beyond_a_distance(
             assert len(goes) <= travel._layer_count - layers + 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
 def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float) -> None:
     """Both end where they are steady to 0.3 %, so they may differ by twice as much."""
