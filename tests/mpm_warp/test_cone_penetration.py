@@ -148,9 +148,7 @@ def shortest() -> tuple[ConePenetration, xr.Dataset]:
         {"density": 1e6},
     ],
 )
-@pytest.mark.parametrize(
-    ("precision", "number"), [("float64", np.float64), ("float32", np.float32)]
-)
+@pytest.mark.parametrize("precision", ["float64", "float32"])
 def test_cone_factor_does_not_depend_on_units(
     other: dict[str, float],
     precision: str,
