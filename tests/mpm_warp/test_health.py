@@ -105,16 +105,14 @@ def test_doubled_time_step_is_noticed_in_every_scene(name: str) -> None:
         loop.advance(NOTICED_WITHIN)
 
 
-def test_velocities_that_grow_at_twice_the_stable_step_are_noticed(
+def test_speeds_that_grow_at_twice_the_stable_step_are_noticed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Without the check of the step itself: what it does to the soil is noticed too."""
     monkeypatch.setattr("mpm_warp.simulation.check_time_step", lambda **_: None)
     soil = ConePenetration(cells_per_radius=2.0).simulated_scene()
     simulation = Simulation(replace(soil, time_step_fraction=2.5))
-    with pytest.raises(
-        health.SimulationDiverged, match=r"velocity of particle \d+ at .* at step 500"
-    ):
+    with pytest.raises(health.SimulationDiverged, match=r"velocity of particle \d+ at"):
         simulation.advance(4 * NOTICED_WITHIN)
 
 
