@@ -634,7 +634,9 @@ def outcome(tree: Path, nodes: Iterable[str], time_limit: float | None) -> tuple
     with subprocess.Popen(
         [sys.executable, "-m", "pytest", "-q", "--tb=no", "-rfE", *nodes],
         cwd=tree,
-        env=os.environ | {"PYTHONPATH": str(tree), "WARP_CACHE_PATH": str(tree.parent / "cache")},
+        env=os.environ
+        | {"PYTHONPATH": str(tree), "WARP_CACHE_PATH": str(tree.parent / "cache")}
+        | {"COLUMNS": "200"},  # else there is no room for reasons
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,

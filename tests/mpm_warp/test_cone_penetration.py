@@ -49,7 +49,7 @@ def test_shear_part_of_every_apex_angle_obeys_statics(apex_angle: float) -> None
 
 def test_shear_part_of_a_surface_of_points_obeys_statics() -> None:
     """All of it slips, but for the share of the nodes on the axis, which nothing moves along."""
-    points = {"contact_surface": "points", "adhesion_factor": 0.2}
+    points: dict[str, float | str] = {"contact_surface": "points", "adhesion_factor": 0.2}
     surface = dataclasses.replace(SHORT, **points).build()[1]
     face, _ = surface.areas
     on_axis = surface.grid.node_positions[surface.nodes, 0] == 0.0

@@ -33,7 +33,7 @@ HOPPER = 90
 GPU = "cuda:0"
 OF_PROCESSORS = ("claim", "rendezvous", "next_step", "stamp", "streaming", "arithmetic", "division")
 """Kernels of threads and of measuring, which no GPU ever runs."""
-RING = {"interface_radius": 2.0, "friction": 0.0}
+RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {
     "cone_penetration": [{}, {"approach": 0}],
     "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],

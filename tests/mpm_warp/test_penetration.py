@@ -25,9 +25,12 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
     simulation = Simulation(scene)
     taken: list[Floats] = []
     take = simulation.take_contact_forces
-    monkeypatch.setattr(
-        simulation, "take_contact_forces", lambda: (taken.append(take()), taken[-1])[1]
-    )
+
+    def noted() -> Floats:
+        taken.append(take())
+        return taken[-1]
+
+    monkeypatch.setattr(simulation, "take_contact_forces", noted)
     penetration = Penetration(surface=surface, greatest=1.0, unsteady=1.0, tolerance=0.0)
     travel, way, work = Travel(simulation), 0.0, 0.0
     for sample in range(1, 11):
