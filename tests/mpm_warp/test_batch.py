@@ -34,12 +34,26 @@ def cone(**parameters: Any) -> ConePenetration:
 
 
 DIFFERENT = [
-    cone(adhesion_factor=0.2, rigidity_index=50),
-    cone(adhesion_factor=0.8, rigidity_index=300, penetration=1),
+    cone(adhesion_factor=0.2, rigidity_index=50, friction_coefficient=0.1),
+    cone(adhesion_factor=0.8, rigidity_index=300, friction_coefficient=0.2, penetration=1),
     cone(time_step_fraction=0.4, friction_coefficient=0.3, undrained_shear_strength=5e3),
     cone(particles_per_cell=9, penetration=1),
 ]
 """Cones of their own materials, contact, time steps and lengths; the last on other points."""
+
+
+@pytest.fixture
+def together(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many runs take their steps in common launches, noted wherever others come together."""
+    counts: list[int] = []
+    player = Batch._player
+
+    def counted(batch: Batch, runs: tuple[Any, ...]) -> Player:
+        counts.append(len(runs))
+        return player(batch, runs)
+
+    monkeypatch.setattr(Batch, "_player", counted)
+    return counts
 
 
 def run_together(scenes: list[ReadyScene], execution: Batch) -> list[xr.Dataset]:
@@ -53,20 +67,23 @@ def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_a_batch_does_not_change_a_bit(threads: int) -> None:
-    together = run_together(list(DIFFERENT), Batch(threads=threads))
-    for scene, result in zip(DIFFERENT, together, strict=True):
+def test_a_batch_does_not_change_a_bit(threads: int, together: list[int]) -> None:
+    results = run_together(list(DIFFERENT), Batch(threads=threads))
+    assert together[:2] == [3, 1]
+    for scene, result in zip(DIFFERENT, results, strict=True):
         assert_same(scene.run(), result)
 
 
 def test_a_batch_larger_than_the_cache_is_taken_in_portions(
-    monkeypatch: pytest.MonkeyPatch,
+    together: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
         batch_module, "POINTS_IN_CACHE", 2 * make_plan(cone().build()[0]).particle_count
     )
     cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
-    for scene, result in zip(cones, run_together(list(cones), Batch()), strict=True):
+    results = run_together(list(cones), Batch())
+    assert together[:3] == [2, 2, 1]
+    for scene, result in zip(cones, results, strict=True):
         assert_same(scene.run(), result)
 
 

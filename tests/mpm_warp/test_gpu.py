@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 import sys
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -10,22 +13,80 @@ import numpy as np
 import pytest
 import warp as wp
 
+import mpm_warp.kernels
 from mpm_warp.batch import Batch
 from mpm_warp.execution import Execution
 from mpm_warp.kernels.over_cases import make_over_cases
+from mpm_warp.kernels.precision import FLOAT64
+from mpm_warp.kernels.strain_path import make_strain_path
+from mpm_warp.kernels.yielding import make_yielding
+from mpm_warp.materials import Tresca
+from mpm_warp.parameters import Value, parameters_of
+from mpm_warp.plan import StepPlan
+from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes.base import ReadyScene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
 GPU = "cuda:0"
+OF_PROCESSORS = ("claim", "rendezvous", "next_step", "stamp", "streaming", "arithmetic", "division")
+"""Kernels of threads and of measuring, which no GPU ever runs."""
+RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
+FURTHER: dict[str, list[dict[str, Value]]] = {
+    "cone_penetration": [{}, {"approach": 0}],
+    "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],
+}
+"""Parameters without choices that decide on kernels all the same, by scene."""
 needs_gpu = pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
 
 
-@pytest.mark.skipif(sys.platform == "darwin", reason="Warp compiles for no GPU there")
-def test_every_kernel_compiles_for_a_gpu_alone_and_over_cases(tmp_path: Path) -> None:
-    plans = [scene_class(name)().plan() for name in scene_names()]
+def variants(name: str) -> Iterator[ReadyScene]:
+    """A scene under all its choices, and with what else decides on its kernels."""
+    scene = scene_class(name)
+    choices = {
+        key: [value for value in definition.choices if isinstance(value, str)]
+        for key, definition in parameters_of(scene).items()
+        if definition.choices and definition.kind is str
+    }
+    for values in itertools.product(*choices.values()):
+        for further in FURTHER.get(name, ({},)):
+            yield scene(**dict(zip(choices, values, strict=True)), **further)
+
+
+def plan_for_gpu(scene: ReadyScene) -> StepPlan | None:
+    """With its launches in one share, as where a simulation is on a GPU."""
+    soil = scene.simulated_scene()
+    return scene.plan() if soil is None else make_plan(soil, share_count=1)
+
+
+def kernels_for_gpu() -> set[wp.Kernel]:
+    plans = [plan_for_gpu(scene) for name in scene_names() for scene in variants(name)]
     kernels = {launch.kernel for plan in plans if plan is not None for launch in plan.launches}
+    soil = Tresca(shear_modulus=1.0, poissons_ratio=0.3, density=1.0, strength=1.0)
+    kernels.add(make_strain_path(make_yielding(soil, FLOAT64), FLOAT64))
+    return kernels
+
+
+@pytest.fixture(scope="module")
+def kernels() -> set[wp.Kernel]:
+    return kernels_for_gpu()
+
+
+def test_of_every_kernel_some_variant_is_compiled(kernels: set[wp.Kernel]) -> None:
+    """By the names of their modules in the source: a new one cannot be left out by oversight."""
+    sources = [path.read_text() for path in Path(mpm_warp.kernels.__path__[0]).glob("*.py")]
+    named = {name for text in sources for name in re.findall(r'module=f?"([a-z_.]+)', text)}
+    compiled = {kernel.module.name for kernel in kernels}
+    missing = {name for name in named if not any(it.startswith(name) for it in compiled)}
+    assert missing == {f"mpm_warp.{name}" for name in OF_PROCESSORS}
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="Warp compiles for no GPU there")
+def test_every_kernel_compiles_for_a_gpu_alone_and_over_cases(
+    kernels: set[wp.Kernel], tmp_path: Path
+) -> None:
     modules = {kernel.module for kernel in kernels}
     modules |= {make_over_cases(kernel).module for kernel in kernels}
     for module in modules:

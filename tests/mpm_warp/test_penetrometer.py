@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp.contact import SurfaceContact
 from mpm_warp.grids import Floats
 from mpm_warp.penetrometer import PenetrometerSurface
 
@@ -82,3 +83,23 @@ def test_friction_shares_the_shoulder_by_the_total_normal_traction(
     share = face[shoulder] / (face[shoulder] + shaft[shoulder])
     assert forces.face_shear == pytest.approx(share * np.cos(HALF_ANGLE), rel=ROUNDING)
     assert forces.shaft_shear == pytest.approx(1.0 - share, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("in_situ_stress", [0.0, 10.0])
+def test_the_share_in_touch_is_of_the_area_that_something_presses(in_situ_stress: float) -> None:
+    """Of areas 1, 2, 4 and 8: pressed, just still pressed, parted, and parted but for rounding."""
+    areas = np.array([1.0, 2.0, 4.0, 8.0])
+    contact = SurfaceContact(
+        nodes=np.arange(4, dtype=np.int32),
+        normals=np.tile([-1.0, 0.0], (4, 1)),
+        normal_areas=areas,
+        adhesion_forces=np.zeros(4),
+        friction=0.0,
+        in_situ_stress=in_situ_stress,
+    )
+    parted = -in_situ_stress * areas
+    still = np.array([5.0, 0.01, 0.0, 0.0]) * areas * max(1.0, in_situ_stress)
+    rounding = ROUNDING * parted * [0.0, 0.0, 1.0, -1.0]
+    assert contact.share_in_touch(parted + still + rounding) == 3.0 / 15.0
+    assert contact.share_in_touch(parted) == 0.0
+    assert contact.share_in_touch(np.ones(4)) == 1.0

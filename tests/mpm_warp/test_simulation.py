@@ -9,13 +9,12 @@ import pytest
 
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.grids import Grid, GroundGrid
-from mpm_warp.health import SimulationDiverged
 from mpm_warp.materials import LinearElastic, Tresca
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone_self_similar import ConeSelfSimilar
-from mpm_warp.simulation import CHECK_INTERVAL, Simulation
+from mpm_warp.simulation import Simulation
 from mpm_warp.travel import Travel
 
 ELASTIC = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
@@ -33,21 +32,6 @@ def scene(rectilinear: Grid) -> Scene:
     )
 
 
-def test_a_scene_of_grid_and_material_alone_needs_four_kernels(scene: Scene) -> None:
-    plan = make_plan(scene)
-    stages = [launch.kernel.key.split("__")[-1] for launch in plan.step]
-    assert stages == [
-        "particles_to_grid",
-        "cell_stress",
-        "node_update",
-        "cell_rates",
-        "grid_to_particles",
-    ]
-    families = {name.split(".")[0] for name in plan.arrays}
-    assert families == {"particle", "grid", "cell", "node"}
-    assert plan.admission is None
-
-
 def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(scene: Scene) -> None:
     grid = scene.grid
     fixed = dataclasses.replace(scene, fixed=Fixed.axis_and_ends(grid))
@@ -57,12 +41,6 @@ def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(scene: Scene) -> N
     assert {n.split(".")[0] for n in set(make_plan(fixed).arrays) - bare} == {"fixed"}
     assert {n.split(".")[0] for n in set(make_plan(far).arrays) - bare} == {"far_field"}
     assert set(make_plan(viscous).arrays) - bare == {"cell.viscosity", "cell.dilation_rate"}
-
-
-def test_every_array_of_a_plan_is_used_and_every_one_used_is_there(scene: Scene) -> None:
-    for planned in (make_plan(scene), make_plan(CONE.build()[0])):
-        used = {name for launch in planned.launches for name in launch.arrays}
-        assert used == set(planned.arrays)
 
 
 def test_a_step_from_rest_has_hookes_stress(scene: Scene) -> None:
@@ -146,7 +124,7 @@ def test_momentum_along_the_axis_is_kept_while_waves_run(scene: Scene) -> None:
     assert after == pytest.approx(before, abs=1e-12 * mass.sum())
 
 
-def test_spin_turns_the_stress_and_does_not_change_its_invariants(scene: Scene) -> None:
+def test_spin_turns_the_stress_by_its_angle(scene: Scene) -> None:
     """A rotation of the grid's velocity in the (r, z) plane, far from the axis: no hoop strain."""
     far = dataclasses.replace(
         scene.grid,
@@ -235,36 +213,6 @@ def test_the_same_scene_gives_the_same_bits() -> None:
         Travel(simulation).advance_to(0.3 * CONE.cone_radius)
         stresses.append(simulation.array("particle.stress").copy())
     np.testing.assert_array_equal(*stresses)
-
-
-@pytest.mark.parametrize(
-    ("array", "value", "named"),
-    [
-        ("particle.stress", np.nan, "stress of particle"),
-        ("particle.velocity", 1e30, "velocity of particle"),
-        ("particle.position", np.nan, "position of particle 7"),
-        ("particle.mass", np.nan, "particle"),
-    ],
-)
-def test_a_planted_fault_is_noticed_and_named(array: str, value: float, named: str) -> None:
-    scene, _ = CONE.build()
-    simulation = Simulation(scene)
-    simulation.advance(10)
-    values = simulation.array(array).copy()
-    values[7] = value
-    simulation.arrays[array].assign(values)
-    with pytest.raises(SimulationDiverged, match=named) as divergence:
-        simulation.advance(2 * CHECK_INTERVAL)
-    assert divergence.value.status == "diverged"
-    assert "healthy at step" in str(divergence.value)
-
-
-def test_a_time_step_far_beyond_the_critical_one_ends_in_a_named_error() -> None:
-    scene, _ = dataclasses.replace(CONE, time_step_fraction=1.2).build()
-    unstable = dataclasses.replace(scene, time_step_fraction=3.0)
-    simulation = Simulation(unstable)
-    with pytest.raises(SimulationDiverged):
-        simulation.advance(CHECK_INTERVAL)
 
 
 def test_strength_bounds_the_stress_of_every_particle() -> None:

@@ -71,19 +71,33 @@ def sharpening(simulation: Simulation) -> Floats:
 def test_what_comes_back_is_no_more_than_what_went(
     rectilinear: Grid, particles_per_side: int, up: float
 ) -> None:
-    """Of no motion more than all: else it grows at any time step. Without sharpening, by far less.
-
-    The share that comes back of the motion that alternates upward decides on the time step.
-    """
+    """Of no motion more than all: else it grows at any time step."""
     simulation = still(rectilinear, particles_per_side)
     shape, mass = shifted(simulation, up)
     by_particles = (shape * mass[:, None]).T @ shape / (mass @ shape)[:, None]
     whole = by_particles + sharpening(simulation)
     assert np.linalg.eigvals(whole).real.max() <= 1.0 + ROUNDING
+
+
+@pytest.mark.parametrize("particles_per_side", [2, 3])
+@pytest.mark.parametrize("up", [0.0, 0.25])
+def test_sharpening_gives_back_its_share_of_what_alternates_upward(
+    rectilinear: Grid, particles_per_side: int, up: float
+) -> None:
+    """k of the mass of all cells around a node over its own: 4 k = 1/2 of 2 x 2 points amid cells.
+
+    It decides on the time step.
+    """
+    simulation = still(rectilinear, particles_per_side)
+    shape, mass = shifted(simulation, up)
     alternating = np.where(np.arange(len(rectilinear.rows)) % 2, 1.0, -1.0)
     alternating = np.repeat(alternating, rectilinear.column_count + 1)
-    returned = alternating @ (whole @ alternating) / len(alternating)
-    assert returned >= 0.75 - 0.05  # P + A of a grid without edges, 1/4 + 1/2, or more
+    around = np.zeros(rectilinear.node_count)
+    np.add.at(around, rectilinear.cell_nodes, rectilinear.cell_volumes[:, None])
+    share = SOFT.density * around * (1.0 - particles_per_side**-2.0) / 6.0
+    share /= np.maximum(mass @ shape, SOFT.density * rectilinear.node_volumes)
+    returned = alternating * (sharpening(simulation) @ alternating)
+    np.testing.assert_allclose(returned, share, atol=ROUNDING)
 
 
 def test_sharpening_is_symmetric_and_leaves_uniform_motion(rectilinear: Grid) -> None:

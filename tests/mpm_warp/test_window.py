@@ -50,12 +50,17 @@ def test_no_speed_is_above_the_highest_beyond_a_travel() -> None:
 
 
 def test_a_run_takes_the_steps_that_its_plan_says() -> None:
+    """But for two: in a step the speed is that at its begin.
+
+    That costs half a step where the speed rises, gains 0.5 ln 4 where it falls to a quarter; and
+    either number is a whole one.
+    """
     cone = ConePenetration(
         cells_per_radius=1.5, domain_radius=10, domain_above=5, domain_below=5, penetration=12,
         steady_tolerance=0,
     )  # fmt: skip
     result = cone.run()
-    assert float(result.step_count) == pytest.approx(float(result.step_count_bound), rel=0.02)
+    assert abs(int(result.step_count) - int(result.step_count_bound)) <= 2
     assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)  # type: ignore[arg-type]
 
 
@@ -85,7 +90,6 @@ def test_the_window_stops_at_the_first_step_beyond_a_distance(
             assert len(goes) <= travel._layer_count - layers + 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
 def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float) -> None:
     """Both end where they are steady to 0.3 %, so they may differ by twice as much."""

@@ -60,11 +60,13 @@ def test_sudden_load_arrives_with_the_wave() -> None:
 
 
 def test_standing_wave() -> None:
-    cells = 10
-    result = ElasticColumnWave(cell_count=cells).run()
+    cells, periods = 10, 10
+    result = ElasticColumnWave(cell_count=cells, period_count=periods).run()
     # Lumped masses on linear cells lower the frequency by (kh)^2/24.
     assert error(result) <= 2 * math.pi * (math.pi / (2 * cells)) ** 2 / 24
-    assert float(result["energy_drift"]) <= 1e-3
+    # Within a period energy swings by omega dt; its mean over one may lack a step of that.
+    steps = float(result["step_count"]) / periods
+    assert float(result["energy_drift"]) <= 2 * math.pi / steps**2
 
 
 def test_standing_wave_is_of_second_order() -> None:
@@ -121,7 +123,7 @@ def test_ring_in_plane_strain() -> None:
 
 def test_order_of_the_ring_in_plane_strain() -> None:
     rate = order(lambda n: ThickCylinder(section="plane_strain", cell_count=n).run(), 5)
-    assert rate == pytest.approx(2, abs=0.3)
+    assert rate == pytest.approx(2, abs=0.1)
 
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])

@@ -32,6 +32,7 @@ def test_wave_column_has_no_part_that_it_does_not_need() -> None:
     parts = {name.split(".")[0] for name in plan.arrays}
     assert parts == {"particle", "grid", "cell", "node", "fixed"}
     assert not {"cell.viscosity", "cell.dilation_rate"} & set(plan.arrays)
+    assert plan.admission is None
     modules = " ".join(launch.kernel.module.name for launch in plan.step)
     assert "elastic.bilinear.closed" in modules
     assert "inviscid" in modules
