@@ -21,10 +21,16 @@ from harness.cases import COMPLETED
 INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
 
+LIMIT = 120
+"""Seconds after which what is waited for does not come."""
+
+
 @contextmanager
-def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Popen[str]]:
-    """A command in a group of its own, that has said `until`; its second case is long."""
-    settings = ["--set", "adhesion_factor=0", "--set", "penetration=[1, 200]"]
+def running(
+    small_file: Path, out: Path, until: str, penetration: str = "[1, 200]"
+) -> Iterator[subprocess.Popen[str]]:
+    """A command in a group of its own, that has said `until`; its last case is long."""
+    settings = ["--set", "adhesion_factor=0", "--set", f"penetration={penetration}"]
     command = [sys.executable, "-m", "harness", "run", str(small_file), "--out", str(out)]
     # A process in the background of a shell ignores SIGINT, and so would whatever it starts.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -36,11 +42,16 @@ def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Pope
         start_new_session=True,
     ) as process:
         signal.signal(signal.SIGINT, before)
-        assert process.stderr is not None
-        for line in process.stderr:
-            if line.startswith(until):
-                break
-        yield process
+        try:
+            assert process.stderr is not None
+            for line in process.stderr:
+                if line.startswith(until):
+                    break
+            yield process
+            process.wait(timeout=LIMIT)
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
 
 
 def statuses_left(out: Path) -> list[str]:
@@ -62,7 +73,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
         # A terminal sends Ctrl-C to the whole group, workers included.
         send = os.killpg if number is signal.SIGINT else os.kill
         send(process.pid, number)
-        told = process.communicate()[1]
+        told = process.communicate(timeout=LIMIT)[1]
     assert process.returncode == code
     interrupted = INTERRUPTED.search(told)
     assert interrupted is not None
@@ -80,10 +91,10 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     small_file: Path, tmp_path: Path, delay: float, wait_for_end: Callable[[int], None]
 ) -> None:
     out = tmp_path / "out"
-    with running(small_file, out, until="harness: small: ") as process:
+    with running(small_file, out, until="harness: small: ", penetration="200") as process:
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGINT)
-        told = process.communicate()[1]
+        told = process.communicate(timeout=LIMIT)[1]
     assert process.returncode == 130
     assert INTERRUPTED.search(told)
     assert "Traceback" not in told
