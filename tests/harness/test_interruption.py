@@ -27,10 +27,11 @@ LIMIT = 120
 
 @contextmanager
 def running(
-    small_file: Path, out: Path, until: str, penetration: str = "[1, 200]"
+    small_file: Path, out: Path, until: str, speeds: str = "[0.03, 0.0001]"
 ) -> Iterator[subprocess.Popen[str]]:
-    """A command in a group of its own, that has said `until`; its last case is long."""
-    settings = ["--set", "adhesion_factor=0", "--set", f"penetration={penetration}"]
+    """A command in a group of its own, that has said `until`; its last case takes a minute."""
+    settings = ["--set", "adhesion_factor=0", "--set", "penetration=20"]
+    settings += ["--set", f"speed_ratio={speeds}"]
     command = [sys.executable, "-m", "harness", "run", str(small_file), "--out", str(out)]
     # A process in the background of a shell ignores SIGINT, and so would whatever it starts.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -91,7 +92,7 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     small_file: Path, tmp_path: Path, delay: float, wait_for_end: Callable[[int], None]
 ) -> None:
     out = tmp_path / "out"
-    with running(small_file, out, until="harness: small: ", penetration="200") as process:
+    with running(small_file, out, until="harness: small: ", speeds="0.0001") as process:
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate(timeout=LIMIT)[1]
