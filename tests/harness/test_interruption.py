@@ -133,6 +133,7 @@ def test_workers_end_with_a_parent_that_was_killed(
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
+        time.sleep(1)  # the worker is told of the next case only now
         process.kill()
     wait_for_end(process.pid)
     assert statuses_left(out) == [COMPLETED]
