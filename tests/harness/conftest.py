@@ -10,6 +10,8 @@ from textwrap import dedent
 
 import pytest
 
+from harness import case_files
+from harness.cases import cases_of
 from harness.cli import main
 from harness.study import Study, load_study
 
@@ -53,6 +55,19 @@ def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[list[str]], str]:
         return line
 
     return refused
+
+
+@pytest.fixture
+def written() -> Callable[[Study, Path], dict[str, tuple[int, int]]]:
+    """What tells the file of each completed case from one written later, by the cases' keys."""
+
+    def marks(study: Study, out: Path) -> dict[str, tuple[int, int]]:
+        folder = case_files.case_folder(out, study)
+        done = [case for case in cases_of(study) if case_files.is_complete(folder, case)]
+        stats = {case.key: case_files.case_file(folder, case).stat() for case in done}
+        return {key: (stat.st_ino, stat.st_mtime_ns) for key, stat in stats.items()}
+
+    return marks
 
 
 @pytest.fixture

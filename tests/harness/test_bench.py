@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
@@ -10,8 +12,18 @@ import xarray as xr
 from harness.bench import bench_rows
 from harness.cli import main
 
-GAIN_HEADER = "| times as fast as one thread, turn about | 600 points |"
+SPEED = "million updates/s, median (least to most)"
+GAIN = "times as fast as one thread, turn about"
+OVERHEAD = "Python and launches, share of the time"
+MEMORY = "arrays, bytes a point"
 QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
+
+
+def table(rows: Sequence[str], title: str) -> dict[str, str]:
+    """What stands in the table of that title, by whatever varies besides the size."""
+    first = rows.index(f"| {title} | 600 points |") + 2
+    cells = [row.strip("| ").split(" | ") for row in takewhile(bool, rows[first:])]
+    return dict(cells)
 
 
 @pytest.fixture
@@ -27,8 +39,7 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
     assert (dataset.update_rate_lowest <= dataset.update_rate).all()
     assert (dataset.update_rate <= dataset.update_rate_highest).all()
     rows = bench_rows(dataset)
-    first = rows[: rows.index("")]
-    assert sum(row.startswith("| physics ") for row in first) == 6
+    assert len(table(rows, SPEED)) == 6
     case = dataset.sel(physics="cone", threads=1)
     assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(case.stage.values)
     stages = {row.split("`")[1]: row.split("|")[3:-1] for row in rows if row.startswith("| `")}
@@ -44,13 +55,27 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
         )
         larger = 1e9 * max(float(by_memory), float(by_arithmetic))
         assert over == pytest.approx(float(stage.stage_time) / larger, abs=0.051)
-    assert float(dataset.array_bytes.max()) < 300
+    assert list(table(rows, MEMORY).values()) == [
+        f"{case:.0f}" for case in dataset.array_bytes.values.flat
+    ]
     assert (dataset.thread_gain.sel(threads=2) > 0).all()
     assert dataset.thread_gain.sel(threads=1).isnull().all()
-    gains = rows[rows.index(GAIN_HEADER) + 2 :]
-    assert [row.split("|")[2].strip() for row in gains[: gains.index("")]] == [
+    assert list(table(rows, GAIN).values()) == [
         f"{case:.2f}" for case in dataset.thread_gain.sel(threads=2).values.flat
     ]
+
+
+def test_of_cases_that_are_computed_together_the_table_shows_speed_and_memory_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = ["--set", "physics=elastic", "--set", "threads=[1, 2]", "--set", "cases=[1, 2]"]
+    assert main(["bench", *QUICK, *settings, "--out", str(tmp_path)]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    each = {f"threads {threads}, cases {cases}" for threads in (1, 2) for cases in (1, 2)}
+    assert table(rows, SPEED).keys() == table(rows, MEMORY).keys() == each
+    assert all(float(cell.split()[0]) > 0 for cell in table(rows, SPEED).values())
+    assert table(rows, GAIN).keys() == {"threads 2, cases 1"}
+    assert table(rows, OVERHEAD).keys() == {"threads 1, cases 1"}
 
 
 def test_two_benches_can_be_compared(

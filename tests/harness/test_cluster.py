@@ -6,7 +6,7 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,6 +17,8 @@ from harness.cli import main
 from harness.measuring import differing
 from harness.study import Study, load_study
 
+LIMIT = 120
+"""Seconds after which what is waited for does not come."""
 CASE_COUNT = 20
 DEFINITION = f"""
 title = "Twenty cases that take a moment"
@@ -36,6 +38,9 @@ class Cluster:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.scheduler_file = folder / "scheduler.json"
+        self.processes: list[subprocess.Popen[bytes]] = []
+
+    def start(self) -> None:
         self.scheduler = self._start("scheduler", "--port", "0")
         wait_until(self.scheduler_file.exists)
         self.workers = [self.add_worker(), self.add_worker()]
@@ -49,7 +54,7 @@ class Cluster:
         return self._start("worker", "--nthreads", "1", "--no-nanny", *options)
 
     def _start(self, role: str, *options: str) -> subprocess.Popen[bytes]:
-        return subprocess.Popen(
+        process = subprocess.Popen(
             [
                 *(sys.executable, "-m", "dask", role, *options),
                 *("--scheduler-file", str(self.scheduler_file), "--no-dashboard"),
@@ -58,16 +63,17 @@ class Cluster:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
+        self.processes.append(process)
+        return process
 
     def stop(self) -> None:
-        for process in (*self.workers, self.scheduler):
+        for process in self.processes:
             process.kill()
             process.wait()
 
 
-def wait_until(condition: object) -> None:
-    assert callable(condition)
-    deadline = time.monotonic() + 60
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + LIMIT
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -78,8 +84,11 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     folder = tmp_path / "cluster"
     folder.mkdir()
     cluster = Cluster(folder)
-    yield cluster
-    cluster.stop()
+    try:
+        cluster.start()
+        yield cluster
+    finally:
+        cluster.stop()
 
 
 @pytest.fixture
@@ -89,64 +98,75 @@ def twenty(tmp_path: Path) -> Study:
     return load_study(str(path))
 
 
-def start(study: Study, out: Path, cluster: Cluster, *more: str) -> subprocess.Popen[str]:
-    options = ["--out", str(out), "--dask", cluster.address, *more]
-    return subprocess.Popen(
-        [sys.executable, "-m", "harness", "run", str(study.source), *options],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+@pytest.fixture
+def start(cluster: Cluster) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Starts the run of a study on the cluster."""
+    runs = []
+
+    def started(study: Study, out: Path, *more: str) -> subprocess.Popen[str]:
+        options = ["--out", str(out), "--dask", cluster.address, *more]
+        run = subprocess.Popen(
+            [sys.executable, "-m", "harness", "run", str(study.source), *options],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        runs.append(run)
+        return run
+
+    yield started
+    for run in runs:
+        run.kill()
+        run.communicate()
 
 
-def done(study: Study, out: Path) -> dict[str, int]:
-    """Keys of completed cases, and what tells their files from ones written later."""
-    folder = case_files.case_folder(out, study)
-    cases = [case for case in cases_of(study) if case_files.is_complete(folder, case)]
-    return {case.key: case_files.case_file(folder, case).stat().st_ino for case in cases}
-
-
-@pytest.mark.slow
 def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
-    cluster: Cluster, twenty: Study, tmp_path: Path
+    cluster: Cluster,
+    start: Callable[..., subprocess.Popen[str]],
+    twenty: Study,
+    tmp_path: Path,
+    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
-    run = start(twenty, out, cluster)
-    wait_until(lambda: len(done(twenty, out)) >= 5)
+    run = start(twenty, out)
+    wait_until(lambda: len(written(twenty, out)) >= 5)
     cluster.workers[0].kill()
-    told = run.communicate()[1]
+    told = run.communicate(timeout=LIMIT)[1]
     assert run.returncode == 0, told
     assert "distributed" not in told
-    assert len(done(twenty, out)) == CASE_COUNT
+    assert len(written(twenty, out)) == CASE_COUNT
 
     assert main(["run", str(twenty.source), "--out", str(local)]) == 0
     results = [archive.read_study(folder / "twenty.nc") for folder in (out, local)]
     assert differing(*results) == []
     case_file = case_files.case_file(case_files.case_folder(out, twenty), cases_of(twenty)[0])
-    written = case_files.read_netcdf(case_file)
-    assert "--dask" in written.attrs["command_line"]
-    assert written.peak_memory > 0
+    result = case_files.read_netcdf(case_file)
+    assert "--dask" in result.attrs["command_line"]
+    assert result.peak_memory > 0
 
 
-@pytest.mark.slow
 def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
-    cluster: Cluster, twenty: Study, tmp_path: Path
+    cluster: Cluster,
+    start: Callable[..., subprocess.Popen[str]],
+    twenty: Study,
+    tmp_path: Path,
+    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
 ) -> None:
     out = tmp_path / "out"
-    run = start(twenty, out, cluster)
-    wait_until(lambda: len(done(twenty, out)) >= 5)
+    run = start(twenty, out)
+    wait_until(lambda: len(written(twenty, out)) >= 5)
     cluster.scheduler.kill()
-    told = run.communicate(timeout=60)[1].splitlines()
+    told = run.communicate(timeout=LIMIT)[1].splitlines()
     assert run.returncode == 2
     assert told[-1] == "harness: the scheduler of the Dask cluster is lost"
     assert [line for line in told if not line.startswith(("harness: ", "["))] == []
-    kept = done(twenty, out)
+    kept = written(twenty, out)
     assert 5 <= len(kept) < CASE_COUNT
     statuses = archive.read_study(out / "twenty.nc").status.values.tolist()
     assert statuses.count("completed") == len(kept)
 
     assert main(["run", str(twenty.source), "--out", str(out)]) == 0
-    everything = done(twenty, out)
+    everything = written(twenty, out)
     assert len(everything) == CASE_COUNT
     assert kept.items() <= everything.items()
 
@@ -158,9 +178,11 @@ GravityColumn.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-@pytest.mark.slow
 def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
-    cluster: Cluster, twenty: Study, tmp_path: Path
+    cluster: Cluster,
+    start: Callable[..., subprocess.Popen[str]],
+    twenty: Study,
+    tmp_path: Path,
 ) -> None:
     """After four deaths the scheduler no longer takes the workers for the reason."""
     deadly = tmp_path / "deadly.py"
@@ -170,8 +192,8 @@ def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
         worker.wait()
     cluster.workers = [cluster.add_worker("--preload", str(deadly)) for _ in range(4)]
     out = tmp_path / "out"
-    run = start(twenty, out, cluster, "--set", "poissons_ratio=0.3")
-    told = run.communicate(timeout=60)[1]
+    run = start(twenty, out, "--set", "poissons_ratio=0.3")
+    told = run.communicate(timeout=LIMIT)[1]
     assert run.returncode == 1, told
     assert "crashed: each of 4 workers that ran the case died" in told
 
@@ -199,7 +221,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(
         capture_output=True,
         text=True,
         check=False,
-        timeout=15,
+        timeout=LIMIT,
     )
     assert result.returncode == 2
     (line,) = result.stderr.splitlines()

@@ -21,10 +21,17 @@ from harness.cases import COMPLETED
 INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
 
+LIMIT = 120
+"""Seconds after which what is waited for does not come."""
+
+
 @contextmanager
-def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Popen[str]]:
-    """A command in a group of its own, that has said `until`; its second case is long."""
-    settings = ["--set", "adhesion_factor=0", "--set", "penetration=[1, 200]"]
+def running(
+    small_file: Path, out: Path, until: str, speeds: str = "[0.03, 0.0001]"
+) -> Iterator[subprocess.Popen[str]]:
+    """A command in a group of its own, that has said `until`; its last case takes a minute."""
+    settings = ["--set", "adhesion_factor=0", "--set", "penetration=20"]
+    settings += ["--set", f"speed_ratio={speeds}"]
     command = [sys.executable, "-m", "harness", "run", str(small_file), "--out", str(out)]
     # A process in the background of a shell ignores SIGINT, and so would whatever it starts.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -36,11 +43,16 @@ def running(small_file: Path, out: Path, until: str) -> Iterator[subprocess.Pope
         start_new_session=True,
     ) as process:
         signal.signal(signal.SIGINT, before)
-        assert process.stderr is not None
-        for line in process.stderr:
-            if line.startswith(until):
-                break
-        yield process
+        try:
+            assert process.stderr is not None
+            for line in process.stderr:
+                if line.startswith(until):
+                    break
+            yield process
+            process.wait(timeout=LIMIT)
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
 
 
 def statuses_left(out: Path) -> list[str]:
@@ -62,7 +74,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
         # A terminal sends Ctrl-C to the whole group, workers included.
         send = os.killpg if number is signal.SIGINT else os.kill
         send(process.pid, number)
-        told = process.communicate()[1]
+        told = process.communicate(timeout=LIMIT)[1]
     assert process.returncode == code
     interrupted = INTERRUPTED.search(told)
     assert interrupted is not None
@@ -80,10 +92,10 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     small_file: Path, tmp_path: Path, delay: float, wait_for_end: Callable[[int], None]
 ) -> None:
     out = tmp_path / "out"
-    with running(small_file, out, until="harness: small: ") as process:
+    with running(small_file, out, until="harness: small: ", speeds="0.0001") as process:
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGINT)
-        told = process.communicate()[1]
+        told = process.communicate(timeout=LIMIT)[1]
     assert process.returncode == 130
     assert INTERRUPTED.search(told)
     assert "Traceback" not in told
@@ -121,6 +133,7 @@ def test_workers_end_with_a_parent_that_was_killed(
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
+        time.sleep(1)  # the worker is told of the next case only now
         process.kill()
     wait_for_end(process.pid)
     assert statuses_left(out) == [COMPLETED]

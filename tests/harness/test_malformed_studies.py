@@ -205,7 +205,7 @@ def malformed(count: int) -> Iterator[tuple[str, bytes]]:
         yield breaker.__name__, content if isinstance(content, bytes) else content.encode()
 
 
-def refusal(path: Path) -> tuple[object, str, str]:
+def outcome_of_run(path: Path) -> tuple[object, str, str]:
     """Exit code and output of a run; an exception in place of the code is a traceback."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
@@ -222,7 +222,6 @@ def test_the_study_that_is_broken_is_a_valid_one(tmp_path: Path) -> None:
     assert len(cases_of(load_study(str(path)))) == 1
 
 
-@pytest.mark.slow
 def test_malformed_files_are_refused_in_a_line_each(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -230,7 +229,7 @@ def test_malformed_files_are_refused_in_a_line_each(
     path = tmp_path / "study.toml"
     for number, (how, content) in enumerate(malformed(COUNT)):
         path.write_bytes(content)
-        code, out, err = refusal(path)
+        code, out, err = outcome_of_run(path)
         what = f"file {number}, {how}: {content[:300]!r}: {code!r}: {err!r}"
         assert code == 2, what
         assert out == "", what

@@ -69,7 +69,6 @@ def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
     assert peak.item() > 10 * MIB
 
 
-@pytest.mark.slow
 def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
     """A worker that kept the arrays of each case would grow by their size each time."""
     case_count, warm = 60, 10

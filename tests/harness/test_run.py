@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import inspect
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
-from harness import archive, case_files
+from harness import archive, case_files, run_study
 from harness.cases import COMPLETED, cases_of
 from harness.cli import main
-from harness.study import load_study
+from harness.runner import run_cases
+from harness.study import Study, load_study
+
+TIMED = "[timing]\nrepeats = 3\n"
 
 
 @pytest.mark.parametrize(
@@ -50,7 +55,7 @@ def test_a_wrong_number_of_workers_or_cases_is_one_line(
     ("more", "option", "message"),
     [
         ("", "--dask=tcp://127.0.0.1:1", "leave them out with --dask"),
-        ("[timing]\nrepeats = 3\n", "--workers=1", "timed one at a time, without --batch"),
+        (TIMED, "--workers=1", "timed one at a time, without --batch"),
     ],
 )
 def test_a_batch_where_there_can_be_none_is_refused(
@@ -65,6 +70,42 @@ def test_a_batch_where_there_can_be_none_is_refused(
     out = tmp_path / "out"
     assert message in refusal(["run", str(small_file), "--batch=2", f"--out={out}", option])
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "options", "expected"),
+    [
+        ("", "", {"worker_count": 8, "threads": None, "batch": 1, "repeats": 0}),
+        ("", "--threads=2", {"worker_count": 4, "threads": 2}),
+        ("", "--workers=3 --threads=2", {"worker_count": 3, "threads": 2}),
+        ("", "--batch=5", {"worker_count": 8, "threads": None, "batch": 5}),
+        ("", "--case-timeout=7 --device=cuda:1", {"time_limit": 7, "device": "cuda:1"}),
+        (TIMED, "", {"worker_count": 1, "threads": 1, "batch": 1, "repeats": 3}),
+        (TIMED, "--workers=3 --threads=2", {"worker_count": 1, "threads": 2}),
+    ],
+)
+def test_cases_are_run_as_the_options_and_the_study_ask_for(
+    more: str,
+    options: str,
+    expected: dict[str, object],
+    small_file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: dict[str, object] = {}
+
+    def note(*arguments: object, **named: object) -> None:
+        bound = inspect.signature(run_cases).bind(*arguments, **named)
+        bound.apply_defaults()
+        asked.update(bound.arguments)
+
+    monkeypatch.setattr(os, "cpu_count", lambda: 8)
+    monkeypatch.setattr(run_study, "check_device", lambda device: None)
+    monkeypatch.setattr(run_study, "run_cases", note)
+    small_file.write_text(small_file.read_text() + more)
+    command = ["run", str(small_file), f"--out={tmp_path / 'out'}", *options.split()]
+    assert main(command) == 1  # nothing was computed
+    assert {name: asked[name] for name in expected} == expected
 
 
 @pytest.mark.parametrize("limit", ["0", "-1", "soon", "nan", "inf"])
@@ -119,34 +160,36 @@ def test_run_gives_a_dataset_a_table_and_pictures(
 
 
 def test_running_again_goes_on_where_it_stopped(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small_file: Path,
+    tmp_path: Path,
+    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     out = tmp_path / "out"
     study = load_study(str(small_file))
     folder = case_files.case_folder(out, study)
     command = ["run", str(small_file), "--out", str(out)]
 
-    def inodes() -> list[int]:
-        return [case_files.case_file(folder, case).stat().st_ino for case in cases_of(study)]
-
     assert main([*command, "--set", "adhesion_factor=[0.5]"]) == 0
     assert main(command) == 0
     assert "small: 3 cases, 1 done already" in capsys.readouterr().err
-    first = inodes()
+    first = written(study, out)
+    assert len(first) == 3
 
     assert main(command) == 0
-    assert inodes() == first
+    assert written(study, out) == first
 
     damaged, failed, kept = cases_of(study)
     case_files.case_file(folder, damaged).write_bytes(b"noise")
     case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
-    before = inodes()
+    assert written(study, out) == {kept.key: first[kept.key]}
     capsys.readouterr()
     assert main(command) == 0
     told = capsys.readouterr().err
     assert f"{damaged.key}.nc: cannot be read: " in told
     assert "1 done already" in told
-    assert [old == new for old, new in zip(before, inodes(), strict=True)] == [False, False, True]
+    again = written(study, out)
+    assert [again[case.key] == first[case.key] for case in cases_of(study)] == [False, False, True]
     assert archive.read_study(out / "small.nc").status.values.tolist() == [COMPLETED] * 3
 
     assert main([*command, "--fresh"]) == 0
@@ -170,12 +213,12 @@ def test_a_study_may_ask_for_timed_runs(
 
     assert "0 done already" in told_after(untimed)
     keys = [case.key for case in cases_of(load_study(str(small_file)))]
-    small_file.write_text(untimed + "[timing]\nrepeats = 3\n")
+    small_file.write_text(untimed + TIMED)
     assert [case.key for case in cases_of(load_study(str(small_file)))] == keys
     assert main(status) == 1
     assert "3 cases: 3 untimed" in capsys.readouterr().out
 
-    told = told_after(untimed + "[timing]\nrepeats = 3\n")
+    told = told_after(untimed + TIMED)
     assert "0 done already" in told
     assert "timed alone, 3 warm runs a case; load now " in told
     assert main(status) == 0

@@ -138,11 +138,18 @@ def test_the_death_of_a_worker_takes_one_case(
 
 @pytest.fixture
 def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
-    """The folder of two cases, and the cases: one that takes minutes, one that is soon done."""
-    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03]"]
+    """The folder of two cases, and the cases: one that takes minutes, one that is soon done.
+
+    The kernels are there, for a case alone and for two together: to compile them takes time too.
+    """
+    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03, 0.04]"]
     study = load_study(str(small_file), settings)
-    long, short = cases_of(study)
-    return prepared(study, tmp_path), long, short
+    long, *warm = cases_of(study)
+    folder = prepared(study, tmp_path)
+    for batch in (1, 2):
+        run_cases(warm, folder, 1, Record(), batch=batch)
+        case_files.discard(folder, warm)
+    return folder, long, warm[0]
 
 
 def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
@@ -156,8 +163,6 @@ def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
             if case == long:
                 fractions.append(fraction)
 
-    run_cases([short], folder, 1, Record())  # compiling kernels takes time too
-    case_files.discard(folder, [short])
     record = Follower()
     run_cases([long, short], folder, 1, record, time_limit=5)
     assert record.outcomes[short.key].status == COMPLETED
