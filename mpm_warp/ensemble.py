@@ -31,7 +31,7 @@ class Ensemble:
     def __init__(
         self, plan: StepPlan, command: Callable[[Launch], Any], threads: int, device: wp.Device
     ) -> None:
-        self._command = command
+        # The command is not kept: it is of whom keeps this, and neither could be let go then.
         self._threads = threads
         self._device = device
         self._share_count = plan.share_count
@@ -44,7 +44,7 @@ class Ensemble:
             if threads > 1 and has_open_pieces(launch)
         }
         self._mine = [wp.zeros(1, dtype=int, device=device) for _ in range(threads)]
-        self._loops = [self._recorded(plan, thread) for thread in range(threads)]
+        self._loops = [self._recorded(plan, thread, command) for thread in range(threads)]
 
     def play(self, steps: range) -> None:
         """Take steps of these numbers, which tell which of them are audited.
@@ -69,13 +69,13 @@ class Ensemble:
         else:
             team_of(self._threads).run(play_part, leave)
 
-    def _recorded(self, plan: StepPlan, thread: int) -> _Loop:
+    def _recorded(self, plan: StepPlan, thread: int, command: Callable[[Launch], Any]) -> _Loop:
         def taker(launches: Sequence[Launch]) -> Callable[[], None]:
             shared_next = [*(launch.is_shared for launch in launches[1:]), True]
 
             def take() -> None:
                 for launch, others_follow in zip(launches, shared_next, strict=True):
-                    self._launch(launch, thread)
+                    self._launch(launch, thread, command)
                     if self._threads > 1 and (launch.is_shared or others_follow):
                         arguments = [self._arrivals, thread]
                         wp.launch(make_rendezvous(), 1, arguments, device=self._device)
@@ -85,16 +85,16 @@ class Ensemble:
         audited_step = taker(plan.audited_step) if plan.audited_step else None
         return _Loop(taker(plan.step), audited_step, self._device)
 
-    def _launch(self, launch: Launch, thread: int) -> None:
+    def _launch(self, launch: Launch, thread: int, command: Callable[[Launch], Any]) -> None:
         """What a thread does of a launch."""
         mine = self._mine[thread]
         share = share_of(launch, thread, self._threads, self._share_count)
         for part in share.own:
-            self._command(part).launch()
+            command(part).launch()
         for piece, part in share.open.items():
             arguments = [piece, thread, self._arrivals, self._claims[launch], mine]
             wp.launch(make_claim(), 1, arguments, device=self._device)
-            wp.capture_if(mine, on_true=self._command(part).launch)
+            wp.capture_if(mine, on_true=command(part).launch)
 
 
 class _Loop:

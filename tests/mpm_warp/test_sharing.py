@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -34,3 +37,22 @@ def test_fewer_rows_than_threads_give_the_same_bits(monkeypatch: pytest.MonkeyPa
     alone, together = runs
     for name in alone.arrays:
         np.testing.assert_array_equal(together.array(name), alone.array(name), err_msg=name)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_run_that_is_over_lets_go_of_its_arrays_at_once(
+    threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A collection of cycles may come late: the next case would find the memory still taken."""
+    monkeypatch.setattr(Pace, "choose", lambda self, wanted: wanted)
+    monkeypatch.setattr(Pace, "note", lambda self, threads, step_count, seconds: None)
+    gc.collect()
+    gc.disable()
+    try:
+        simulation = Simulation(TWO_ROWS.simulated_scene(), Execution(threads=threads))
+        simulation.advance(20)
+        arrays = [weakref.ref(array) for array in simulation.arrays.values()]
+        del simulation
+        assert not any(array() for array in arrays)
+    finally:
+        gc.enable()
