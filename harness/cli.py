@@ -45,7 +45,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         143 SIGTERM.
     """
     complete_streams()
-    options = make_parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    for argument in given:
+        if any("\ud800" <= character <= "\udfff" for character in argument):
+            tell(f"{argument!r}: is not text, which results could not keep")
+            return BAD_INPUT
+    options = make_parser().parse_args(given)
     try:
         code = COMMANDS[options.command](options)
     except BrokenPipeError:

@@ -46,8 +46,7 @@ def provenance_of_collector() -> dict[str, str]:
 @functools.cache
 def _of_process() -> dict[str, str]:
     return {
-        # Names of files may be of bytes that are no text.
-        "command_line": shlex.join(sys.argv).encode(errors="backslashreplace").decode(),
+        "command_line": shlex.join(sys.argv),
         "commit": _commit(),
         "python_version": platform.python_version(),
         **{f"{name.lower().replace('-', '_')}_version": _version(name) for name in PACKAGES},

@@ -54,6 +54,12 @@ def test_a_tolerance_for_two_results_is_not_ignored_where_there_is_one(
     assert "is for two results" in line
 
 
+def test_bytes_that_are_no_text_are_refused(refusal: Callable[[list[str]], str]) -> None:
+    """The result holds the command line; every case would be computed, and none be kept."""
+    line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
+    assert line.endswith("is not text, which results could not keep")
+
+
 def test_scenes_may_be_named_one_by_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "--scene", "material_point", "--scene", "gravity_column"]) == 0
     out = capsys.readouterr().out
