@@ -19,7 +19,7 @@ from harness.gate import ATTRIBUTE as TOLERANCES
 from harness.provenance import OF_CASE, provenance_of_collector
 from harness.study import Study
 from harness.whole_files import ArchiveError
-from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
+from mpm_warp.parameters import Parameter, Value, did_you_mean, known_names, parameters_of
 from mpm_warp.scenes import scene_class
 
 MOST_NAMED = 10
@@ -58,10 +58,9 @@ def read_result(path: Path) -> xr.Dataset:
     """
     if not path.exists():
         beside = [file.name for file in path.parent.glob("*.nc")]
-        near = nearest_name(path.name, beside)
         # Of the many files of cases a list would say nothing.
-        is_told = "did you mean" in near or 0 < len(beside) <= MOST_NAMED
-        raise ArchiveError(f"{path}: no such file{near if is_told else ''}")
+        listed = known_names(beside) if len(beside) <= MOST_NAMED else ""
+        raise ArchiveError(f"{path}: no such file{did_you_mean(path.name, beside) or listed}")
     return read_netcdf(path)
 
 

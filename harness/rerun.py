@@ -18,7 +18,7 @@ from harness.measuring import differing
 from harness.provenance import OF_CASE
 from harness.runner import Watcher, run_cases
 from harness.whole_files import ArchiveError, prepare
-from mpm_warp.parameters import Value, nearest_name, parameters_of
+from mpm_warp.parameters import Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
 PROVENANCE = (
@@ -133,10 +133,10 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
     places = np.argwhere(keys.values == key)
     if key is None or not len(places):
         problem = "no case is named" if key is None else f"no case {key}"
-        near = nearest_name(key or "", map(str, keys.values.flat))
+        near = did_you_mean(key or "", map(str, keys.values.flat))
         # There may be thousands of keys, none of which says anything.
         listed = f"; there are {keys.size}, `harness status {dataset.attrs['study']}` lists them"
-        raise ArchiveError(f"{path}: {problem}{near if 'did you mean' in near else listed}")
+        raise ArchiveError(f"{path}: {problem}{near or listed}")
     cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
     own = ("case_key", "scene", "scene_version", *OF_CASE)
     return cell.assign_attrs({name: cell[name].item() for name in own if name in cell})

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.definition import KnownParameters, StudyError, Table, shown
+from harness.definition import StudyError, Table, shown
 from harness.designs import (
     EITHER_FIXED_OR_VARIED,
     LATIN_HYPERCUBE,
@@ -17,6 +17,7 @@ from harness.designs import (
     Range,
 )
 from harness.expressions import Expression, ExpressionError
+from harness.known_parameters import KnownParameters
 from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class
 

@@ -28,7 +28,6 @@ from pathlib import Path
 from typing import Any
 
 from harness.definition import (
-    KnownParameters,
     StudyError,
     Table,
     find_study,
@@ -38,6 +37,7 @@ from harness.definition import (
     shown,
 )
 from harness.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
+from harness.known_parameters import KnownParameters
 from harness.references import reference_ids
 from harness.scene_part import LARGEST_STUDY, ScenePart, read_part
 from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
