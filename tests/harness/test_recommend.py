@@ -26,6 +26,8 @@ def two_scenes() -> xr.Dataset:
             "error": ("case", [0.05, 0.01, 0.5, 0.3]),
             "run_time": ("case", [1.0, 2.0, 0.1, 0.2]),
             "status": ("case", [COMPLETED] * 4),
+            "message": ("case", [""] * 4),
+            "case_key": ("case", list("abcd")),
         },
         coords={
             "case": range(4),
@@ -36,6 +38,7 @@ def two_scenes() -> xr.Dataset:
         },
         attrs={
             "scene": "thick_cylinder sliding_block",
+            "scene_version": 1,
             "study": "made",
             "format_version": FORMAT_VERSION,
         },

@@ -236,7 +236,8 @@ def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
 def test_single_precision_halves_every_array_of_real_numbers() -> None:
     single = make_plan(dataclasses.replace(CONE, precision="float32").build()[0]).arrays
     double = make_plan(CONE.build()[0]).arrays
-    whole = {"particle.cell", "layer.cell", "layer.places", "fixed.nodes", "contact.nodes"}
+    same = {"particle.cell", "layer.cell", "layer.places", "window.motion"}
+    same |= {"fixed.nodes", "contact.nodes", "far_field.nodes"}
     for name, array in double.items():
-        half = 1 if name in whole or name == "far_field.nodes" else 2
+        half = 1 if name in same else 2
         assert array.byte_count == half * single[name].byte_count, name
