@@ -15,6 +15,18 @@ PARTED = 1e-3
 """Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
 
 
+def nodal_areas(weight: Floats, length: Floats) -> Floats:
+    """Integrals of N w over a line of nodes, shape [node_count].
+
+    Args:
+        weight: w at the nodes, linear between them: r for areas per radian [m], 1 in plane strain.
+        length: of the edges between them [m], shape [node_count - 1].
+    """
+    to_lower = length * (weight[:-1] / 3.0 + weight[1:] / 6.0)
+    to_upper = length * (weight[:-1] / 6.0 + weight[1:] / 3.0)
+    return np.append(to_lower, 0.0) + np.insert(to_upper, 0, 0.0)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceContact:
     """Contact of nodes of the grid with a rigid body whose surface goes through them.

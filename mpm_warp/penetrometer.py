@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mpm_warp.contact import SurfaceContact
+from mpm_warp.contact import SurfaceContact, nodal_areas
 from mpm_warp.grids import Floats, Grid, Integers, graded
 
 
@@ -136,14 +136,9 @@ class PenetrometerSurface:
         """Integrals of N r along face and shaft for each node [m2], each of shape [node_count]."""
         radius, height = self.grid.surface_radius[self._rows], self.grid.rows[self._rows]
         length = np.hypot(np.diff(radius), np.diff(height))
-        to_lower = length * (radius[:-1] / 3.0 + radius[1:] / 6.0)
-        to_upper = length * (radius[:-1] / 6.0 + radius[1:] / 3.0)
         on_face = np.diff(radius) > 0.0
-        face, shaft = (
-            np.append(to_lower * edges, 0.0) + np.insert(to_upper * edges, 0, 0.0)
-            for edges in (on_face, ~on_face)
-        )
-        return face, shaft
+        face = nodal_areas(radius, np.where(on_face, length, 0.0))
+        return face, nodal_areas(radius, np.where(on_face, 0.0, length))
 
     @property
     def shaft_area(self) -> float:

@@ -67,17 +67,11 @@ class Footing(Bearing):
         """Contact of the nodes on the surface from the axis to the rim, both included."""
         import numpy as np
 
-        from mpm_warp.contact import SurfaceContact
+        from mpm_warp.contact import SurfaceContact, nodal_areas
 
         column = np.arange(self.cells_per_radius + 1)
         radius = RADIUS * column / self.cells_per_radius
-        # Integrals of N over the footing, or of N r.
-        if self.planar:
-            lower = upper = 0.5 * np.diff(radius)
-        else:
-            lower = np.diff(radius) * (radius[:-1] / 3 + radius[1:] / 6)
-            upper = np.diff(radius) * (radius[:-1] / 6 + radius[1:] / 3)
-        areas = np.append(lower, 0.0) + np.insert(upper, 0, 0.0)
+        areas = nodal_areas(grid.weight(radius), np.diff(radius))
         return SurfaceContact(
             nodes=grid.node(column, np.full_like(column, grid.row_count)),
             normals=np.tile([0.0, 1.0], (len(column), 1)),
