@@ -62,3 +62,7 @@ class Tresca(PerfectlyPlastic):
 @dataclass(frozen=True, kw_only=True)
 class VonMises(PerfectlyPlastic):
     """Yields where sqrt(J2) = su: matched to Tresca in pure shear, not in triaxial compression."""
+
+
+CRITERIA = {"tresca": Tresca, "von_mises": VonMises}
+"""Perfectly plastic materials by the names that parameters give them."""

@@ -9,12 +9,11 @@ import numpy as np
 from mpm_warp.boundaries import FarField, Fixed
 from mpm_warp.contact import SurfaceContact
 from mpm_warp.grids import Grid
+from mpm_warp.kernels.precision import PRECISIONS
 from mpm_warp.loads import NodalLoad
 from mpm_warp.materials import LinearElastic
 from mpm_warp.moving_wall import MovingWall
 from mpm_warp.window import Window
-
-PRECISIONS = ("float64", "float32")
 
 
 class SceneError(ValueError):
@@ -55,7 +54,7 @@ class Scene:
             their energy, see `mpm_warp.kernels.consistent_mass`; on a grid with horizontal rows
             and without a window.
         energy_audit: whether to sample what energy the transfers create or dissipate.
-        precision: floating point numbers of the run, one of `PRECISIONS`.
+        precision: floating point numbers of the run, by a name of `PRECISIONS`.
 
     Raises:
         SceneError: a value is not allowed, or two parts do not go together.
@@ -89,7 +88,9 @@ class Scene:
             if value is not None and not value > 0.0:
                 raise SceneError(f"{name} = {value:g} must be > 0, or none")
         if self.precision not in PRECISIONS:
-            raise SceneError(f"precision = {self.precision!r} is not one of {PRECISIONS}")
+            raise SceneError(
+                f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
+            )
         leans = np.ptp(self.grid.surface_radius) > 0.0
         for part, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),

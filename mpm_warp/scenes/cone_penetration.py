@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene
+from mpm_warp.scenes.families.yield_criterion import yield_criterion
 
 # The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
 if TYPE_CHECKING:
@@ -79,12 +80,7 @@ class ConePenetration(ReadyScene):
         minimum=1e-3,
         maximum=1e9,
     )
-    material: str = parameter(
-        "tresca",
-        unit="1",
-        meaning="yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
-        choices=("tresca", "von_mises"),
-    )
+    material: str = yield_criterion()
     poissons_ratio: float = parameter(
         0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
     )
@@ -189,13 +185,13 @@ class ConePenetration(ReadyScene):
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
         from mpm_warp.boundaries import FarField, Fixed
         from mpm_warp.immersed import ImmersedGrid, SampledSurface
-        from mpm_warp.materials import Tresca, VonMises
+        from mpm_warp.materials import CRITERIA
         from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
         from mpm_warp.scene import Scene
         from mpm_warp.scenes.families.cone_window import cone_window
 
         strength, radius = self.undrained_shear_strength, self.cone_radius
-        material = {"tresca": Tresca, "von_mises": VonMises}[self.material](
+        material = CRITERIA[self.material](
             shear_modulus=self.rigidity_index * strength,
             poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
             density=self.density,

@@ -31,7 +31,7 @@ PLANE = StripFooting(cells_per_radius=2).simulated_scene()
         (PLANE, {"particles_per_side": 0}, "particles_per_side = 0 must be > 0"),
         (PLANE, {"time_step_fraction": float("nan")}, "time_step_fraction = nan must be > 0"),
         (PLANE, {"gravity": -9.81}, "gravity = -9.81 must be > 0, or none"),
-        (PLANE, {"precision": "float16"}, "precision = 'float16' is not one of"),
+        (PLANE, {"precision": "float16"}, "precision = 'float16' must be one of float64, float32"),
         (PLANE, {"moving_wall": WALL}, "moving_wall: not together with a grid that leans"),
         (CONE.build()[0], {"moving_wall": WALL}, "moving_wall: not together with a grid that"),
         (

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.base import Progress, ReadyScene, Verification
+from mpm_warp.scenes.families.yield_criterion import yield_criterion
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,12 +53,7 @@ class Cavity(ReadyScene):
     rigidity_index: float = parameter(
         100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=2000
     )
-    material: str = parameter(
-        "tresca",
-        unit="1",
-        meaning="yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
-        choices=("tresca", "von_mises"),
-    )
+    material: str = yield_criterion()
     poissons_ratio: float = parameter(
         0.495, unit="1", meaning="Poisson's ratio", minimum=0.4, maximum=0.4999
     )
@@ -114,12 +110,12 @@ class Cavity(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.materials import Tresca, VonMises
+        from mpm_warp.materials import CRITERIA
         from mpm_warp.moving_wall import MovingWall
         from mpm_warp.scene import Scene
 
         grid = self.grid()
-        material = {"tresca": Tresca, "von_mises": VonMises}[self.material](
+        material = CRITERIA[self.material](
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=self.poissons_ratio,
             density=DENSITY,
