@@ -35,7 +35,7 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
     rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
     for title, name, text in (
-        ("times as fast as one thread, turn about", "thread_gain", _gain),
+        ("times as fast as one thread (a run for each)", "thread_gain", _gain),
         ("Python and launches, share of the time", "overhead_share", _overhead),
         ("arrays, bytes a point", "array_bytes", _array_bytes),
     ):
@@ -54,7 +54,7 @@ def _speed(case: xr.Dataset) -> str:
 
 
 def _gain(case: xr.Dataset) -> str:
-    return f"{case.thread_gain.item():.2f}"
+    return f"{case.thread_gain.item():.2f} ({case.core_gain.item():.2f})"
 
 
 def _overhead(case: xr.Dataset) -> str:

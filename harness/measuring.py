@@ -29,6 +29,7 @@ MEASURED = frozenset(
         "update_rate_lowest",
         "update_rate_highest",
         "thread_gain",
+        "core_gain",
         "overhead_share",
         "stage_time",
         "stage_bytes",

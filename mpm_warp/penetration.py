@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 
+from mpm_warp.grids import Floats
 from mpm_warp.history import curves_kept, variable
 from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
 from mpm_warp.simulation import Simulation
@@ -29,17 +31,30 @@ class Penetration:
         greatest: penetration at which it ends in any case, over the radius.
         unsteady: penetration before which no resistance counts as steady, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady.
-        forces: mean forces over each sample so far.
-        work: of the penetrometer so far, per radian [J].
     """
 
     surface: PenetrometerSurface
     greatest: float
     unsteady: float
     tolerance: float
-    forces: list[PenetrometerForces] = field(default_factory=list)
-    work: float = 0.0
+    _nodal_forces: list[Floats] = field(default_factory=list, init=False)  # by sample
+    _moved: list[float] = field(default_factory=list, init=False)  # in each sample [m]
+    _forces: list[PenetrometerForces] = field(default_factory=list, init=False)
     _sampled_at: float = field(default=0.0, init=False)
+
+    @property
+    def forces(self) -> list[PenetrometerForces]:
+        """Mean forces over each sample so far."""
+        # Few ask before the end, and all together they take a fraction of the time.
+        new = self._nodal_forces[len(self._forces) :]
+        self._forces.extend(map(self.surface.forces, new))
+        return self._forces
+
+    @property
+    def work(self) -> float:
+        """Of the penetrometer so far, per radian [J]."""
+        parts = zip(self.forces, self._moved, strict=True)
+        return math.fsum(force.upward * moved for force, moved in parts)
 
     def run(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
         """Push it in.
@@ -69,25 +84,26 @@ class Penetration:
             SimulationDiverged: see `Travel`.
         """
         steady = False
-        while (next_sample := (len(self.forces) + 1) * self._spacing) <= distance:
+        while (next_sample := (len(self._moved) + 1) * self._spacing) <= distance:
             travel.advance_to(next_sample)
-            moved = travel.distance - self._sampled_at
-            if moved > 0.0:
-                force = self.surface.forces(simulation.take_contact_forces())
+            reached = travel.distance
+            if reached > self._sampled_at:
+                nodal_forces = simulation.take_contact_forces()
             else:  # one step may go past several samples
-                force = self.forces[-1]
-            self.forces.append(force)
-            self.work += force.upward * moved
-            self._sampled_at = travel.distance
+                nodal_forces = self._nodal_forces[-1]
+            self._nodal_forces.append(nodal_forces)
+            self._moved.append(reached - self._sampled_at)
+            self._sampled_at = reached
             steady = self._is_steady
         travel.advance_to(distance)
         return steady
 
     @property
     def _is_steady(self) -> bool:
-        first_steady = round(self.unsteady / SAMPLE_SPACING)
-        asked = self.forces[max(first_steady, len(self.forces) - 2 * STEADY_SAMPLES) :]
-        resistance = [it.face_normal + it.face_shear for it in asked]
+        earliest = len(self._moved) - 2 * STEADY_SAMPLES
+        if (earliest + 0.5) * SAMPLE_SPACING < self.unsteady:
+            return False
+        resistance = [it.face_normal + it.face_shear for it in self.forces[earliest:]]
         return is_steady(resistance, STEADY_SAMPLES, self.tolerance)
 
     @property
@@ -98,7 +114,7 @@ class Penetration:
     def curves(self) -> xr.Dataset:
         """Resistance, its shear part, friction of the shaft and contact over penetration."""
         # Each sample is a mean over the travel since the one before; it stands in the middle.
-        penetration = (np.arange(len(self.forces)) + 0.5) * SAMPLE_SPACING
+        penetration = (np.arange(len(self._moved)) + 0.5) * SAMPLE_SPACING
         base_area = 0.5 * self.surface.penetrometer.radius**2
         normal, shear, shaft, share = (
             np.array(

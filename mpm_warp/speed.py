@@ -13,6 +13,7 @@ import xarray as xr
 from mpm_warp.counting import stage_work
 from mpm_warp.history import variable
 from mpm_warp.simulation import Simulation
+from mpm_warp.team import team_of
 from mpm_warp.timing import ClockedExecution, StageClock, StepTimes, yardsticks
 
 LEAST_STEPS = 16
@@ -37,27 +38,44 @@ class Sample:
     updates: int
     seconds: float
 
-
-def sample(simulation: Simulation, take: Callable[[int], None], count: int) -> Sample:
-    """Take about `count` steps, by a function that takes them."""
-    steps, updates = simulation.step_count, simulation.particle_updates
-    start = time.perf_counter()
-    take(count)
-    simulation.array("particle.mass")  # waits for a GPU
-    return Sample(
-        steps=simulation.step_count - steps,
-        updates=simulation.particle_updates - updates,
-        seconds=time.perf_counter() - start,
-    )
+    @property
+    def rate(self) -> float:
+        """Updates per second."""
+        return self.updates / self.seconds
 
 
-def steps_within(seconds: float, simulation: Simulation, take: Callable[[int], None]) -> int:
-    """How many steps take so long [s], about, told by taking some; all is warm after them."""
-    count = LEAST_STEPS
-    # The first steps load kernels and record launches: only many tell how long one takes.
-    while (taken := sample(simulation, take, count)).seconds < WARM_SHARE * seconds:
-        count *= 2
-    return max(LEAST_STEPS, math.ceil(taken.steps * seconds / taken.seconds))
+@dataclass(frozen=True)
+class Run:
+    """A run that is measured.
+
+    Attributes:
+        simulation: the run.
+        take: takes so many of its steps, about.
+    """
+
+    simulation: Simulation
+    take: Callable[[int], None]
+
+    def sample(self, count: int) -> Sample:
+        """Take about `count` steps."""
+        simulation = self.simulation
+        steps, updates = simulation.step_count, simulation.particle_updates
+        start = time.perf_counter()
+        self.take(count)
+        simulation.array("particle.mass")  # waits for a GPU
+        return Sample(
+            steps=simulation.step_count - steps,
+            updates=simulation.particle_updates - updates,
+            seconds=time.perf_counter() - start,
+        )
+
+    def steps_within(self, seconds: float) -> int:
+        """How many steps take so long [s], about, told by taking some; all is warm after them."""
+        count = LEAST_STEPS
+        # The first steps load kernels and record launches: only many tell how long one takes.
+        while (taken := self.sample(count)).seconds < WARM_SHARE * seconds:
+            count *= 2
+        return max(LEAST_STEPS, math.ceil(taken.steps * seconds / taken.seconds))
 
 
 class Beside:
@@ -75,36 +93,51 @@ class Beside:
 
 
 class OneThread(Beside):
-    """The same run on one thread, to tell how much faster several are.
+    """The same run on one thread, and as many such runs at once as there are threads.
 
-    The state of a machine changes from second to second: speeds are of the same moment only where
-    they are measured one right after the other.
+    They tell how much faster the threads are, and how much faster they could be: what the cores
+    give to runs that have nothing to do with each other. The state of a machine changes from second
+    to second: speeds are of the same moment only where they are measured one right after the other.
 
     Args:
-        simulation: a run like the one that is sampled, on one thread.
-        take: takes its steps.
+        runs: like the one that is sampled, each on one thread.
     """
 
-    def __init__(self, simulation: Simulation, take: Callable[[int], None]) -> None:
-        self._simulation = simulation
-        self._take = take
-        self._ratios: list[float] = []
+    def __init__(self, runs: Sequence[Run]) -> None:
+        self._runs = runs
+        self._thread_gains: list[float] = []
+        self._core_gains: list[float] = []
 
     def note(self, taken: Sample) -> None:
         """See `Beside`."""
-        alone = sample(self._simulation, self._take, taken.steps)
-        self._ratios.append((alone.seconds / alone.steps) / (taken.seconds / taken.steps))
+        alone = self._runs[0].sample(taken.steps).rate
+        at_once = sum(it.rate for it in self._at_once(taken.steps))
+        self._thread_gains.append(taken.rate / alone)
+        self._core_gains.append(at_once / alone)
+
+    def _at_once(self, count: int) -> list[Sample]:
+        samples: list[Sample] = []
+        team = team_of(len(self._runs))
+        team.run(lambda number: samples.append(self._runs[number].sample(count)), lambda _: None)
+        return samples
 
     def table(self) -> xr.Dataset:
-        """How many times faster the threads are, each sample over the next of one thread."""
+        """How many times faster the threads are, and the cores, against one thread."""
         return xr.Dataset(
             {
                 "thread_gain": variable(
-                    float(np.median(self._ratios)),
+                    float(np.median(self._thread_gains)),
                     unit="1",
                     meaning="times as fast as on one thread",
                     description="each sample beside one of one thread right after it; median",
-                )
+                ),
+                "core_gain": variable(
+                    float(np.median(self._core_gains)),
+                    unit="1",
+                    meaning="times as fast as one thread, a run for each",
+                    description="as many runs at once, each on one thread, beside one of them "
+                    "alone right before; median",
+                ),
             }
         )
 

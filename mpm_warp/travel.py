@@ -28,7 +28,9 @@ class Travel:
         assert plan.admission is not None
         self._simulation = simulation
         self._admission: Launch = plan.admission
-        self._share_bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
+        places = plan.arrays["particle.mass"].shape[0]
+        self._share_bounds = share_bounds(places, plan.share_count)
+        self._share_of = np.searchsorted(self._share_bounds, np.arange(places), side="right")
         self._layer_size = plan.arrays["layer.mass"].shape[0]
         self._layers_per_row = scene.particles_per_side
         self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
@@ -47,21 +49,22 @@ class Travel:
             SimulationDiverged: the run became unstable.
             WindowOverfull: no place is left for the soil that has to enter.
         """
-        while (now := self.distance) < distance:
+        now = self.distance
+        while now < distance:
             next_layer = (self._layer_count + 0.5) * self._layer_height
             remaining = min(distance, next_layer) - now
             # Where the speed rises or falls this falls short, and the loop goes round again.
             per_step = self._window.highest_speed_from(now) * self._simulation.plan.time_step
             self._simulation.advance(max(1, math.ceil(remaining / per_step - ROUNDING)))
-            if (now := self.distance) >= next_layer:
+            now = self.distance
+            if now >= next_layer:
                 self._admit_layer(lift=now - next_layer)
 
     def _chosen(self, free: Integers) -> Integers:
         """As many of the free places as a layer needs: those of the shares that have most."""
-        bounds = self._share_bounds
-        end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
-        left_in_share = end_of_share - np.arange(len(free))
-        return free[np.argsort(-left_in_share, kind="stable")[: self._layer_size]]
+        end_of_share = free.searchsorted(self._share_bounds).take(self._share_of.take(free))
+        less_left_in_share = np.arange(len(free)) - end_of_share
+        return free.take(less_left_in_share.argsort(kind="stable")[: self._layer_size])
 
     def _admit_layer(self, *, lift: float) -> None:
         """Let a layer of soil in, `lift` [m] above the bottom of the grid."""

@@ -33,7 +33,7 @@ class ConePenetration(ReadyScene):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
         "contact_surface",

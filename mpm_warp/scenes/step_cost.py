@@ -13,14 +13,12 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import xarray
 
     from mpm_warp.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
-    from mpm_warp.speed import Beside
+    from mpm_warp.speed import Beside, Run
 
 BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
@@ -35,7 +33,7 @@ class StepCost(ReadyScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     headline: ClassVar[str] = "update_rate"
     runs_alone: ClassVar[bool] = True
 
@@ -125,9 +123,9 @@ class StepCost(ReadyScene):
             results.append(self._measured(batch, progress))
 
         def accompany() -> None:
-            take = self._stirred(Simulation(self.build(), batch))
+            case = self._stirred(Simulation(self.build(), batch))
             while not results:
-                take(LEAST_STEPS)
+                case.take(LEAST_STEPS)
 
         batch.run([lead] + [accompany] * (self.cases - 1))
         return results[0]
@@ -139,22 +137,21 @@ class StepCost(ReadyScene):
 
         from mpm_warp.history import cost, variable
         from mpm_warp.simulation import Simulation
-        from mpm_warp.speed import sample, steps_within
 
         simulation = Simulation(self.build(), execution)
         beside = self._beside(simulation, execution)
-        take = self._stirred(simulation)
+        run = self._stirred(simulation)
         begun = time.perf_counter()
-        step_count = steps_within(self.sample_time, simulation, take)
+        step_count = run.steps_within(self.sample_time)
         samples = []
         for number in range(self.samples):
             beside.begin()
-            samples.append(sample(simulation, take, step_count))
+            samples.append(run.sample(step_count))
             beside.note(samples[-1])
             if progress is not None:
                 progress((number + 1) / self.samples)
         simulation.check()
-        rates = [self.cases * it.updates / it.seconds for it in samples]
+        rates = [self.cases * it.rate for it in samples]
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
         result = xr.Dataset(
             {
@@ -191,16 +188,17 @@ class StepCost(ReadyScene):
             return Clocks(simulation, execution)
         if self.cases > 1 or execution.device != "cpu":
             return Beside()
-        alone = Simulation(self.build(), Execution())
-        take = self._stirred(alone)
-        take(LEAST_STEPS)  # warm
-        return OneThread(alone, take)
+        runs = [self._stirred(Simulation(self.build(), Execution())) for _ in range(self.threads)]
+        for run in runs:
+            run.take(LEAST_STEPS)  # warm
+        return OneThread(runs)
 
-    def _stirred(self, simulation: Simulation) -> Callable[[int], None]:
-        """Give the soil its stresses and the window its speed; returns what takes steps."""
+    def _stirred(self, simulation: Simulation) -> Run:
+        """Give the soil its stresses and the window its speed."""
         import numpy as np
 
         from mpm_warp.penetration import Penetration
+        from mpm_warp.speed import Run
         from mpm_warp.travel import Travel
 
         scene = simulation.scene
@@ -211,7 +209,7 @@ class StepCost(ReadyScene):
             part = stress[first : min(first + BLOCK, len(stress))]
             part.assign(block[: len(part)])
         if scene.window is None:
-            return simulation.advance
+            return Run(simulation, simulation.advance)
         window, travel = scene.window, Travel(simulation)
         simulation.arrays["window.motion"].assign([window.ramp_time, window.speed, 0.0])
         per_step = window.speed * simulation.plan.time_step
@@ -219,11 +217,11 @@ class StepCost(ReadyScene):
         penetration = Penetration(
             surface=cone.build()[1],
             greatest=math.inf,
-            unsteady=0.0,
+            unsteady=math.inf,  # as for all but the last radii of a test
             tolerance=cone.steady_tolerance,
         )
 
         def take(count: int) -> None:
             penetration.push_to(travel.distance + (count - 0.5) * per_step, travel, simulation)
 
-        return take
+        return Run(simulation, take)

@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+import threading
+from itertools import count
+
+import pytest
+
 from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.simulation import Simulation
-from mpm_warp.speed import OneThread, Sample
+from mpm_warp.speed import OneThread, Run, Sample
 from mpm_warp.timing import StageClock, yardsticks
 
 
-def test_the_gain_by_threads_is_that_over_one() -> None:
+def test_gains_are_over_one_thread_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = Simulation(StepCost(physics="elastic", size=600).build())
-    gains = []
-    for seconds in (1e-9, 1e9):  # of the threads, for ten steps
-        one = OneThread(simulation, simulation.advance)
-        one.note(Sample(steps=10, updates=6000, seconds=seconds))
-        gains.append(float(one.table().thread_gain))
-    assert gains[0] > 1000
-    assert gains[1] < 0.001
-    assert simulation.step_count == 20
+    run = Run(simulation, simulation.advance)
+    number, meeting = count(), threading.Barrier(2)
+
+    def sample(self: Run, step_count: int) -> Sample:
+        updates = (100, 70, 80)[(this := next(number))]
+        if this > 0:  # two runs, at the same time
+            meeting.wait(timeout=60.0)
+        return Sample(steps=step_count, updates=updates, seconds=1.0)
+
+    monkeypatch.setattr(Run, "sample", sample)
+    beside = OneThread([run, run])
+    beside.note(Sample(steps=10, updates=130, seconds=1.0))
+    gains = beside.table()
+    assert float(gains.thread_gain) == 1.3
+    assert float(gains.core_gain) == 1.5
 
 
 def test_less_physics_has_fewer_stages() -> None:
