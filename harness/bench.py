@@ -36,6 +36,7 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
     for title, name, text in (
         ("times as fast as one thread (a run for each)", "thread_gain", _gain),
+        ("times as fast as a bare step", "bare_step_gain", _bare_step_gain),
         ("Python and launches, share of the time", "overhead_share", _overhead),
         ("arrays, bytes a point", "array_bytes", _array_bytes),
     ):
@@ -55,6 +56,10 @@ def _speed(case: xr.Dataset) -> str:
 
 def _gain(case: xr.Dataset) -> str:
     return f"{case.thread_gain.item():.2f} ({case.core_gain.item():.2f})"
+
+
+def _bare_step_gain(case: xr.Dataset) -> str:
+    return f"{case.bare_step_gain.item():.2f}"
 
 
 def _overhead(case: xr.Dataset) -> str:

@@ -30,6 +30,7 @@ MEASURED = frozenset(
         "update_rate_highest",
         "thread_gain",
         "core_gain",
+        "bare_step_gain",
         "overhead_share",
         "stage_time",
         "stage_bytes",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from mpm_warp.bare_step import BareStep
 from mpm_warp.counting import stage_work
 from mpm_warp.history import variable
 from mpm_warp.simulation import Simulation
@@ -22,6 +23,8 @@ WARM_SHARE = 0.5
 """Of the time of a sample, for which steps are taken before any."""
 CLOCKED_STEPS = 16
 """Steps after each sample whose stages are clocked."""
+BARE_TIME = 0.1
+"""Time for which bare steps are taken after each sample [s]."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +148,8 @@ class OneThread(Beside):
 class Clocks(Beside):
     """Clocks of a run on one thread of the processor: between its steps, and between its stages.
 
+    Bare steps of as many material points, about, are measured too.
+
     Args:
         simulation: the run.
         execution: of the run.
@@ -154,8 +159,10 @@ class Clocks(Beside):
         self._simulation = simulation
         self._steps = execution
         self._stages = StageClock(simulation)
+        self._bare = BareStep(simulation.particle_count)
         self._times: list[StepTimes] = []
         self._overheads: list[float] = []
+        self._bare_gains: list[float] = []
 
     def begin(self) -> None:
         """Start the one between the steps."""
@@ -167,6 +174,7 @@ class Clocks(Beside):
         times = self._stages.time_steps(CLOCKED_STEPS)
         self._times.append(times)
         self._overheads.append(python + times.launching * taken.steps / taken.seconds)
+        self._bare_gains.append(taken.rate / self._bare.rate(BARE_TIME))
 
     def table(self) -> xr.Dataset:
         """Time and work of each stage, what bare loops reach, and what is outside the stages."""
@@ -177,7 +185,15 @@ class Clocks(Beside):
             description="Python: all that is not within the steps, such as the watch, history and "
             "soil that enters; launches: those of a step, each as one that does nothing; median",
         )
-        return _stage_table(self._simulation, self._times).assign(overhead_share=overhead)
+        bare = variable(
+            float(np.median(self._bare_gains)),
+            unit="1",
+            meaning="times as fast as a bare step",
+            description="each sample beside bare steps right after it, of `mpm_warp.bare_step`; "
+            "median",
+        )
+        stages = _stage_table(self._simulation, self._times)
+        return stages.assign(overhead_share=overhead, bare_step_gain=bare)
 
 
 def _stage_table(simulation: Simulation, times: Sequence[StepTimes]) -> xr.Dataset:

@@ -58,6 +58,8 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
     assert list(table(rows, MEMORY).values()) == [
         f"{case:.0f}" for case in dataset.array_bytes.values.flat
     ]
+    assert (dataset.bare_step_gain.sel(threads=1) > 0).all()
+    assert dataset.bare_step_gain.sel(threads=2).isnull().all()
     assert (dataset.thread_gain.sel(threads=2) > 0).all()
     assert dataset.thread_gain.sel(threads=1).isnull().all()
     assert list(table(rows, GAIN).values()) == [
