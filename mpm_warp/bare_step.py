@@ -16,7 +16,7 @@ POINTS_PER_CELL = 4
 RECORDED_STEPS = 16
 MATERIAL = VonMises(shear_modulus=1.0, poissons_ratio=0.49, density=1.0, strength=0.01)
 TIME_STEP = 1e-6
-"""Over the cell size and the shear wave's speed: so short that nothing moves."""
+"""In times that a shear wave takes through a cell: so short that nothing moves."""
 
 
 class BareStep:
@@ -54,7 +54,7 @@ class BareStep:
         self._graph = capture.graph
 
     def take_step(self, time_step: float) -> None:
-        """Take a step of this length, over the cell size and the shear wave's speed."""
+        """Take a step of this length, in times that a shear wave takes through a cell."""
         position, velocity, affine, stress, mass, volume, momentum, node_velocity = (
             self.arrays.values()
         )
