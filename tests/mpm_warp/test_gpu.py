@@ -31,7 +31,10 @@ from mpm_warp.scenes.cone_penetration import ConePenetration
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
 GPU = "cuda:0"
-OF_PROCESSORS = ("claim", "rendezvous", "next_step", "stamp", "streaming", "arithmetic", "division")
+OF_PROCESSORS = (
+    *("claim", "rendezvous", "next_step", "stamp"),
+    *("streaming", "arithmetic", "division", "bare_scatter", "bare_nodes", "bare_gather"),
+)
 """Kernels of threads and of measuring, which no GPU ever runs."""
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {
