@@ -28,9 +28,7 @@ class Travel:
         assert plan.admission is not None
         self._simulation = simulation
         self._admission: Launch = plan.admission
-        places = plan.arrays["particle.mass"].shape[0]
-        self._share_bounds = share_bounds(places, plan.share_count)
-        self._share_of = np.searchsorted(self._share_bounds, np.arange(places), side="right")
+        self._share_bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
         self._layer_size = plan.arrays["layer.mass"].shape[0]
         self._layers_per_row = scene.particles_per_side
         self._layer_height = float(scene.grid.rows[1] - scene.grid.rows[0]) / self._layers_per_row
@@ -62,9 +60,10 @@ class Travel:
 
     def _chosen(self, free: Integers) -> Integers:
         """As many of the free places as a layer needs: those of the shares that have most."""
-        end_of_share = free.searchsorted(self._share_bounds).take(self._share_of.take(free))
-        less_left_in_share = np.arange(len(free)) - end_of_share
-        return free.take(less_left_in_share.argsort(kind="stable")[: self._layer_size])
+        bounds = self._share_bounds
+        end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
+        left_in_share = end_of_share - np.arange(len(free))
+        return free[np.argsort(-left_in_share, kind="stable")[: self._layer_size]]
 
     def _admit_layer(self, *, lift: float) -> None:
         """Let a layer of soil in, `lift` [m] above the bottom of the grid."""
