@@ -17,14 +17,23 @@ from mpm_warp.kernels.precision import FLOAT64
 from mpm_warp.kernels.yielding import make_yielding
 from mpm_warp.materials import VonMises
 
-real, vec2, vec4, mat22 = FLOAT64.real, FLOAT64.vec2, FLOAT64.vec4, FLOAT64.mat22
+real, vec2, vec3, vec4 = FLOAT64.real, FLOAT64.vec2, FLOAT64.vec3, FLOAT64.vec4
+mat22 = FLOAT64.mat22
 ONE = wp.constant(real(1.0))
 
 
 @wp.func
-def cell_of(place: real, cell_count: int) -> int:
-    """The cell that a coordinate over the cell size is in, or the nearest."""
-    return wp.clamp(int(place), 0, cell_count - 1)
+def cell_at(place: vec2, cell_count: int) -> wp.vec2i:
+    """Column and row of the cell that a place, over the cell size, is in, or of the nearest."""
+    last = cell_count - 1
+    return wp.vec2i(wp.clamp(int(place[0]), 0, last), wp.clamp(int(place[1]), 0, last))
+
+
+@wp.func
+def shape(a: int, b: int, xi: real, eta: real) -> vec3:
+    """N and h dN of the node in the column a and the row b of a cell's four, each 0 or 1."""
+    along_r, along_z = wp.where(a == 0, ONE - xi, xi), wp.where(b == 0, ONE - eta, eta)
+    return vec3(along_r * along_z, real(2 * a - 1) * along_z, real(2 * b - 1) * along_r)
 
 
 @functools.cache
@@ -47,22 +56,20 @@ def make_scatter() -> Any:
         p = wp.tid()
         x = position[p]
         place = x / h
-        i = cell_of(place[0], cell_count)
-        j = cell_of(place[1], cell_count)
-        xi, eta = place[0] - real(i), place[1] - real(j)
+        cell = cell_at(place, cell_count)
+        xi, eta = place[0] - real(cell[0]), place[1] - real(cell[1])
+        first = cell[1] * (cell_count + 1) + cell[0]
         m, v, C, s = mass[p], velocity[p], affine[p], stress[p]
         pull = time_step * volume[p]
         hoop = s[3] / x[0]
         for b in range(2):
             for a in range(2):
-                along_r, along_z = wp.where(a == 0, ONE - xi, xi), wp.where(b == 0, ONE - eta, eta)
-                N = along_r * along_z
-                dN = vec2(real(2 * a - 1) * along_z, real(2 * b - 1) * along_r) / h
+                at = shape(a, b, xi, eta)
+                N, dN = at[0], vec2(at[1], at[2]) / h
                 d = h * vec2(wp.where(a == 0, -xi, ONE - xi), wp.where(b == 0, -eta, ONE - eta))
                 force = vec2(s[0] * dN[0] + s[2] * dN[1] + hoop * N, s[2] * dN[0] + s[1] * dN[1])
                 q = (m * N) * (v + C * d) - pull * force
-                node = (j + b) * (cell_count + 1) + i + a
-                momentum[node] += vec4(m * N, q[0], q[1], real(0.0))
+                momentum[first + b * (cell_count + 1) + a] += vec4(m * N, q[0], q[1], real(0.0))
 
     return bare_scatter
 
@@ -105,17 +112,16 @@ def make_gather(material: VonMises) -> Any:
         p = wp.tid()
         x = position[p]
         place = x / h
-        i = cell_of(place[0], cell_count)
-        j = cell_of(place[1], cell_count)
-        xi, eta = place[0] - real(i), place[1] - real(j)
+        cell = cell_at(place, cell_count)
+        xi, eta = place[0] - real(cell[0]), place[1] - real(cell[1])
+        first = cell[1] * (cell_count + 1) + cell[0]
         v, L = vec2(), mat22()
         for b in range(2):
             for a in range(2):
-                along_r, along_z = wp.where(a == 0, ONE - xi, xi), wp.where(b == 0, ONE - eta, eta)
-                dN = vec2(real(2 * a - 1) * along_z, real(2 * b - 1) * along_r) / h
-                u = node_velocity[(j + b) * (cell_count + 1) + i + a]
-                v += (along_r * along_z) * u
-                L += wp.outer(u, dN)
+                at = shape(a, b, xi, eta)
+                u = node_velocity[first + b * (cell_count + 1) + a]
+                v += at[0] * u
+                L += wp.outer(u, vec2(at[1], at[2]) / h)
         rr, zz, tt = time_step * L[0, 0], time_step * L[1, 1], time_step * v[0] / x[0]
         rz = time_step * real(0.5) * (L[0, 1] + L[1, 0])
         pressed = lame * (rr + zz + tt)
