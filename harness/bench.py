@@ -35,7 +35,7 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
     rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
     for title, name, text in (
-        ("times as fast as one thread (a run for each)", "thread_gain", _gain),
+        ("times as fast as one thread (as many runs at once)", "thread_gain", _gain),
         ("times as fast as a bare step", "bare_step_gain", _bare_step_gain),
         ("Python and launches, share of the time", "overhead_share", _overhead),
         ("arrays, bytes a point", "array_bytes", _array_bytes),

@@ -137,7 +137,7 @@ class OneThread(Beside):
                 "core_gain": variable(
                     float(np.median(self._core_gains)),
                     unit="1",
-                    meaning="times as fast as one thread, a run for each",
+                    meaning="times as fast as one thread, as many runs at once",
                     description="as many runs at once, each on one thread, beside one of them "
                     "alone right before; median",
                 ),

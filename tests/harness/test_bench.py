@@ -13,7 +13,7 @@ from harness.bench import bench_rows
 from harness.cli import main
 
 SPEED = "million updates/s, median (least to most)"
-GAIN = "times as fast as one thread (a run for each)"
+GAIN = "times as fast as one thread (as many runs at once)"
 OVERHEAD = "Python and launches, share of the time"
 MEMORY = "arrays, bytes a point"
 QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
