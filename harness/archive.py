@@ -246,13 +246,14 @@ def _gathered(
         for name, array in result.variables.items():
             if name in places:
                 continue
-            if name in arrays and arrays[name][0].dims != array.dims:
-                name = f"{result.attrs['scene']}_{name}"  # noqa: PLW2901 - another scene has it too
-            if name not in arrays:
+            # Another scene may have it too, over other axes.
+            is_another = name in arrays and arrays[name][0].dims != array.dims
+            own_name = f"{result.attrs['scene']}_{name}" if is_another else name
+            if own_name not in arrays:
                 shape = (count, *(axes[dim].size for dim in array.dims))
-                arrays[name] = array, np.full(shape, np.nan)
+                arrays[own_name] = array, np.full(shape, np.nan)
             cell: tuple[Any, ...] = (place, *np.ix_(*(places[dim] for dim in array.dims)))
-            arrays[name][1][cell] = array.values
+            arrays[own_name][1][cell] = array.values
     for name, (array, values) in arrays.items():
         shape = (*grid.values(), *values.shape[1:])
         gathered[name] = xr.Variable((*grid, *array.dims), values.reshape(shape), array.attrs)

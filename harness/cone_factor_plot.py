@@ -28,6 +28,8 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8
 """Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
 
 ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
+MOST_COLUMNS = 3
+"""Columns of a legend."""
 FINE = 400
 """Points of a literature curve."""
 
@@ -176,14 +178,17 @@ def _once(axes: Axes, label: str) -> str:
 
 
 def _legend(axes: Axes, title: str) -> None:
-    # Above the axes, where it hides no data.
-    axes.legend(
-        title=title or None,
-        loc="lower left",
-        bbox_to_anchor=(0, 1),
-        ncols=3,
-        fontsize=8,
-        title_fontsize=8,
-        alignment="left",
-        frameon=False,
-    )
+    """Above the axes, where it hides no data; no wider than they are, as the labels beside rise."""
+    for column_count in range(MOST_COLUMNS, 0, -1):
+        legend = axes.legend(
+            title=title or None,
+            loc="lower left",
+            bbox_to_anchor=(0, 1),
+            ncols=column_count,
+            fontsize=8,
+            title_fontsize=8,
+            alignment="left",
+            frameon=False,
+        )
+        if legend.get_window_extent().width <= axes.get_window_extent().width:
+            break

@@ -201,9 +201,13 @@ def known_names(known: Iterable[str]) -> str:
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str:
-    """A phrase that names the nearest valid name, or all of them where none is near."""
+    """A phrase that names the nearest valid name, or all of them where none is near.
+
+    One of which the first words are given is near, however much longer it is.
+    """
     names = list(known)
-    return did_you_mean(name, names) or known_names(names)
+    begun = [it for it in names if it.startswith(f"{name}_")]
+    return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
 
 
 def _nearest_choice(value: object, choices: tuple[Value, ...] | None) -> str:

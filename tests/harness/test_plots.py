@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 
 from harness.compare import with_references
 from harness.cone_factor_plot import cone_factor_figure
@@ -133,6 +134,17 @@ def test_second_parameter_makes_series_beside_shared_curves() -> None:
     assert legend(figure) == [ENVELOPE, "material tresca", "material von_mises"]
     assert len({line.get_marker() for line in points(figure)}) == 2
     assert len(curves(figure)) == len(REFERENCES)
+
+
+def test_labels_beside_the_axes_are_clear_of_the_legend() -> None:
+    many = {"rigidity_index": [25.0, 100.0, 500.0], "adhesion_factor": [0.0, 0.25, 0.5, 0.75, 1.0]}
+    figure = cone_factor_figure(result(**many))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    box = axes.get_legend().get_window_extent()
+    labels = [Text.get_window_extent(label) for label in axes.texts]  # without their leaders
+    assert max(label.y1 for label in labels) > box.y0  # they rise as high
+    assert not any(label.overlaps(box) for label in labels)
 
 
 def test_curves_that_depend_on_the_series_take_its_colour() -> None:

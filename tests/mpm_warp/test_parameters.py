@@ -68,6 +68,9 @@ def test_the_nearest_name_and_where_none_is_near_all_of_them() -> None:
     assert did_you_mean("eror", ["error", "stress"]) == "; did you mean 'error'?"
     assert did_you_mean("eror", ["error"], likeness=0.9) == ""
     assert did_you_mean("depth", ["error", "stress"]) == ""
+    longer = ["speed", "friction_coefficient"]
+    assert nearest_name("friction", longer) == "; did you mean 'friction_coefficient'?"
+    assert nearest_name("fric", longer) == known_names(longer)
     assert known_names(["error", "stress"]) == "; known: error, stress"
     assert nearest_name("eror", ["error", "stress"]) == "; did you mean 'error'?"
     assert nearest_name("depth", ["error", "stress"]) == "; known: error, stress"
