@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mpm_warp.plan import Launch, StepPlan
+from mpm_warp.plan.plan import Launch, StepPlan
 
 UPDATE_RATE = 20e6
 """Particle updates a second on one thread, as `harness bench` measures them."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from harness import in_one_line
 from harness.cases import COMPLETED, MISSING, Case, Outcome
-from mpm_warp.execution import Execution
+from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
 
@@ -118,7 +118,7 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
     start_warp_in_silence()
     from harness.whole_files import ArchiveError
-    from mpm_warp.batch import Batch
+    from mpm_warp.execution.batch import Batch
 
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mpm_warp.grids import Floats, Grid, Integers, bilinear, graded
+from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear, graded
 from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
 
 POINTS_PER_CELL = 32

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grids import Floats
-from mpm_warp.history import curves_kept, variable
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import curves_kept, variable
 from mpm_warp.simulation import Simulation
 
 PLATEAU_SHARE = 0.25

@@ -8,22 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpm_warp.even_flow import even_flow_weights
-from mpm_warp.kernels.consistent_mass import make_consistent_mass
-from mpm_warp.kernels.grid_to_particles import make_grid_to_particles
-from mpm_warp.kernels.grid_update import make_cell_rates, make_cell_stress, make_node_update
-from mpm_warp.kernels.particles_to_grid import make_particles_to_grid
-from mpm_warp.kernels.precision import PRECISIONS
-from mpm_warp.kernels.yielding import make_yielding
-from mpm_warp.materials import PerfectlyPlastic
-from mpm_warp.particles import PARTICLE_STATE, seed_rows
-from mpm_warp.plan import FIRST, Own, Plan, share_bounds
+from mpm_warp.parts.even_flow import even_flow_weights
+from mpm_warp.step.consistent_mass import make_consistent_mass
+from mpm_warp.step.grid_to_particles import make_grid_to_particles
+from mpm_warp.step.grid_update import make_cell_rates, make_cell_stress, make_node_update
+from mpm_warp.step.particles_to_grid import make_particles_to_grid
+from mpm_warp.precision import PRECISIONS
+from mpm_warp.materials.yielding import make_yielding
+from mpm_warp.materials.materials import PerfectlyPlastic
+from mpm_warp.grid.seeding import PARTICLE_STATE, seed_rows
+from mpm_warp.plan.plan import OFFSET, ShareRow, Plan, share_bounds
 from mpm_warp.planning_energy import add_energy_audit
 from mpm_warp.planning_moving_wall import add_wall_motion, add_wall_push, crossing_time
 from mpm_warp.planning_nodes import add_actions_on_nodes
 from mpm_warp.planning_window import add_admission, add_travel
 from mpm_warp.scene import Scene
-from mpm_warp.time_step import TimeStepControl
+from mpm_warp.plan.time_step import TimeStepControl
 
 SHARE_COUNT = 4
 """Shares of a launch on processors: as many threads may take part in a step."""
@@ -122,10 +122,10 @@ def _add_particles_to_grid(plan: Plan) -> None:
     plan.add_launch(
         make_particles_to_grid(grid.polar, plan.scene.window is not None, plan.precision),
         plan.arrays["particle.mass"].shape,
-        FIRST,
+        OFFSET,
         *PARTICLE_STATE,
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
-        *(Own("node.momentum"), Own("cell.stress_sum"), Own("cell.mass")),
+        *(ShareRow("node.momentum"), ShareRow("cell.stress_sum"), ShareRow("cell.mass")),
     )
 
 
@@ -134,10 +134,10 @@ def _add_consistent_mass(plan: Plan) -> None:
     plan.add_launch(
         make_consistent_mass(plan.precision),
         plan.arrays["particle.mass"].shape,
-        FIRST,
+        OFFSET,
         *("particle.position", "particle.mass", "particle.cell"),
         *("grid.columns", "grid.rows", grid.outer_radius, grid.column_count),
-        *("node.motion", Own("node.momentum")),
+        *("node.motion", ShareRow("node.momentum")),
     )
 
 
@@ -158,7 +158,7 @@ def _add_cell_stress(plan: Plan) -> None:
             plan.share_count, viscosity is not None, full_mass is not None, plan.precision
         ),
         grid.cell_count,
-        FIRST,
+        OFFSET,
         *("cell.stress_sum", "cell.mass", dilation_rate, viscosity, full_mass, "cell.stress"),
     )
 
@@ -177,7 +177,7 @@ def _add_node_update(plan: Plan) -> None:
     plan.add_launch(
         make_node_update(plan.share_count, sharpening is not None, plan.precision),
         (grid.row_count + 1, grid.column_count + 1),
-        FIRST,
+        OFFSET,
         *("node.momentum", "cell.stress", "cell.integrals"),
         *(grid.column_count, grid.row_count, plan.time_step, "node.least_mass"),
         ABSURD_SPEED * plan.speed_limit,
@@ -198,7 +198,7 @@ def _add_cell_rates(plan: Plan) -> None:
     plan.add_launch(
         make_cell_rates(viscous, sharpened, plan.scene.even_flow, plan.precision),
         grid.cell_count,
-        FIRST,
+        OFFSET,
         *("node.motion", "cell.integrals", "cell.volume", grid.column_count, plan.time_step),
         *(material.shear_modulus, material.bulk_modulus),
         "cell.dilation_rate" if viscous else None,
@@ -225,7 +225,7 @@ def _add_grid_to_particles(plan: Plan) -> None:
             plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
-        FIRST,
+        OFFSET,
         *("node.motion", "cell.step", "grid.columns", "grid.rows", grid.outer_radius),
         *((grid.column_count, grid.row_count), plan.time_step),
         strength,

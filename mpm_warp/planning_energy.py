@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mpm_warp.kernels.energy import make_kinetic_energy
-from mpm_warp.plan import Launch, Plan
+from mpm_warp.parts.energy_kernel import make_kinetic_energy
+from mpm_warp.plan.plan import Launch, Plan
 
 
 def add_energy_audit(plan: Plan) -> None:

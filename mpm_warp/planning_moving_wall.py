@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpm_warp.grids import cell_lengths
-from mpm_warp.kernels.moving_wall import (
+from mpm_warp.grid.fitted import cell_lengths
+from mpm_warp.parts.moving_wall_kernels import (
     make_move_wall,
     make_push,
     make_refit_cells,
     make_refit_sectors,
 )
-from mpm_warp.moving_wall import MovingWall
-from mpm_warp.plan import FIRST, Plan
-from mpm_warp.polar import PolarGrid
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.plan.plan import OFFSET, Plan
+from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.scene import Scene
 
 
@@ -68,7 +68,7 @@ def add_wall_motion(plan: Plan, wall: MovingWall) -> None:
         plan.add_launch(
             make_refit_sectors(plan.precision),
             grid.cell_count,
-            FIRST,
+            OFFSET,
             *geometry,
             plan.add_array("wall.angular", "vec5", angular),
             plan.add_array("wall.caps", "real", caps),
@@ -76,4 +76,4 @@ def add_wall_motion(plan: Plan, wall: MovingWall) -> None:
         )
     else:
         kernel = make_refit_cells(plan.precision)
-        plan.add_launch(kernel, grid.cell_count, FIRST, *geometry, "cell.integrals", "cell.volume")
+        plan.add_launch(kernel, grid.cell_count, OFFSET, *geometry, "cell.integrals", "cell.volume")

@@ -5,13 +5,13 @@ Each function adds the arrays of one part of the scene, and its launch.
 
 from __future__ import annotations
 
-from mpm_warp.boundaries import FarField, Fixed
-from mpm_warp.contact import SurfaceContact
-from mpm_warp.kernels.boundaries import make_far_field, make_fixed
-from mpm_warp.kernels.contact import make_surface_contact
-from mpm_warp.kernels.loads import make_damping, make_gravity, make_nodal_load
-from mpm_warp.loads import NodalLoad
-from mpm_warp.plan import FIRST, Plan
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.boundary_kernels import make_far_field, make_fixed
+from mpm_warp.parts.contact_law import make_surface_contact
+from mpm_warp.parts.load_kernels import make_damping, make_gravity, make_nodal_load
+from mpm_warp.parts.loads import NodalLoad
+from mpm_warp.plan.plan import OFFSET, Plan
 
 
 def add_actions_on_nodes(plan: Plan) -> None:
@@ -46,14 +46,14 @@ def _add_gravity(plan: Plan, gravity: float) -> None:
     """The weight of the soil."""
     kernel = make_gravity(plan.precision)
     count = plan.scene.grid.node_count
-    plan.add_launch(kernel, count, FIRST, gravity * plan.time_step, "node.mass", "node.motion")
+    plan.add_launch(kernel, count, OFFSET, gravity * plan.time_step, "node.mass", "node.motion")
 
 
 def _add_damping(plan: Plan, damping: float) -> None:
     """A force against all motion."""
     kernel = make_damping(plan.precision)
     count = plan.scene.grid.node_count
-    plan.add_launch(kernel, count, FIRST, damping * plan.time_step, "node.motion")
+    plan.add_launch(kernel, count, OFFSET, damping * plan.time_step, "node.motion")
 
 
 def _add_fixed(plan: Plan, fixed: Fixed) -> None:
@@ -61,7 +61,7 @@ def _add_fixed(plan: Plan, fixed: Fixed) -> None:
     plan.add_array("fixed.nodes", "int", fixed.nodes)
     plan.add_array("fixed.free", "vec2", fixed.free)
     kernel = make_fixed(plan.precision)
-    plan.add_launch(kernel, len(fixed.nodes), FIRST, "fixed.nodes", "fixed.free", "node.motion")
+    plan.add_launch(kernel, len(fixed.nodes), OFFSET, "fixed.nodes", "fixed.free", "node.motion")
 
 
 def _add_far_field(plan: Plan, far_field: FarField) -> None:
@@ -74,7 +74,7 @@ def _add_far_field(plan: Plan, far_field: FarField) -> None:
     plan.add_launch(
         make_far_field(plan.precision),
         count,
-        FIRST,
+        OFFSET,
         *("far_field.nodes", "far_field.spring", "far_field.dashpot"),
         *("node.mass", plan.time_step, "far_field.displacement", "node.motion"),
     )
@@ -92,7 +92,7 @@ def _add_contact(plan: Plan, contact: SurfaceContact) -> None:
     plan.add_launch(
         make_surface_contact(window is not None, plan.precision),
         len(contact.nodes),
-        FIRST,
+        OFFSET,
         *("contact.nodes", "contact.normals", contact.friction),
         *("contact.adhesion", "contact.pressure", "node.mass", plan.time_step),
         *(contact.speed, window),

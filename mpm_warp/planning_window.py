@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mpm_warp.kernels.window import make_admit, make_advance_window
-from mpm_warp.particles import PARTICLE_STATE, seed_rows
-from mpm_warp.plan import Launch, Plan
-from mpm_warp.window import Window
+from mpm_warp.parts.window_kernels import make_admit, make_advance_window
+from mpm_warp.grid.seeding import PARTICLE_STATE, seed_rows
+from mpm_warp.plan.plan import Launch, Plan
+from mpm_warp.parts.window import Window
 
 
 def add_admission(plan: Plan) -> None:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.boundaries import FarField, Fixed
-from mpm_warp.contact import SurfaceContact
-from mpm_warp.grids import Grid
-from mpm_warp.kernels.precision import PRECISIONS
-from mpm_warp.loads import NodalLoad
-from mpm_warp.materials import LinearElastic
-from mpm_warp.moving_wall import MovingWall
-from mpm_warp.window import Window
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.precision import PRECISIONS
+from mpm_warp.parts.loads import NodalLoad
+from mpm_warp.materials.materials import LinearElastic
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.window import Window
 
 
 class SceneError(ValueError):
@@ -48,10 +48,10 @@ class Scene:
         window: travel of the grid through the soil, or none.
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
-        even_flow: whether flow is made even within cells, see `mpm_warp.kernels.even_flow`; for
+        even_flow: whether flow is made even within cells, see `mpm_warp.parts.even_flow_kernel`; for
             soil that streams along a wall for long. The grid is axisymmetric, of horizontal rows.
         consistent_mass: whether momentum is that of the consistent mass matrix, so that waves keep
-            their energy, see `mpm_warp.kernels.consistent_mass`; on a grid with horizontal rows
+            their energy, see `mpm_warp.step.consistent_mass`; on a grid with horizontal rows
             and without a window.
         energy_audit: whether to sample what energy the transfers create or dissipate.
         precision: floating point numbers of the run, by a name of `PRECISIONS`.
@@ -106,7 +106,7 @@ class Scene:
     def sharpened(self) -> bool:
         """Whether nodes are given back what the transfers take from their velocity at the least.
 
-        See `mpm_warp.kernels.sharpening`: it is that of full cells, and a part of what the
+        See `mpm_warp.step.mass_matrix_correction`: it is that of full cells, and a part of what the
         consistent mass matrix gives back. A single particle in the middle of a cell takes nothing
         of what is sharpened.
         """

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import brentq
 
-from mpm_warp.grids import Floats
-from mpm_warp.history import variable
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import variable
 from mpm_warp.simulation import TimeLoop
 
 TRAVEL = 0.75

@@ -7,22 +7,22 @@ import time
 import numpy as np
 import warp as wp
 
-from mpm_warp.execution import Execution
-from mpm_warp.grids import Floats, Integers
-from mpm_warp.health import (
+from mpm_warp.execution.execution import Execution
+from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.watch.health import (
     Fault,
     SimulationDiverged,
     check_particles,
     check_time_step,
     check_yield,
 )
-from mpm_warp.host_arrays import HostArrays
-from mpm_warp.kernels.next_step import AUDIT_INTERVAL
-from mpm_warp.materials import PerfectlyPlastic
-from mpm_warp.plan import Launch, Plan, StepPlan
+from mpm_warp.execution.host_arrays import HostArrays
+from mpm_warp.execution.next_step import AUDIT_INTERVAL
+from mpm_warp.materials.materials import PerfectlyPlastic
+from mpm_warp.plan.plan import Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
-from mpm_warp.watch import SoilWatch
+from mpm_warp.watch.soil import SoilWatch
 
 LOOKED_AT_ONCE = 4_000
 """Particles that the watch looks at together; the memory of more would be fetched each time."""

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from mpm_warp.grids import Integers
-from mpm_warp.health import WindowOverfull
-from mpm_warp.plan import Launch, share_bounds
+from mpm_warp.grid.fitted import Integers
+from mpm_warp.watch.health import WindowOverfull
+from mpm_warp.plan.plan import Launch, share_bounds
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-6

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpm_warp.bodies.planning import BodyPlan
 from mpm_warp.bodies.scene import Load
-from mpm_warp.grids import Floats
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.simulation import TimeLoop
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.bodies.scene import Body, UniformGrid
-from mpm_warp.grids import Floats
-from mpm_warp.materials import LinearElastic
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.materials import LinearElastic
 
 MARGIN = 2
 """Empty cells around the bodies, at least."""

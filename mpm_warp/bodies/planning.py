@@ -16,8 +16,8 @@ import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, UniformGrid
-from mpm_warp.grids import Integers
-from mpm_warp.kernels.body_contact import (
+from mpm_warp.grid.fitted import Integers
+from mpm_warp.bodies.contact import (
     make_body_contact,
     make_clear_surfaces,
     make_extents,
@@ -25,12 +25,12 @@ from mpm_warp.kernels.body_contact import (
     make_pressing,
     make_shared_pressure,
 )
-from mpm_warp.kernels.body_loads import make_body_loads, make_clock
-from mpm_warp.kernels.body_to_grid import make_body_prediction, make_body_to_grid
-from mpm_warp.kernels.grid_to_body import make_grid_to_body
-from mpm_warp.kernels.precision import FLOAT64, Precision
-from mpm_warp.plan import StepPlan
-from mpm_warp.time_step import TimeStepControl
+from mpm_warp.bodies.loads import make_body_loads, make_clock
+from mpm_warp.bodies.body_to_grid import make_body_prediction, make_body_to_grid
+from mpm_warp.bodies.grid_to_body import make_grid_to_body
+from mpm_warp.precision import FLOAT64, Precision
+from mpm_warp.plan.plan import StepPlan
+from mpm_warp.plan.time_step import TimeStepControl
 
 CLOSED_GAP = 0.05
 """Gap below which bodies touch, over cell size: a block at rest must not chatter on its base."""

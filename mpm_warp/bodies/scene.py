@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpm_warp.grids import Floats
-from mpm_warp.materials import LinearElastic
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.scene import SceneError
 
 TOUCHING = 0.9

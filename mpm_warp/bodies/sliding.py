@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.grids import Floats
+from mpm_warp.grid.fitted import Floats
 
 
 @dataclass(frozen=True, kw_only=True)

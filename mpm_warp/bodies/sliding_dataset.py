@@ -10,8 +10,8 @@ import xarray as xr
 
 from mpm_warp.bodies.history import BodyHistory
 from mpm_warp.bodies.sliding import SlidingMotion
-from mpm_warp.grids import Floats
-from mpm_warp.history import variable
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import variable
 
 
 def sliding_curves(

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpm_warp.bodies.interface import InterfaceFrame
 from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, Load
-from mpm_warp.materials import LinearElastic
+from mpm_warp.materials.materials import LinearElastic
 
 if TYPE_CHECKING:
     from mpm_warp.scenes.families.block_on_base import BlockOnBase

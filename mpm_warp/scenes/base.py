@@ -12,8 +12,8 @@ from mpm_warp.parameters import Value, check_parameters
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.execution import Execution
-    from mpm_warp.plan import StepPlan
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.plan.plan import StepPlan
     from mpm_warp.scene import Scene
 
 Progress = Callable[[float], None]
@@ -95,6 +95,6 @@ class ReadyScene(ABC):
             One dataset of scalars and curves, each with ``units`` and ``long_name``.
 
         Raises:
-            mpm_warp.health.SimulationDiverged: the run became unstable; its `history` holds the
+            mpm_warp.watch.health.SimulationDiverged: the run became unstable; its `history` holds the
                 curves up to there, where the scene records any.
         """

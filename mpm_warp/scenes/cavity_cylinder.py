@@ -10,9 +10,9 @@ from mpm_warp.scenes.base import Verification
 from mpm_warp.scenes.families.cavity import RADIUS, Cavity, verifications
 
 if TYPE_CHECKING:
-    from mpm_warp.boundaries import FarField, Fixed
-    from mpm_warp.grids import Grid
-    from mpm_warp.materials import LinearElastic
+    from mpm_warp.parts.boundaries import FarField, Fixed
+    from mpm_warp.grid.fitted import Grid
+    from mpm_warp.materials.materials import LinearElastic
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +30,7 @@ class CavityCylinder(Cavity):
         """See `Cavity`."""
         import numpy as np
 
-        from mpm_warp.grids import Grid
+        from mpm_warp.grid.fitted import Grid
 
         # Beyond the plastic zone, so that the far field is elastic as it takes it to be.
         outer = 2.0 * self.plastic_radius
@@ -45,14 +45,14 @@ class CavityCylinder(Cavity):
         """See `Cavity`."""
         import numpy as np
 
-        from mpm_warp.boundaries import Fixed
+        from mpm_warp.parts.boundaries import Fixed
 
         vertical = np.ones((2, len(grid.columns)), dtype=bool)
         return Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
 
     def far_field(self, grid: Grid, material: LinearElastic) -> FarField:
         """See `Cavity`."""
-        from mpm_warp.boundaries import FarField
+        from mpm_warp.parts.boundaries import FarField
 
         far_field = FarField.around(grid, material)
         # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.

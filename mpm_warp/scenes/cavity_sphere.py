@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from mpm_warp.boundaries import FarField, Fixed
-    from mpm_warp.grids import Grid
-    from mpm_warp.materials import LinearElastic
-    from mpm_warp.polar import PolarGrid
+    from mpm_warp.parts.boundaries import FarField, Fixed
+    from mpm_warp.grid.fitted import Grid
+    from mpm_warp.materials.materials import LinearElastic
+    from mpm_warp.grid.polar import PolarGrid
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +38,7 @@ class CavitySphere(Cavity):
         """See `Cavity`."""
         import numpy as np
 
-        from mpm_warp.polar import PolarGrid
+        from mpm_warp.grid.polar import PolarGrid
 
         outer = 6.0 * self.plastic_radius
         row_count = max(2, round(0.5 * math.pi * self.cells_per_radius))
@@ -53,7 +53,7 @@ class CavitySphere(Cavity):
         """See `Cavity`."""
         import numpy as np
 
-        from mpm_warp.boundaries import Fixed
+        from mpm_warp.parts.boundaries import Fixed
 
         radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical = radial.copy()
@@ -73,7 +73,7 @@ class CavitySphere(Cavity):
         """See `Cavity`."""
         import numpy as np
 
-        from mpm_warp.history import variable
+        from mpm_warp.results import variable
 
         pressure = on_rows / _wall_areas(grid)
         return {
@@ -88,7 +88,7 @@ class CavitySphere(Cavity):
 
 def _wall_areas(grid: Grid) -> np.ndarray:
     """Of the wall's nodes at the start, along their normals [m2 per radian], [row_count + 1]."""
-    from mpm_warp.polar import PolarGrid
+    from mpm_warp.grid.polar import PolarGrid
 
     assert isinstance(grid, PolarGrid)
     areas: np.ndarray = (grid.wall_vectors * grid.surface_normals).sum(axis=1)

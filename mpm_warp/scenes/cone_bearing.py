@@ -12,8 +12,8 @@ from mpm_warp.scenes.base import Verification
 from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 if TYPE_CHECKING:
-    from mpm_warp.contact import SurfaceContact
-    from mpm_warp.grids import Floats, Grid
+    from mpm_warp.parts.contact import SurfaceContact
+    from mpm_warp.grid.fitted import Floats, Grid
     from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
 
 EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}

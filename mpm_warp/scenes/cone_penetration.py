@@ -15,9 +15,9 @@ from mpm_warp.scenes.families.yield_criterion import yield_criterion
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.execution import Execution
+    from mpm_warp.execution.execution import Execution
     from mpm_warp.penetrometer import PenetrometerSurface
-    from mpm_warp.plan import StepPlan
+    from mpm_warp.plan.plan import StepPlan
     from mpm_warp.scene import Scene
 
 LARGEST_ENERGY_ERROR = 0.05
@@ -183,9 +183,9 @@ class ConePenetration(ReadyScene):
 
     def build(self) -> tuple[Scene, PenetrometerSurface]:
         """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
-        from mpm_warp.boundaries import FarField, Fixed
+        from mpm_warp.parts.boundaries import FarField, Fixed
         from mpm_warp.immersed import ImmersedGrid, SampledSurface
-        from mpm_warp.materials import CRITERIA
+        from mpm_warp.materials.materials import CRITERIA
         from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
         from mpm_warp.scene import Scene
         from mpm_warp.scenes.families.cone_window import cone_window
@@ -252,8 +252,8 @@ class ConePenetration(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.health import InaccurateRun
-        from mpm_warp.history import cost, variable
+        from mpm_warp.watch.health import InaccurateRun
+        from mpm_warp.results import cost, variable
         from mpm_warp.penetration import Penetration, steady_values
         from mpm_warp.scenes.families.cone_window import unsteady_penetration
         from mpm_warp.simulation import Simulation

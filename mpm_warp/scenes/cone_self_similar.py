@@ -13,8 +13,8 @@ from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import GroundGrid
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import GroundGrid
     from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
     from mpm_warp.scene import Scene
 
@@ -66,11 +66,11 @@ class ConeSelfSimilar(ReadyScene):
         """The scene, and the surface from whose nodes the load is read."""
         import numpy as np
 
-        from mpm_warp.boundaries import Fixed
-        from mpm_warp.materials import Tresca
+        from mpm_warp.parts.boundaries import Fixed
+        from mpm_warp.materials.materials import Tresca
         from mpm_warp.penetrometer import PenetrometerSurface
         from mpm_warp.scene import Scene
-        from mpm_warp.window import Window
+        from mpm_warp.parts.window import Window
 
         material = Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
@@ -113,7 +113,7 @@ class ConeSelfSimilar(ReadyScene):
         return Penetrometer(radius=RADIUS, apex_angle=math.radians(self.apex_angle))
 
     def _grid(self) -> GroundGrid:
-        from mpm_warp.grids import GroundGrid
+        from mpm_warp.grid.fitted import GroundGrid
 
         fitted = self._penetrometer.fitted_grid(
             cell_size=RADIUS / self.cells_per_radius,
@@ -140,7 +140,7 @@ class ConeSelfSimilar(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
-        from mpm_warp.history import cost, curves_kept, variable
+        from mpm_warp.results import cost, curves_kept, variable
         from mpm_warp.simulation import Simulation
         from mpm_warp.travel import Travel
 
@@ -197,7 +197,7 @@ def _curve(reached: list[float], loads: list[float]) -> xarray.Dataset:
     import numpy as np
     import xarray as xr
 
-    from mpm_warp.history import variable
+    from mpm_warp.results import variable
 
     depth = 0.5 * (np.array(reached[1:]) + np.array(reached[:-1]))
     load = variable(np.array(loads), unit="N", meaning="load", dims=("depth",))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.column import Column
-    from mpm_warp.execution import Execution
+    from mpm_warp.execution.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
 
@@ -85,7 +85,7 @@ class ElasticColumnWave(ReadyScene):
     def build(self) -> tuple[Scene, Column]:
         """The scene and its column."""
         from mpm_warp.column import Column
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
         from mpm_warp.scene import Scene
 
         nu = POISSONS_RATIO
@@ -116,7 +116,7 @@ class ElasticColumnWave(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
-        from mpm_warp.history import cost, curves_kept, variable
+        from mpm_warp.results import cost, curves_kept, variable
         from mpm_warp.simulation import Simulation
 
         scene, column = self.build()
@@ -149,7 +149,7 @@ class ElasticColumnWave(ReadyScene):
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.history import variable
+        from mpm_warp.results import variable
 
         phase = phase[: len(samples)]
         names = ("displacement", "velocity", "stress", "energy")

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.bodies.planning import BodyPlan
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Floats
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Floats
     from mpm_warp.simulation import TimeLoop
 
 SIDE = 1.0
@@ -76,7 +76,7 @@ class FlyingBlock(ReadyScene):
         from mpm_warp.bodies.interface import InterfaceFrame
         from mpm_warp.bodies.planning import make_body_plan
         from mpm_warp.bodies.scene import BodyScene, UniformGrid
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
 
         half, cell = 0.5 * SIDE, self.cell_size
         material = LinearElastic(
@@ -99,7 +99,7 @@ class FlyingBlock(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost, curves_kept, variable
+        from mpm_warp.results import cost, curves_kept, variable
         from mpm_warp.simulation import TimeLoop
 
         loop = TimeLoop(self.plan(), execution)
@@ -167,7 +167,7 @@ def _curves(samples: list[tuple[Floats, float, Floats]]) -> xarray.Dataset:
     import numpy as np
     import xarray as xr
 
-    from mpm_warp.history import variable
+    from mpm_warp.results import variable
 
     momentum, spin, distance = (np.array(values) for values in zip(*samples, strict=True))
     curves = {

@@ -11,10 +11,10 @@ from mpm_warp.scenes.base import Verification
 from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 if TYPE_CHECKING:
-    from mpm_warp.boundaries import Fixed
-    from mpm_warp.contact import SurfaceContact
-    from mpm_warp.grids import Floats, Grid
-    from mpm_warp.polar import PolarGrid
+    from mpm_warp.parts.boundaries import Fixed
+    from mpm_warp.parts.contact import SurfaceContact
+    from mpm_warp.grid.fitted import Floats, Grid
+    from mpm_warp.grid.polar import PolarGrid
 
 OUTER_RADIUS = 6.0
 """Where the soil is held, over radius: the mechanism reaches to about three."""
@@ -61,8 +61,8 @@ class FullFlowCylinder(Bearing):
         """See `Bearing`."""
         import numpy as np
 
-        from mpm_warp.grids import graded
-        from mpm_warp.polar import PolarGrid
+        from mpm_warp.grid.fitted import graded
+        from mpm_warp.grid.polar import PolarGrid
 
         size, span = RADIUS / self.cells_per_radius, (OUTER_RADIUS - 1.0) * RADIUS
         row_count = round(math.pi * self.cells_per_radius)
@@ -78,7 +78,7 @@ class FullFlowCylinder(Bearing):
         """Nodes on the line of travel, and those around the soil."""
         import numpy as np
 
-        from mpm_warp.boundaries import Fixed
+        from mpm_warp.parts.boundaries import Fixed
 
         vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical[:, -1] = True
@@ -90,8 +90,8 @@ class FullFlowCylinder(Bearing):
         """See `Bearing`."""
         import numpy as np
 
-        from mpm_warp.contact import SurfaceContact
-        from mpm_warp.polar import PolarGrid
+        from mpm_warp.parts.contact import SurfaceContact
+        from mpm_warp.grid.polar import PolarGrid
 
         assert isinstance(grid, PolarGrid)
         vectors = -grid.wall_vectors

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.column import Column
-    from mpm_warp.execution import Execution
+    from mpm_warp.execution.execution import Execution
     from mpm_warp.scene import Scene
 
 HEIGHT = 1.0
@@ -51,7 +51,7 @@ class GravityColumn(ReadyScene):
     def build(self) -> tuple[Scene, Column]:
         """The scene and its column."""
         from mpm_warp.column import Column
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
         from mpm_warp.scene import Scene
 
         constrained_modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
@@ -85,7 +85,7 @@ class GravityColumn(ReadyScene):
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.history import cost, variable
+        from mpm_warp.results import cost, variable
         from mpm_warp.simulation import Simulation
 
         scene, column = self.build()

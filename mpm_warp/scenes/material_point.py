@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from mpm_warp.execution import Execution
+    from mpm_warp.execution.execution import Execution
 
 RANDOM_PATHS = 200
 """Paths in random directions, on which the stress must stay within the yield surface."""
@@ -131,7 +131,7 @@ class MaterialPoint(ReadyScene):
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.history import variable
+        from mpm_warp.results import variable
 
         paths = self.paths()
         stress, excess, cost = self._follow(paths, "cpu" if execution is None else execution.device)
@@ -165,11 +165,11 @@ class MaterialPoint(ReadyScene):
         import numpy as np
         import warp as wp
 
-        from mpm_warp.history import costs
-        from mpm_warp.kernels.precision import FLOAT64
-        from mpm_warp.kernels.strain_path import make_strain_path
-        from mpm_warp.kernels.yielding import make_yielding
-        from mpm_warp.materials import Tresca
+        from mpm_warp.results import costs
+        from mpm_warp.precision import FLOAT64
+        from mpm_warp.materials.strain_path import make_strain_path
+        from mpm_warp.materials.yielding import make_yielding
+        from mpm_warp.materials.materials import Tresca
 
         start = time.perf_counter()
         material = Tresca(

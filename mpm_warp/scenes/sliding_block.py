@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mpm_warp.bodies.interface import InterfaceFrame
     from mpm_warp.bodies.planning import BodyPlan
     from mpm_warp.bodies.scene import BodyScene
-    from mpm_warp.execution import Execution
+    from mpm_warp.execution.execution import Execution
 
 SAMPLE_COUNT = 100
 """Samples of the curves, from the moment when the driving force begins."""
@@ -99,7 +99,7 @@ class SlidingBlock(BlockOnBase):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         from mpm_warp.bodies.history import BodyHistory
         from mpm_warp.bodies.sliding_dataset import sliding_curves, sliding_dataset
-        from mpm_warp.history import cost, curves_kept
+        from mpm_warp.results import cost, curves_kept
         from mpm_warp.simulation import TimeLoop
 
         loop = TimeLoop(self.plan(), execution)

@@ -15,10 +15,10 @@ from mpm_warp.scenes.cone_penetration import ConePenetration
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.execution import Execution
+    from mpm_warp.execution.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
-    from mpm_warp.speed import Beside, Run
+    from mpm_warp.benchmark.speed import Beside, Run
 
 BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
@@ -75,7 +75,7 @@ class StepCost(ReadyScene):
 
     def build(self) -> Scene:
         """The scene."""
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
 
         scene = self.cone().build()[0]
         if self.physics == "cone":
@@ -106,11 +106,11 @@ class StepCost(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`; the threads are those of the scene."""
-        from mpm_warp.batch import Batch
-        from mpm_warp.execution import Execution
+        from mpm_warp.execution.batch import Batch
+        from mpm_warp.execution.execution import Execution
         from mpm_warp.simulation import Simulation
-        from mpm_warp.speed import LEAST_STEPS
-        from mpm_warp.timing import ClockedExecution
+        from mpm_warp.benchmark.speed import LEAST_STEPS
+        from mpm_warp.benchmark.clocks import ClockedExecution
 
         device = "cpu" if execution is None else execution.device
         if self.cases == 1:
@@ -135,7 +135,7 @@ class StepCost(ReadyScene):
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.history import cost, variable
+        from mpm_warp.results import cost, variable
         from mpm_warp.simulation import Simulation
 
         simulation = Simulation(self.build(), execution)
@@ -179,10 +179,10 @@ class StepCost(ReadyScene):
 
     def _beside(self, simulation: Simulation, execution: Execution) -> Beside:
         """What else is measured of a case, by how it is computed."""
-        from mpm_warp.execution import Execution
+        from mpm_warp.execution.execution import Execution
         from mpm_warp.simulation import Simulation
-        from mpm_warp.speed import LEAST_STEPS, Beside, Clocks, OneThread
-        from mpm_warp.timing import ClockedExecution
+        from mpm_warp.benchmark.speed import LEAST_STEPS, Beside, Clocks, OneThread
+        from mpm_warp.benchmark.clocks import ClockedExecution
 
         if isinstance(execution, ClockedExecution):
             return Clocks(simulation, execution)
@@ -198,7 +198,7 @@ class StepCost(ReadyScene):
         import numpy as np
 
         from mpm_warp.penetration import Penetration
-        from mpm_warp.speed import Run
+        from mpm_warp.benchmark.speed import Run
         from mpm_warp.travel import Travel
 
         scene = simulation.scene

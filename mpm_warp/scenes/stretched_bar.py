@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.bodies.planning import BodyPlan
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Floats
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Floats
     from mpm_warp.simulation import TimeLoop
 
 LENGTH = 1.0
@@ -102,7 +102,7 @@ class StretchedBar(ReadyScene):
 
         from mpm_warp.bodies.planning import make_body_plan
         from mpm_warp.bodies.scene import Body, BodyScene, Load, UniformGrid
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
 
         cell = self.cell_size
         along, across = np.meshgrid(self._places, cell * _middles(POINTS_PER_CELL))
@@ -131,7 +131,7 @@ class StretchedBar(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost, curves_kept
+        from mpm_warp.results import cost, curves_kept
         from mpm_warp.simulation import TimeLoop
 
         loop = TimeLoop(self.plan(), execution)
@@ -164,7 +164,7 @@ class StretchedBar(ReadyScene):
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.history import variable
+        from mpm_warp.results import variable
 
         times, stretch, least, greatest = np.array(samples).reshape(-1, 4).T
         middle = "of the middle half"
@@ -190,7 +190,7 @@ class StretchedBar(ReadyScene):
     def _with_errors(self, curves: xarray.Dataset) -> xarray.Dataset:
         import numpy as np
 
-        from mpm_warp.history import variable
+        from mpm_warp.results import variable
 
         last = curves.isel(progress=-1)
         at_end = np.array([last.stress_least, last.stress_greatest]) / float(last.stress_exact)

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.bodies.planning import BodyPlan
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Floats
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Floats
 
 DAMPING = 0.5
 """Retardation time over the time in which a wave crosses a cell: a shock is some cells wide."""
@@ -40,7 +40,7 @@ class StruckBar(Impact):
         from mpm_warp.bodies.interface import InterfaceFrame
         from mpm_warp.bodies.planning import make_body_plan
         from mpm_warp.bodies.scene import BodyContact, BodyScene
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
 
         cell = self.cell_size
         spacing = cell / POINTS_PER_CELL
@@ -69,7 +69,7 @@ class StruckBar(Impact):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
-        from mpm_warp.history import cost
+        from mpm_warp.results import cost
         from mpm_warp.shock import follow_shock
         from mpm_warp.simulation import TimeLoop
 

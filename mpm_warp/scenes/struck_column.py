@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     import xarray
 
     from mpm_warp.column import Column
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Floats
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Floats
     from mpm_warp.scene import Scene
 
 POISSONS_RATIO = 0.3
@@ -35,7 +35,7 @@ class StruckColumn(Impact):
     def build(self) -> tuple[Scene, Column]:
         """The scene and its column."""
         from mpm_warp.column import Column
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
         from mpm_warp.scene import Scene
 
         nu = POISSONS_RATIO
@@ -64,7 +64,7 @@ class StruckColumn(Impact):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost
+        from mpm_warp.results import cost
         from mpm_warp.shock import follow_shock
         from mpm_warp.simulation import Simulation
 

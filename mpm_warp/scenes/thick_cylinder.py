@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from mpm_warp.boundaries import Fixed
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Grid
-    from mpm_warp.loads import NodalLoad
+    from mpm_warp.parts.boundaries import Fixed
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Grid
+    from mpm_warp.parts.loads import NodalLoad
     from mpm_warp.scene import Scene
 
 INNER_RADIUS = 1.0
@@ -76,7 +76,7 @@ class ThickCylinder(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.materials import LinearElastic
+        from mpm_warp.materials.materials import LinearElastic
         from mpm_warp.scene import Scene
 
         grid = self._grid()
@@ -97,8 +97,8 @@ class ThickCylinder(ReadyScene):
     def _grid(self) -> Grid:
         import numpy as np
 
-        from mpm_warp.grids import Grid
-        from mpm_warp.polar import PolarGrid
+        from mpm_warp.grid.fitted import Grid
+        from mpm_warp.grid.polar import PolarGrid
 
         outer = self.radius_ratio * INNER_RADIUS
         columns = np.linspace(0.0, 1.0, self.cell_count + 1)
@@ -121,8 +121,8 @@ class ThickCylinder(ReadyScene):
         """The pressure on the nodes of the inner wall: integrals of N n over it."""
         import numpy as np
 
-        from mpm_warp.loads import NodalLoad
-        from mpm_warp.polar import PolarGrid
+        from mpm_warp.parts.loads import NodalLoad
+        from mpm_warp.grid.polar import PolarGrid
 
         rows = np.arange(grid.row_count + 1)
         if isinstance(grid, PolarGrid):
@@ -135,7 +135,7 @@ class ThickCylinder(ReadyScene):
     def _fixed(self, grid: Grid) -> Fixed:
         import numpy as np
 
-        from mpm_warp.boundaries import Fixed
+        from mpm_warp.parts.boundaries import Fixed
 
         radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical = np.ones_like(radial)
@@ -151,8 +151,8 @@ class ThickCylinder(ReadyScene):
         import numpy as np
         import xarray as xr
 
-        from mpm_warp.history import cost, variable
-        from mpm_warp.polar import PolarGrid
+        from mpm_warp.results import cost, variable
+        from mpm_warp.grid.polar import PolarGrid
         from mpm_warp.simulation import Simulation
 
         scene = self.simulated_scene()

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpm_warp.bare_step import MATERIAL, BareStep
-from mpm_warp.grids import Floats
-from mpm_warp.health import yield_excess
+from mpm_warp.benchmark.bare_step import MATERIAL, BareStep
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.watch.health import yield_excess
 
 COUNT = 400
 ROUNDING = 1e-12

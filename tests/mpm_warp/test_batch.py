@@ -13,18 +13,18 @@ import warp as wp
 import xarray as xr
 
 from mpm_warp import batch as batch_module
-from mpm_warp.batch import Batch
-from mpm_warp.execution import Execution
-from mpm_warp.health import SimulationDiverged
-from mpm_warp.kernels.over_cases import make_over_cases
+from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.execution import Execution
+from mpm_warp.watch.health import SimulationDiverged
+from mpm_warp.execution.over_cases import make_over_cases
 from mpm_warp.planning import make_plan
-from mpm_warp.recording import AUDIT_INTERVAL, Player
+from mpm_warp.execution.replay import AUDIT_INTERVAL, Player
 from mpm_warp.scenes.base import ReadyScene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
 from mpm_warp.simulation import Simulation
-from mpm_warp.stack import likeness, stack
+from mpm_warp.execution.batched_plan import likeness, stack
 
 SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
 

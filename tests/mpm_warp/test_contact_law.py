@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.grids import Floats
-from mpm_warp.kernels.contact import make_contact_law
-from mpm_warp.kernels.precision import FLOAT64
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.contact_law import make_contact_law
+from mpm_warp.precision import FLOAT64
 
 ROUNDING = 1e-14
 NORMAL = np.array([-0.6, 0.8])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.counting import SAMPLED, Count, stage_work
-from mpm_warp.plan import FIRST, Launch, Own
+from mpm_warp.benchmark.counting import SAMPLED, Count, stage_work
+from mpm_warp.plan.plan import OFFSET, Launch, ShareRow
 from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.simulation import Simulation
 
@@ -49,7 +49,7 @@ def arrays_of(values: np.ndarray) -> dict[str, Any]:
     }
 
 
-LAUNCH = Launch(kernel=known, dim=(COUNT,), arguments=(FIRST, 3.0, "x", "y", Own("total")))
+LAUNCH = Launch(kernel=known, dim=(COUNT,), arguments=(OFFSET, 3.0, "x", "y", ShareRow("total")))
 
 
 @pytest.mark.parametrize(("value", "divisions"), [(0.25, 0), (0.75, 3)])

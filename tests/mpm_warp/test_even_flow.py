@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.grids import GAUSS_POINTS, Floats, Grid, bilinear
-from mpm_warp.materials import LinearElastic
+from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
+from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone_penetration import ConePenetration
@@ -20,7 +20,7 @@ DIFFERENCE = 1e-4
 
 
 def weights_of_nodes(grid: Grid) -> Floats:
-    """What (X_0, X_1 - X_0, Y) of `mpm_warp.kernels.even_flow` owe to the velocities of the nodes.
+    """What (X_0, X_1 - X_0, Y) of `mpm_warp.parts.even_flow_kernel` owe to the velocities of the nodes.
 
     Of each cell: weights [1/m] of the radial velocities of the four nodes in the order of
     `Grid.cell_nodes`, then that of C_z; shape [cell_count, 5, 3].

@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 import warp as wp
 
-import mpm_warp.kernels
-from mpm_warp.batch import Batch
-from mpm_warp.execution import Execution
-from mpm_warp.kernels.over_cases import make_over_cases
-from mpm_warp.kernels.precision import FLOAT64
-from mpm_warp.kernels.strain_path import make_strain_path
-from mpm_warp.kernels.yielding import make_yielding
-from mpm_warp.materials import Tresca
+import mpm_warp
+from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.over_cases import make_over_cases
+from mpm_warp.precision import FLOAT64
+from mpm_warp.materials.strain_path import make_strain_path
+from mpm_warp.materials.yielding import make_yielding
+from mpm_warp.materials.materials import Tresca
 from mpm_warp.parameters import Value, parameters_of
-from mpm_warp.plan import StepPlan
+from mpm_warp.plan.plan import StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.base import ReadyScene
@@ -79,7 +79,7 @@ def kernels() -> set[wp.Kernel]:
 
 def test_of_every_kernel_some_variant_is_compiled(kernels: set[wp.Kernel]) -> None:
     """By the names of their modules in the source: a new one cannot be left out by oversight."""
-    sources = [path.read_text() for path in Path(mpm_warp.kernels.__path__[0]).glob("*.py")]
+    sources = [path.read_text() for path in Path(mpm_warp.__path__[0]).rglob("*.py")]
     named = {name for text in sources for name in re.findall(r'module=f?"([a-z_.]+)', text)}
     compiled = {kernel.module.name for kernel in kernels}
     missing = {name for name in named if not any(it.startswith(name) for it in compiled)}

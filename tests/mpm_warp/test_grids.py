@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpm_warp.grids import Floats, Grid, graded
-from mpm_warp.particles import seed_rows
+from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.seeding import seed_rows
 
 ROUNDING = 1e-12
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.immersed import POINTS_PER_CELL, ImmersedGrid, SampledSurface
-from mpm_warp.particles import seed_rows
+from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.penetrometer import Penetrometer
 
 ROUNDING = 1e-12

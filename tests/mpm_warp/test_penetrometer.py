@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.contact import SurfaceContact
-from mpm_warp.grids import Floats
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.penetrometer import PenetrometerSurface
 
 ROUNDING = 1e-12

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.kernels.boundaries import make_far_field
-from mpm_warp.kernels.loads import make_nodal_load
-from mpm_warp.kernels.precision import FLOAT64
-from mpm_warp.moving_wall import MovingWall
+from mpm_warp.parts.boundary_kernels import make_far_field
+from mpm_warp.parts.load_kernels import make_nodal_load
+from mpm_warp.precision import FLOAT64
+from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.scene import Scene, SceneError
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cavity_sphere import CavitySphere

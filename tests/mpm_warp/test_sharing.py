@@ -8,10 +8,10 @@ import weakref
 import numpy as np
 import pytest
 
-from mpm_warp.execution import Execution
-from mpm_warp.pace import Pace
+from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.thread_count import Pace
 from mpm_warp.scenes.thick_cylinder import ThickCylinder
-from mpm_warp.sharing import share_of
+from mpm_warp.execution.shares import share_of
 from mpm_warp.simulation import Simulation
 
 TWO_ROWS = ThickCylinder(cell_count=120)

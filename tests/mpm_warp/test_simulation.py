@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.boundaries import FarField, Fixed
-from mpm_warp.grids import Grid, GroundGrid
-from mpm_warp.materials import LinearElastic, Tresca
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.grid.fitted import Grid, GroundGrid
+from mpm_warp.materials.materials import LinearElastic, Tresca
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone_penetration import ConePenetration

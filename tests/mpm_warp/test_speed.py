@@ -9,8 +9,8 @@ import pytest
 
 from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.simulation import Simulation
-from mpm_warp.speed import OneThread, Run, Sample
-from mpm_warp.timing import StageClock, yardsticks
+from mpm_warp.benchmark.speed import OneThread, Run, Sample
+from mpm_warp.benchmark.clocks import StageClock, yardsticks
 
 
 def test_gains_are_over_one_thread_alone(monkeypatch: pytest.MonkeyPatch) -> None:

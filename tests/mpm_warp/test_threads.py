@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 import warp as wp
 
-import mpm_warp.ensemble
-import mpm_warp.sharing
-from mpm_warp.execution import THREAD_COUNTS, Execution
-from mpm_warp.grids import Floats
-from mpm_warp.pace import PAUSE, SHORTEST, Pace
-from mpm_warp.plan import FIRST, WORTH_SHARING
+import mpm_warp.execution.worker_threads
+import mpm_warp.execution.shares
+from mpm_warp.execution.execution import THREAD_COUNTS, Execution
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.execution.thread_count import PAUSE, SHORTEST, Pace
+from mpm_warp.plan.plan import OFFSET, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.recording import Player
+from mpm_warp.execution.replay import Player
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
-from mpm_warp.sharing import has_open_pieces, share_of
+from mpm_warp.execution.shares import has_open_pieces, share_of
 from mpm_warp.simulation import Simulation
-from mpm_warp.team import Team
+from mpm_warp.execution.team import Team
 from mpm_warp.travel import Travel
 
 CONE = ConePenetration(
@@ -43,7 +43,7 @@ def wait_until(happened: Callable[[], bool]) -> None:
 @pytest.fixture
 def all_take_part(monkeypatch: pytest.MonkeyPatch) -> None:
     """Threads share the steps, and leave pieces of them open, even where one would be faster."""
-    monkeypatch.setattr(mpm_warp.sharing, "WORTH_CLAIMING", 1000)
+    monkeypatch.setattr(mpm_warp.execution.shares, "WORTH_CLAIMING", 1000)
     monkeypatch.setattr(Pace, "choose", lambda self, wanted: wanted)
     monkeypatch.setattr(Pace, "note", lambda self, threads, step_count, seconds: None)
 
@@ -90,7 +90,7 @@ def test_the_shares_of_a_launch_make_up_the_whole(
     soil = scene.simulated_scene()
     assert soil is not None
     for launch in make_plan(soil).step:
-        if FIRST not in launch.arguments:
+        if OFFSET not in launch.arguments:
             continue
         place = next(k for k, item in enumerate(launch.share(0, count).arguments) if item == 0)
         covered = []
@@ -105,9 +105,9 @@ def test_the_shares_of_a_launch_make_up_the_whole(
 @pytest.mark.parametrize("threads", [1, 2, 4])
 def test_what_threads_do_of_a_launch_makes_up_the_whole(threads: int) -> None:
     for launch in make_plan(CONE.build()[0]).step:
-        if FIRST not in launch.arguments:
+        if OFFSET not in launch.arguments:
             continue
-        place = launch.arguments.index(FIRST)
+        place = launch.arguments.index(OFFSET)
         shares = [share_of(launch, it, threads, SHARE_COUNT) for it in range(threads)]
         parts = [part for share in shares for part in share.own] + [*shares[0].open.values()]
         done = [it + part.arguments[place] for part in parts for it in range(part.dim[0])]
@@ -122,7 +122,7 @@ def test_threads_share_what_takes_longer_than_to_wait_for_each_other() -> None:
     small = [
         launch
         for launch in make_plan(scene).step
-        if FIRST in launch.arguments and not launch.is_shared
+        if OFFSET in launch.arguments and not launch.is_shared
     ]
     assert any(launch.dim == (len(scene.contact.nodes),) for launch in small)
     assert all(launch.item_count < WORTH_SHARING for launch in small)
@@ -164,7 +164,7 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
 ) -> None:
     """As by Ctrl-C, which reaches the caller between two calls."""
     simulation = Simulation(CONE.build()[0], Execution(threads=2))
-    monkeypatch.setattr(mpm_warp.ensemble, "LONGEST_CALL", 0)  # each step by a call
+    monkeypatch.setattr(mpm_warp.execution.worker_threads, "LONGEST_CALL", 0)  # each step by a call
     simulation.advance(50)
     replay, main = wp.capture_launch, threading.main_thread()
     calls = [0, 0]
@@ -204,7 +204,7 @@ def test_steps_are_the_same_however_they_are_parted(
     assert soil is not None
     whole, parted = Simulation(soil), Simulation(soil)
     whole.advance(100)
-    monkeypatch.setattr(mpm_warp.ensemble, "LONGEST_CALL", 7 * parted.plan.particle_count)
+    monkeypatch.setattr(mpm_warp.execution.worker_threads, "LONGEST_CALL", 7 * parted.plan.particle_count)
     for count in (1, 15, 16, 17, 3, 48):
         parted.advance(count)
     for name in whole.arrays:

@@ -13,11 +13,11 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.boundaries import Fixed
-    from mpm_warp.contact import SurfaceContact
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Floats, Grid
-    from mpm_warp.materials import Tresca
+    from mpm_warp.parts.boundaries import Fixed
+    from mpm_warp.parts.contact import SurfaceContact
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Floats, Grid
+    from mpm_warp.materials.materials import Tresca
     from mpm_warp.scene import Scene
 
 RADIUS = 1.0
@@ -80,7 +80,7 @@ class Bearing(ReadyScene):
     @property
     def material(self) -> Tresca:
         """The soil."""
-        from mpm_warp.materials import Tresca
+        from mpm_warp.materials.materials import Tresca
 
         return Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
@@ -98,7 +98,7 @@ class Bearing(ReadyScene):
         """Nodes on the axis, on the side of the soil and below it."""
         import numpy as np
 
-        from mpm_warp.boundaries import Fixed
+        from mpm_warp.parts.boundaries import Fixed
 
         vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical[0] = True
@@ -126,7 +126,7 @@ class Bearing(ReadyScene):
         self, progress: Progress | None = None, execution: Execution | None = None
     ) -> xarray.Dataset:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.history import cost
+        from mpm_warp.results import cost
         from mpm_warp.limit_load import press
         from mpm_warp.simulation import Simulation
 

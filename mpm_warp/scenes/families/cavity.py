@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from mpm_warp.boundaries import FarField, Fixed
-    from mpm_warp.execution import Execution
-    from mpm_warp.grids import Grid
-    from mpm_warp.materials import LinearElastic
+    from mpm_warp.parts.boundaries import FarField, Fixed
+    from mpm_warp.execution.execution import Execution
+    from mpm_warp.grid.fitted import Grid
+    from mpm_warp.materials.materials import LinearElastic
     from mpm_warp.scene import Scene
 
 RADIUS = 1.0
@@ -102,7 +102,7 @@ class Cavity(ReadyScene):
 
     def columns(self, outer_radius: float) -> np.ndarray:
         """Columns of the grid, dense at the wall."""
-        from mpm_warp.grids import graded
+        from mpm_warp.grid.fitted import graded
 
         span = outer_radius - RADIUS
         columns: np.ndarray = graded(self.cell_size, span, 1.0 + 0.5 * self.cell_size / RADIUS)
@@ -110,8 +110,8 @@ class Cavity(ReadyScene):
 
     def simulated_scene(self) -> Scene:
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.materials import CRITERIA
-        from mpm_warp.moving_wall import MovingWall
+        from mpm_warp.materials.materials import CRITERIA
+        from mpm_warp.parts.moving_wall import MovingWall
         from mpm_warp.scene import Scene
 
         grid = self.grid()
@@ -160,7 +160,7 @@ class Cavity(ReadyScene):
         """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
         import numpy as np
 
-        from mpm_warp.history import cost, curves_kept, variable
+        from mpm_warp.results import cost, curves_kept, variable
         from mpm_warp.simulation import Simulation
 
         scene = self.simulated_scene()
@@ -208,7 +208,7 @@ class Cavity(ReadyScene):
         """Pressure over su against radius over that at the start, computed and exact."""
         import xarray as xr
 
-        from mpm_warp.history import variable
+        from mpm_warp.results import variable
 
         dims = ("expansion",)
         meaning = "radius of the cavity over that at the start"

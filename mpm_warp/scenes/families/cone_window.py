@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mpm_warp.materials import LinearElastic
+from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.penetration import SAMPLE_SPACING, STEADY_SAMPLES
-from mpm_warp.window import Approach, Window
+from mpm_warp.parts.window import Approach, Window
 
 if TYPE_CHECKING:
     from mpm_warp.scenes.cone_penetration import ConePenetration

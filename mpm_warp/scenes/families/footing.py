@@ -11,8 +11,8 @@ from mpm_warp.scenes.base import Verification
 from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 if TYPE_CHECKING:
-    from mpm_warp.contact import SurfaceContact
-    from mpm_warp.grids import Floats, Grid
+    from mpm_warp.parts.contact import SurfaceContact
+    from mpm_warp.grid.fitted import Floats, Grid
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class Footing(Bearing):
         """See `Bearing`."""
         import numpy as np
 
-        from mpm_warp.grids import Grid, graded
+        from mpm_warp.grid.fitted import Grid, graded
 
         size = RADIUS / self.cells_per_radius
         outer_radius, depth = 5.0 * RADIUS, 3.0 * RADIUS
@@ -67,7 +67,7 @@ class Footing(Bearing):
         """Contact of the nodes on the surface from the axis to the rim, both included."""
         import numpy as np
 
-        from mpm_warp.contact import SurfaceContact, nodal_areas
+        from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 
         column = np.arange(self.cells_per_radius + 1)
         radius = RADIUS * column / self.cells_per_radius

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.materials import CRITERIA
 from mpm_warp.parameters import parameter
 
 
 def yield_criterion() -> Any:
-    """The field `material` of a scene, a name of `mpm_warp.materials.CRITERIA`."""
+    """The field `material` of a scene, a name of `mpm_warp.materials.materials.CRITERIA`."""
     return parameter(
         "tresca",
         unit="1",

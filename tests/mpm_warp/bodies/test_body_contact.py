@@ -11,8 +11,8 @@ import pytest
 from mpm_warp.bodies.interface import InterfaceFrame
 from mpm_warp.bodies.planning import make_body_plan
 from mpm_warp.bodies.scene import BodyContact, BodyScene, Load
-from mpm_warp.grids import Floats
-from mpm_warp.materials import LinearElastic
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.simulation import TimeLoop
 
 CELL = 0.1

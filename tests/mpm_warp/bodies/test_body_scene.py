@@ -10,8 +10,8 @@ import pytest
 
 from mpm_warp.bodies.planning import make_body_plan
 from mpm_warp.bodies.scene import Body, BodyContact, BodyScene, Load, SceneError, UniformGrid
-from mpm_warp.health import SimulationDiverged
-from mpm_warp.materials import LinearElastic
+from mpm_warp.watch.health import SimulationDiverged
+from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.parameters import ParameterError, Value
 from mpm_warp.scenes.sliding_block import SlidingBlock
 from mpm_warp.simulation import TimeLoop

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.bodies.sliding import SlidingMotion
-from mpm_warp.grids import Floats
+from mpm_warp.grid.fitted import Floats
 
 TRAVEL = 0.7
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mpm_warp.grids import Grid
+from mpm_warp.grid.fitted import Grid
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.simulation import Simulation

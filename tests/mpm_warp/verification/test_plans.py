@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpm_warp.plan import StepPlan
+from mpm_warp.plan.plan import StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave

@@ -1,0 +1,129 @@
+"""Stages 1 and 2 for bodies: particles to the field of their body, and its momentum equation alone.
+
+Symbols: m mass, V volume, v velocity, B affine velocity, sigma stress (xx, yy, xy, zz), f_p load,
+d_i = x_i - x offset of node i, N_i its shape function. In axisymmetry x, y are r, z.
+
+    m_i     = sum m N_i
+    (m v)_i = sum m N_i (v + B d_i)
+    f_i     = sum N_i f_p - V (sigma_xx dN/dx + sigma_xy dN/dy + sigma_zz N/r,
+                               sigma_xy dN/dx + sigma_yy dN/dy)
+    a_i     = sum V (dN/dx + N/r, dN/dy)      by the divergence theorem the integral of N n
+    v_i     = ((m v)_i + dt f_i) / m_i
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.precision import Precision
+from mpm_warp.bodies.splines import make_splines
+
+
+@functools.cache
+def make_body_to_grid(
+    axisymmetric: bool, damped: bool, loaded: bool, contact: bool, precision: Precision
+) -> Any:
+    """Particles to the nodes of their body's field; launched over particles.
+
+    Args:
+        axisymmetric: whether there is a hoop direction.
+        damped: whether there is a viscous stress.
+        loaded: whether particles bear loads.
+        contact: whether the surfaces of bodies are wanted.
+        precision: floating point types.
+    """
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
+    mat22 = precision.mat22
+    splines = make_splines(precision)
+    first_node, place, offsets = splines.first_node, splines.place, splines.offsets
+    weights, slopes = splines.weights, splines.slopes
+
+    shape = "axisymmetric" if axisymmetric else "plane"
+    parts = (damped and "damped", loaded and "loaded", contact and "contact")
+    key = ".".join([shape, *filter(None, parts)])
+
+    @wp.kernel(module=f"mpm_warp.body_to_grid.{key}.{precision.numpy_name}", enable_backward=False)
+    def body_to_grid(
+        body: wp.array(dtype=int),
+        position: wp.array(dtype=vec2),
+        velocity: wp.array(dtype=vec2),
+        affine: wp.array(dtype=mat22),
+        stress: wp.array(dtype=vec4),
+        mass: wp.array(dtype=real),
+        volume: wp.array(dtype=real),
+        viscous_stress: wp.array(dtype=vec4),
+        load: wp.array(dtype=vec2),
+        lower: vec2,
+        h: real,
+        node_counts: wp.vec2i,
+        time_step: real,
+        momentum: wp.array2d(dtype=vec3),
+        surface: wp.array2d(dtype=vec2),
+    ):
+        p = wp.tid()
+        b = body[p]
+        x = position[p]
+        where = (x - lower) / h
+        i = first_node(where[0], node_counts[0])
+        j = first_node(where[1], node_counts[1])
+        fx, fy = place(where[0], i), place(where[1], j)
+        Nx, Ny = weights(fx), weights(fy)
+        dNx, dNy = slopes(fx) / h, slopes(fy) / h
+        dx, dy = offsets(fx), offsets(fy)
+        m, V, v, B, sigma = mass[p], volume[p], velocity[p], affine[p], vec4(stress[p])
+        if wp.static(damped):
+            sigma += viscous_stress[p]
+
+        for row in range(3):
+            for column in range(3):
+                node = (j + row) * node_counts[0] + i + column
+                N = Nx[column] * Ny[row]
+                G = vec2(dNx[column] * Ny[row], Nx[column] * dNy[row])
+                force = -V * vec2(
+                    sigma[0] * G[0] + sigma[2] * G[1], sigma[2] * G[0] + sigma[1] * G[1]
+                )
+                if wp.static(axisymmetric):
+                    force -= V * vec2(sigma[3] * N / x[0], real(0.0))
+                    G += vec2(N / x[0], real(0.0))
+                if wp.static(loaded):
+                    force += N * load[p]
+                d = h * vec2(dx[column], dy[row])
+                share = N * m * (v + B * d) + time_step * force
+                wp.atomic_add(momentum, b, node, vec3(N * m, share[0], share[1]))
+                if wp.static(contact):
+                    wp.atomic_add(surface, b, node, V * G)
+
+    return body_to_grid
+
+
+@functools.cache
+def make_body_prediction(precision: Precision) -> Any:
+    """Velocity and inverse mass of each node, whose sums it clears; launched over (bodies, nodes).
+
+    A node of no mass has an inverse mass below zero; a node that is held has none: no impulse
+    moves it.
+    """
+    real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+
+    @wp.kernel(module=f"mpm_warp.body_prediction.{precision.numpy_name}", enable_backward=False)
+    def body_prediction(
+        held: wp.array2d(dtype=int),
+        momentum: wp.array2d(dtype=vec3),
+        inverse_mass: wp.array2d(dtype=real),
+        velocity: wp.array2d(dtype=vec2),
+    ):
+        b, node = wp.tid()
+        sums = momentum[b, node]
+        momentum[b, node] = vec3()
+        velocity[b, node] = vec2()
+        if sums[0] <= zero:
+            inverse_mass[b, node] = -one
+        elif held[b, node] != 0:
+            inverse_mass[b, node] = zero
+        else:
+            inverse_mass[b, node] = one / sums[0]
+            velocity[b, node] = vec2(sums[1], sums[2]) / sums[0]
+
+    return body_prediction

@@ -1,0 +1,110 @@
+"""Stage 3 for bodies: particles take velocity, position and stress from the field of their body.
+
+Symbols: v_i velocity of node i, d_i its offset, N_i shape function, L velocity gradient
+(xx, xy, yx, yy, zz), h cell size.
+
+    v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
+    L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
+                                     symmetric part of L: without it a body that turns grows
+    x <- x + dt v,       V <- V exp(dt tr L)
+    sigma <- R sigma R' + dt (K tr L + 2 G dev L)
+    sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
+    W <- W + dt V sigma_v : L                        what it has dissipated
+
+The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans. Graph. 34(4):51).
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_step
+from mpm_warp.precision import Precision
+from mpm_warp.bodies.splines import make_splines
+
+
+@functools.cache
+def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) -> Any:
+    """The kernel, launched over particles; `moduli` holds (G, K) of each body, `retardation` tau.
+
+    Args:
+        axisymmetric: whether there is a hoop direction.
+        damped: whether there is a viscous stress.
+        precision: floating point types.
+    """
+    real, vec2, vec4, vec5 = precision.real, precision.vec2, precision.vec4, precision.vec5
+    mat22 = precision.mat22
+    splines = make_splines(precision)
+    first_node, place, offsets = splines.first_node, splines.place, splines.offsets
+    weights, slopes = splines.weights, splines.slopes
+    elastic_trial, stress_step = make_elastic_trial(precision), make_stress_step(precision)
+    half, four = (wp.constant(real(x)) for x in (0.5, 4.0))
+
+    shape = "axisymmetric" if axisymmetric else "plane"
+    key = f"{shape}.{'damped.' if damped else ''}{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.grid_to_body.{key}", enable_backward=False)
+    def grid_to_body(
+        body: wp.array(dtype=int),
+        moduli: wp.array(dtype=vec2),
+        retardation: wp.array(dtype=real),
+        node_velocity: wp.array2d(dtype=vec2),
+        lower: vec2,
+        h: real,
+        node_counts: wp.vec2i,
+        time_step: real,
+        position: wp.array(dtype=vec2),
+        velocity: wp.array(dtype=vec2),
+        affine: wp.array(dtype=mat22),
+        stress: wp.array(dtype=vec4),
+        volume: wp.array(dtype=real),
+        viscous_stress: wp.array(dtype=vec4),
+        dissipated: wp.array(dtype=real),
+    ):
+        p = wp.tid()
+        b = body[p]
+        x = position[p]
+        where = (x - lower) / h
+        i = first_node(where[0], node_counts[0])
+        j = first_node(where[1], node_counts[1])
+        fx, fy = place(where[0], i), place(where[1], j)
+        Nx, Ny = weights(fx), weights(fy)
+        dNx, dNy = slopes(fx) / h, slopes(fy) / h
+        dx, dy = offsets(fx), offsets(fy)
+
+        v = vec2()
+        B = mat22()
+        gradient = mat22()
+        for row in range(3):
+            for column in range(3):
+                node = (j + row) * node_counts[0] + i + column
+                v_i = node_velocity[b, node]
+                N = Nx[column] * Ny[row]
+                d = h * vec2(dx[column], dy[row])
+                v += N * v_i
+                B += wp.outer(N * v_i, d)
+                gradient += wp.outer(v_i, vec2(dNx[column] * Ny[row], Nx[column] * dNy[row]))
+        stretching = half * (gradient + wp.transpose(gradient))
+        gradient += time_step * (
+            half * (wp.transpose(gradient) * gradient) - stretching * stretching
+        )
+        hoop = real(0.0)
+        if wp.static(axisymmetric):
+            hoop = v[0] / x[0]
+        L = vec5(gradient[0, 0], gradient[0, 1], gradient[1, 0], gradient[1, 1], hoop)
+
+        step = stress_step(L, time_step, moduli[b][0], moduli[b][1])
+        stress[p] = elastic_trial(stress[p], step)
+        if wp.static(damped):
+            viscous = (retardation[b] / time_step) * vec4(step[0], step[1], step[2], step[3])
+            viscous_stress[p] = viscous
+            power = viscous[0] * L[0] + viscous[1] * L[3] + viscous[3] * L[4]
+            power += viscous[2] * (L[1] + L[2])
+            dissipated[p] = dissipated[p] + time_step * volume[p] * power
+        volume[p] = volume[p] * wp.exp(time_step * (L[0] + L[3] + L[4]))
+        velocity[p] = v
+        affine[p] = (four / (h * h)) * B
+        position[p] = x + time_step * v
+
+    return grid_to_body

@@ -1,0 +1,245 @@
+"""The background grid: horizontal rows, columns that follow a surface on the left.
+
+A node sits at
+
+    r(i, j) = surface_radius[j] + (outer_radius - surface_radius[j]) * columns[i]
+    z(i, j) = rows[j]
+
+so the first column of nodes lies on the surface, a penetrometer say, and nowhere else does the
+grid need to know of it. With a surface radius of zero the grid is rectilinear. Inside a cell the
+map from natural coordinates (xi, eta), both from 0 to 1, to (r, z) is bilinear and its inverse has
+a closed form.
+
+Arrays over cells and nodes are flat, column fastest: cell (i, j) is ``j * column_count + i``,
+node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per radian, or in
+plane strain per unit thickness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating[Any]]
+Integers = NDArray[np.integer[Any]]
+
+# Two Gauss points on [0, 1], equal weights: exact for cubics.
+GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """A structured grid of bilinear cells, axisymmetric or, of unit thickness, in plane strain.
+
+    Attributes:
+        columns: where the columns of nodes stand between surface (0) and outer radius (1),
+            rising, shape [column_count + 1], dimensionless.
+        rows: heights z of the rows of nodes, rising [m], shape [row_count + 1].
+        surface_radius: radius of the inner surface on each row of nodes [m],
+            shape [row_count + 1]; 0 on the axis.
+        outer_radius: radius of the last column of nodes [m].
+        planar: whether strain is plane; r is then a Cartesian coordinate.
+    """
+
+    columns: Floats
+    rows: Floats
+    surface_radius: Floats
+    outer_radius: float
+    planar: bool = False
+    polar: ClassVar[bool] = False
+    """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
+
+    def weight(self, radius: Floats) -> Floats:
+        """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
+        return np.ones_like(radius) if self.planar else radius
+
+    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
+        """Whether there is soil at positions [m] of shape [count, 2] before anything moves."""
+        return np.ones(len(position), dtype=np.bool_)
+
+    @property
+    def column_count(self) -> int:
+        """Number of cells in a row."""
+        return len(self.columns) - 1
+
+    @property
+    def row_count(self) -> int:
+        """Number of rows of cells."""
+        return len(self.rows) - 1
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return self.column_count * self.row_count
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return (self.column_count + 1) * (self.row_count + 1)
+
+    def node(self, column: int | Integers, row: int | Integers) -> Integers:
+        """Flat index of the node at a column and row, or of many."""
+        return np.asarray(row * (self.column_count + 1) + column, dtype=np.int32)
+
+    def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """Position (r, z) [m] of natural coordinates in cells, shape [..., 2]."""
+        fraction = self.columns[column] + xi * np.diff(self.columns)[column]
+        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
+        radius = surface + (self.outer_radius - surface) * fraction
+        height = self.rows[row] + eta * np.diff(self.rows)[row]
+        return np.stack(np.broadcast_arrays(radius, height), axis=-1)
+
+    @property
+    def particle_bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest (r, z) of soil that belongs to the grid, a cell beyond its sides [m].
+
+        Soil may stand out a little: it then has the velocity of the side.
+        """
+        below, above = np.diff(self.rows)[[0, -1]]
+        beside = np.diff(self.columns)[-1] * self.outer_radius
+        lower = np.array([0.0, self.rows[0] - below])
+        return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
+
+    @property
+    def surface_normals(self) -> Floats:
+        """Unit normals of an inner surface that is a cylinder, into the soil, for each row."""
+        return np.tile([1.0, 0.0], (self.row_count + 1, 1))
+
+    def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
+        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
+        width = (self.outer_radius - surface) * np.diff(self.columns)[column]
+        weight = self.weight(self.place(column, row, xi, eta)[..., 0])
+        volumes: Floats = weight * width * np.diff(self.rows)[row]
+        return volumes
+
+    @cached_property
+    def node_positions(self) -> Floats:
+        """Positions (r, z) of the nodes [m], shape [node_count, 2]."""
+        surface = self.surface_radius[:, None]
+        radius = surface + (self.outer_radius - surface) * self.columns
+        height = np.broadcast_to(self.rows[:, None], radius.shape)
+        return np.stack([radius, height], axis=-1).reshape(-1, 2)
+
+    @property
+    def cell_nodes(self) -> Integers:
+        """The nodes of each cell at (xi, eta) = 00, 10, 01, 11, shape [cell_count, 4]."""
+        row, column = np.divmod(np.arange(self.cell_count), self.column_count)
+        first = self.node(column, row)
+        stride = self.column_count + 1
+        return np.stack([first, first + 1, first + stride, first + stride + 1], axis=-1)
+
+    @property
+    def gradient_integrals(self) -> Floats:
+        """Integrals over each cell of (dN/dr r, dN/dz r, N), N the shape function of each node.
+
+        The three make the radial, vertical and hoop parts of the internal force of a uniform
+        stress, and of the mean strain rate of the cell. Exact. In m2, shape [cell_count, 4, 3].
+        """
+        xi, eta = (g.ravel() for g in np.meshgrid(GAUSS_POINTS, GAUSS_POINTS))
+        shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, 4 points]
+        radius, height = np.moveaxis(self.node_positions[self.cell_nodes], -1, 0)
+        r, r_xi, r_eta = (radius @ function for function in (shape, d_xi, d_eta))
+        z_eta = height @ d_eta
+        area = 0.25 * r_xi * z_eta
+        volume = self.weight(r) * area
+        # Rows are horizontal, so z does not depend on xi.
+        d_r = d_xi / r_xi[:, None, :]
+        integrals = np.zeros((self.cell_count, 4, 3))
+        integrals[..., 0] = np.einsum("cnp,cp->cn", d_r, volume)
+        d_z = (d_eta - d_r * r_eta[:, None, :]) / z_eta[:, None, :]
+        integrals[..., 1] = np.einsum("cnp,cp->cn", d_z, volume)
+        if not self.planar:
+            integrals[..., 2] = area @ shape.T
+        return integrals
+
+    @cached_property
+    def cell_volumes(self) -> Floats:
+        """Volume of each cell per radian [m3], shape [cell_count]."""
+        radius = self.node_positions[self.cell_nodes, 0]
+        if self.planar:
+            radius_difference = radius[:, 1] - radius[:, 0] + radius[:, 3] - radius[:, 2]
+            heights = np.repeat(np.diff(self.rows), self.column_count)
+            planar_volumes: Floats = 0.5 * radius_difference * heights
+            return planar_volumes
+        # r is the sum of N r_i over the nodes, so the integral of r is that of the integrals of N.
+        volumes: Floats = np.sum(self.gradient_integrals[..., 2] * radius, axis=-1)
+        return volumes
+
+    @cached_property
+    def node_volumes(self) -> Floats:
+        """Volume of each node per radian [m3], a quarter of each cell around, [node_count]."""
+        volumes = np.zeros(self.node_count)
+        np.add.at(volumes, self.cell_nodes, 0.25 * self.cell_volumes[:, None])
+        return volumes
+
+    @cached_property
+    def cell_lengths(self) -> Floats:
+        """See the function of that name, shape [cell_count]."""
+        return cell_lengths(self.gradient_integrals, self.cell_volumes)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GroundGrid(Grid):
+    """A grid with soil up to a level only.
+
+    Attributes:
+        ground_level: height of the surface of the ground before anything moves [m].
+    """
+
+    ground_level: float
+
+    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
+        """See `Grid`."""
+        below: NDArray[np.bool_] = position[:, 1] < self.ground_level
+        return below
+
+
+def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
+    """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
+
+    1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
+    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, J. Appl. Mech. 51:35-40).
+    Infinite where nothing of the cell is open.
+
+    Args:
+        gradient_integrals: see `Grid`, shape [cell_count, 4, 3].
+        cell_volumes: see `Grid`, shape [cell_count].
+    """
+    gradients = gradient_integrals[..., :2] / cell_volumes[:, None, None]
+    with np.errstate(divide="ignore"):
+        lengths: Floats = 1.0 / np.sqrt(np.sum(gradients**2, axis=(1, 2)))
+    return lengths
+
+
+def graded(first: float, length: float, growth: float) -> Floats:
+    """Edges from 0 to `length` whose spacing starts near `first` and grows by about `growth`.
+
+    The number of cells is the nearest whole one; `first` is then kept and the growth adjusted.
+
+    Args:
+        first: width of the first cell [m].
+        length: sum of all widths [m], more than `first`.
+        growth: ratio of a cell's width to the one before, more than 1.
+    """
+    count = max(1, round(np.log1p(length / first * (growth - 1.0)) / np.log(growth)))
+    low, high = 1.0 + 1e-12, 10.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        reached = first * (middle**count - 1.0) / (middle - 1.0)
+        low, high = (middle, high) if reached < length else (low, middle)
+    edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
+    edges[-1] = length
+    return edges
+
+
+def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
+    """Shape functions and their derivatives along xi and eta, each [4 nodes, points]."""
+    shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta])
+    d_xi = np.array([eta - 1, 1 - eta, -eta, eta])
+    d_eta = np.array([xi - 1, -xi, 1 - xi, xi])
+    return shape, d_xi, d_eta

@@ -1,0 +1,102 @@
+"""Where a particle is in its cell: natural coordinates on a grid of `mpm_warp.grid.fitted` or `.polar`.
+
+Symbols: g column coordinate (0 on the surface, 1 at the outer radius), s radius of the surface,
+D the difference across the cell; column[i] = (g, Dg, 1/Dg), row[j] = (z, Dz, 1/Dz, s, Ds).
+"""
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.precision import Precision
+
+
+@dataclass(frozen=True)
+class Location:
+    """Device functions that place a particle in its cell.
+
+    Attributes:
+        natural: (position, column, row, outer radius) -> (xi, eta).
+        settle: (position, cell, columns, rows, outer radius, cell counts) -> cell after a move.
+        outside_surface: (position, row) -> position, moved out of the surface where it was within.
+    """
+
+    natural: Any
+    settle: Any
+    outside_surface: Any
+
+
+@functools.cache
+def make_location(polar: bool, precision: Precision) -> Location:
+    """Location functions in one precision, of a polar grid or of one with horizontal rows."""
+    real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
+    vec5 = precision.vec5
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+
+    @wp.func
+    def horizontal(x: vec2) -> vec2:
+        return x
+
+    @wp.func
+    def distance_and_angle(x: vec2) -> vec2:
+        return vec2(wp.length(x), wp.atan2(x[0], x[1]))
+
+    on_grid = distance_and_angle if polar else horizontal
+
+    @wp.func
+    def natural(x: vec2, column: vec3, row: vec5, outer_radius: real) -> vec2:
+        q = on_grid(x)
+        eta = wp.clamp((q[1] - row[0]) * row[2], zero, one)
+        surface = row[3] + eta * row[4]
+        span = outer_radius - surface
+        g = (q[0] - surface) / span
+        xi = wp.clamp((g - column[0]) * column[2], zero, one)
+        return vec2(xi, eta)
+
+    @wp.func
+    def settle(
+        x: vec2,
+        cell: wp.vec2i,
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        cell_counts: wp.vec2i,
+    ) -> wp.vec2i:
+        # To a neighbour at most: an index cannot leave the grid, whatever the position is.
+        q = on_grid(x)
+        i, j = cell[0], cell[1]
+        row = rows[j]
+        eta = (q[1] - row[0]) * row[2]
+        if eta >= one:
+            j = wp.min(j + 1, cell_counts[1] - 1)
+        elif eta < zero:
+            j = wp.max(j - 1, 0)
+        row = rows[j]
+        surface = row[3] + wp.clamp((q[1] - row[0]) * row[2], zero, one) * row[4]
+        span = outer_radius - surface
+        column = columns[i]
+        if q[0] - surface >= (column[0] + column[1]) * span:
+            i = wp.min(i + 1, cell_counts[0] - 1)
+        elif q[0] - surface < column[0] * span:
+            i = wp.max(i - 1, 0)
+        return wp.vec2i(i, j)
+
+    @wp.func
+    def outside_surface_of_rows(x: vec2, row: vec5) -> vec2:
+        surface = row[3] + wp.clamp((x[1] - row[0]) * row[2], zero, one) * row[4]
+        return vec2(wp.max(x[0], surface), x[1])
+
+    @wp.func
+    def outside_surface_of_rays(x: vec2, row: vec5) -> vec2:
+        distance = wp.length(x)
+        if distance < row[3]:
+            return (row[3] / distance) * x
+        return x
+
+    return Location(
+        natural,
+        settle,
+        outside_surface_of_rays if polar else outside_surface_of_rows,
+    )

@@ -1,0 +1,145 @@
+"""A background grid of rings and rays, around a cylinder in plane strain or around a sphere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
+
+GAUSS_COUNT = 6
+"""Gauss points along each side of a cell: integrals of its sines and cosines to rounding."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PolarGrid(Grid):
+    """A grid whose rows are rays from the origin; see `Grid` for what the attributes are.
+
+    Distance from the origin takes the place of r, and the angle from the z axis, `rows` [rad], that
+    of z: shape functions are bilinear in the two, cells are sectors of rings. Positions and
+    velocities stay those along r and z.
+    """
+
+    polar: ClassVar[bool] = True
+
+    def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """See `Grid`."""
+        distance, angle = np.moveaxis(super().place(column, row, xi, eta), -1, 0)
+        return np.stack([distance * np.sin(angle), distance * np.cos(angle)], axis=-1)
+
+    def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
+        """See `Grid`."""
+        distance = super().place(column, row, xi, eta)[..., 0]
+        return distance * super().jacobian(column, row, xi, eta)
+
+    @property
+    def particle_bounds(self) -> tuple[Floats, Floats]:
+        """See `Grid`."""
+        farthest = self.outer_radius * (1.0 + np.diff(self.columns)[-1])
+        return np.full(2, -farthest), np.full(2, farthest)
+
+    @cached_property
+    def node_positions(self) -> Floats:
+        """See `Grid`."""
+        distance, angle = super().node_positions.T
+        return np.stack([distance * np.sin(angle), distance * np.cos(angle)], axis=-1)
+
+    @property
+    def surface_normals(self) -> Floats:
+        """See `Grid`: of a sphere, or of a circle in plane strain."""
+        return np.stack([np.sin(self.rows), np.cos(self.rows)], axis=-1)
+
+    @cached_property
+    def angular_integrals(self) -> tuple[Floats, Floats]:
+        """Integrals over the angle of each row, which stay what they are when the surface moves.
+
+        With g the linear function of a ray: (g sin^2, g' sin cos, g sin cos, g' sin^2, g) for the
+        row's two rays, shape [row_count, 2, 5], and sin, shape [row_count].
+        """
+        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
+        eta = 0.5 + 0.5 * points
+        turn = np.diff(self.rows)[:, None]
+        angle = self.rows[:-1, None] + eta * turn
+        sine, cosine, weight = np.sin(angle), np.cos(angle), 0.5 * weights * turn
+        rays = []
+        for g, slope in ((1.0 - eta, -1.0 / turn), (eta, 1.0 / turn)):
+            parts = (g * sine**2, slope * sine * cosine, g * sine * cosine, slope * sine**2)
+            whole = np.broadcast_to(g, sine.shape)
+            rays.append(np.stack([(p * weight).sum(axis=1) for p in (*parts, whole)], axis=-1))
+        return np.stack(rays, axis=1), np.sum(sine * weight, axis=1)
+
+    @cached_property
+    def wall_vectors(self) -> Floats:
+        """Integrals of N n over the inner surface for its nodes, n away from the origin.
+
+        In m2 per radian, or in m in plane strain; shape [row_count + 1, 2].
+        """
+        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
+        eta = 0.5 + 0.5 * points
+        angle = self.rows[:-1, None] + eta * np.diff(self.rows)[:, None]
+        normals = np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+        radius = self.surface_radius[:-1, None]
+        length = radius * 0.5 * weights * np.diff(self.rows)[:, None]
+        vectors = normals * (self.weight(radius * np.sin(angle)) * length)[..., None]
+        walls = np.zeros((len(self.rows), 2))
+        walls[:-1] += np.sum((1.0 - eta)[:, None] * vectors, axis=1)
+        walls[1:] += np.sum(eta[:, None] * vectors, axis=1)
+        return walls
+
+    def along_rays(self, stress: Floats) -> Floats:
+        """Stresses of the cells turned to the rays through their middles.
+
+        Args:
+            stress: (rr, zz, rz, tt) of each cell [Pa], shape [cell_count, 4].
+
+        Returns:
+            Normal stresses along the ray, across it, and out of the plane [Pa],
+            shape [row_count, column_count, 3].
+        """
+        middle = 0.5 * (self.rows[1:] + self.rows[:-1])[:, None]
+        sine, cosine = np.sin(middle), np.cos(middle)
+        rr, zz, rz, tt = np.moveaxis(stress.reshape(self.row_count, self.column_count, 4), -1, 0)
+        turned = 2.0 * sine * cosine * rz
+        along = sine**2 * rr + cosine**2 * zz + turned
+        across = cosine**2 * rr + sine**2 * zz - turned
+        return np.stack([along, across, tt], axis=-1)
+
+    @cached_property
+    def gradient_integrals(self) -> Floats:
+        """See `Grid`."""
+        return self._integrals[0]
+
+    @cached_property
+    def cell_volumes(self) -> Floats:
+        """See `Grid`."""
+        return self._integrals[1]
+
+    @cached_property
+    def _integrals(self) -> tuple[Floats, Floats]:
+        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
+        xi, eta = (g.ravel() for g in np.meshgrid(*2 * [0.5 + 0.5 * points]))
+        weight = 0.25 * np.outer(weights, weights).ravel()
+        shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, points]
+        row, column = np.divmod(np.arange(self.cell_count), self.column_count)
+        column, row = column[:, None], row[:, None]
+        distance, angle = np.moveaxis(super().place(column, row, xi, eta), -1, 0)
+        sine, cosine = np.sin(angle)[:, None], np.cos(angle)[:, None]
+        volume = self.jacobian(column, row, xi, eta) * weight
+        area = volume / self.weight(distance * np.sin(angle))
+        width = ((self.outer_radius - self.surface_radius[row]) * np.diff(self.columns)[column])[
+            ..., None
+        ]
+        turn = np.diff(self.rows)[row][..., None]
+        along, across = d_xi / width, d_eta / (turn * distance[:, None])
+        out_of_plane = 0.0 * shape if self.planar else shape
+        hoop = np.broadcast_to(out_of_plane, (self.cell_count, *shape.shape))
+        parts = (
+            (along * sine + across * cosine) * volume[:, None],
+            (along * cosine - across * sine) * volume[:, None],
+            hoop * area[:, None],
+        )
+        integrals = np.stack([part.sum(axis=-1) for part in parts], axis=-1)
+        return integrals, volume.sum(axis=-1)

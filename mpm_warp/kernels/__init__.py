@@ -1,1 +1,0 @@
-"""Warp kernels, one file for each stage of the step, made by factories."""

@@ -1,0 +1,1 @@
+"""Constitutive models, one file each."""

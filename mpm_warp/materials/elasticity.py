@@ -1,0 +1,66 @@
+"""Elastic stress of a step at large rotations, whatever carries the stress.
+
+Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, D its symmetric part, R rotation by the
+spin in a step, K bulk modulus, G shear modulus.
+
+    sigma <- R sigma R' + dt (K tr D + 2 G dev D)
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.precision import Precision
+
+
+@functools.cache
+def make_stress_step(precision: Precision) -> Any:
+    """The function (L, time step, G, K) -> what a step at the velocity gradient L does to stress.
+
+    L is (rr, rz, zr, zz, tt); the result holds the elastic increment (rr, zz, rz, tt) and the
+    squares and the product of cosine and sine of the rotation, in this order.
+    """
+    real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
+    quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
+
+    @wp.func
+    def stress_step(L: vec5, time_step: real, shear_modulus: real, bulk_modulus: real) -> vec7:
+        two_shear = two * shear_modulus * time_step
+        pressure = (bulk_modulus * time_step - two_shear / three) * (L[0] + L[3] + L[4])
+        # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
+        t = quarter * time_step * (L[1] - L[2])
+        scale = one / (one + t * t)
+        cosine = (one - t * t) * scale
+        sine = two * t * scale
+        return vec7(
+            two_shear * L[0] + pressure,
+            two_shear * L[3] + pressure,
+            shear_modulus * time_step * (L[1] + L[2]),
+            two_shear * L[4] + pressure,
+            cosine * cosine,
+            sine * sine,
+            cosine * sine,
+        )
+
+    return stress_step
+
+
+@functools.cache
+def make_elastic_trial(precision: Precision) -> Any:
+    """The function (stress, step of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
+    real, vec4 = precision.real, precision.vec4
+    two = wp.constant(real(2.0))
+
+    @wp.func
+    def elastic_trial(stress: vec4, step: Any) -> vec4:
+        rr, zz, rz = stress[0], stress[1], stress[2]
+        cc, ss, cs = step[4], step[5], step[6]
+        return vec4(
+            cc * rr + ss * zz + two * cs * rz + step[0],
+            ss * rr + cc * zz - two * cs * rz + step[1],
+            (cc - ss) * rz + cs * (zz - rr) + step[2],
+            stress[3] + step[3],
+        )
+
+    return elastic_trial

@@ -1,0 +1,1 @@
+"""A run as data: arrays, launches, a builder; no scene is known here."""

@@ -1,0 +1,1 @@
+"""The stages that every run has, in order."""

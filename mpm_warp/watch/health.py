@@ -1,0 +1,268 @@
+"""The watch on a run: one that diverges ends with a named error, not with wrong numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.materials.materials import PerfectlyPlastic, Tresca, VonMises
+
+if TYPE_CHECKING:
+    import xarray
+
+YIELD_ROUNDINGS = 64
+"""Roundings of the greatest stress by which a stress may be beyond the yield surface."""
+STRESS_ROUNDINGS = 64
+"""Roundings of the greatest stress by which a step may change the mean stress by itself."""
+OVERFULL = 20
+"""Soil in a cell, over that of a full one, that no compression of soil could explain."""
+EMPTIED = 0.1
+"""Soil in a block of cells, over that at the start, that no passing of particles could explain."""
+LARGEST_PARTED_SHARE = 0.1
+"""Share of a surface that noise may part where the soil cannot pull as the ground presses."""
+ROUNDED = 1e-3
+"""Normal velocity at a surface, over the greatest there, that is rounding."""
+
+
+class SimulationDiverged(RuntimeError):
+    """The run became unstable; the message is one line and names what, where and when.
+
+    Attributes:
+        status: how a harness files the case.
+        history: curves up to there, or none.
+    """
+
+    status = "diverged"
+    history: xarray.Dataset | None = None
+
+
+class InaccurateRun(RuntimeError):
+    """The run came to its end, but not to a result to be relied on; the message is one line.
+
+    Attributes:
+        status: how a harness files the case.
+        history: its curves.
+    """
+
+    status = "inaccurate"
+
+    def __init__(self, message: str, history: xarray.Dataset) -> None:
+        super().__init__(message)
+        self.history = history
+
+
+class WindowOverfull(SimulationDiverged):
+    """More soil stays in the travelling window than it has places for: it piles up on the shaft."""
+
+
+class Fault(Exception):
+    """What the watch has found: the beginning of a message, without when and what to do."""
+
+
+def check_particles(
+    *,
+    number: Integers,
+    position: Floats,
+    velocity: Floats,
+    stress: Floats,
+    mass: Floats,
+    speed_limit: float,
+    bounds: tuple[Floats, Floats],
+) -> None:
+    """Check that particles are within the grid, finite and slower than the waves that they carry.
+
+    Args:
+        number: by which a particle is named, shape [particle_count].
+        position: coordinates [m], shape [particle_count, 2].
+        velocity: [m/s], shape [particle_count, 2].
+        stress: four components [Pa], shape [particle_count, 4].
+        mass: [kg], shape [particle_count].
+        speed_limit: pressure wave speed [m/s].
+        bounds: lowest and highest coordinates of the grid [m].
+
+    Raises:
+        Fault: a particle is not.
+    """
+    # NaN is not within any limit either. A reduction over all components is the fastest.
+    sound = {
+        "velocity": (velocity, np.abs(velocity) < speed_limit),
+        "stress": (stress, np.isfinite(stress)),
+        "mass": (mass, (mass > 0.0) & np.isfinite(mass)),
+        "position": (position, (position >= bounds[0]) & (position <= bounds[1])),
+    }
+    for quantity, (values, healthy) in sound.items():
+        if not healthy.all():
+            worst = int(np.argmin(healthy)) // values[0].size
+            raise Fault(
+                f"{quantity} of {_particle(number, position, worst)} is {_text(values[worst])}"
+            )
+
+
+def check_yield(
+    *, number: Integers, position: Floats, stress: Floats, material: PerfectlyPlastic
+) -> None:
+    """Check that stresses (rr, zz, rz, tt) are on or inside the yield surface.
+
+    Raises:
+        Fault: one is not.
+    """
+    excess = yield_excess(stress, material)
+    greatest = _greatest(stress) / material.strength
+    rounding = YIELD_ROUNDINGS * np.finfo(stress.dtype).eps * (1.0 + greatest)
+    worst = int(np.argmax(excess - rounding))
+    if excess[worst] > rounding[worst]:
+        raise Fault(
+            f"stress of {_particle(number, position, worst)} is {_text(stress[worst])}, outside "
+            f"the yield surface by {excess[worst]:.2g} of the strength"
+        )
+
+
+def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
+    """How far stresses are outside the yield surface over the strength; < 0 inside."""
+    shear = {Tresca: _greatest_shear, VonMises: _root_of_j2}[type(material)]
+    excess: Floats = shear(*stress.T.astype(np.float64, order="C")) / material.strength - 1.0
+    return excess
+
+
+def _greatest_shear(rr: Floats, zz: Floats, rz: Floats, tt: Floats) -> Floats:
+    centre, radius = 0.5 * (rr + zz), np.sqrt((0.5 * (rr - zz)) ** 2 + rz**2)
+    shear: Floats = 0.5 * (np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt))
+    return shear
+
+
+def _root_of_j2(rr: Floats, zz: Floats, rz: Floats, tt: Floats) -> Floats:
+    mean = (rr + zz + tt) / 3.0
+    j2 = 0.5 * ((rr - mean) ** 2 + (zz - mean) ** 2 + (tt - mean) ** 2) + rz**2
+    root: Floats = np.sqrt(j2)
+    return root
+
+
+def check_cells(
+    *, mass: Floats, count: Integers, full_mass: Floats, particles_per_cell: int
+) -> None:
+    """Check that no cell holds more soil than could be pressed into it, by mass and by number.
+
+    Of a cell that a surface cuts, little may be open, which one particle then fills many times.
+
+    Args:
+        mass: of the soil in each cell [kg], shape [cell_count].
+        count: of the particles in each cell, shape [cell_count].
+        full_mass: of each cell when it is full [kg], shape [cell_count].
+        particles_per_cell: particles that fill a cell.
+
+    Raises:
+        Fault: one does.
+    """
+    filling = np.minimum(mass / full_mass, count / particles_per_cell)
+    worst = int(np.argmax(filling))
+    if not filling[worst] < OVERFULL:
+        raise Fault(f"soil in cell {worst} is {filling[worst]:.3g} times that of a full one")
+
+
+def block_sums(mass: Floats) -> Floats:
+    """Sums over all blocks of 3 x 3 cells, by the row and column in which they begin.
+
+    Args:
+        mass: of the soil in each cell [kg], shape [row_count, column_count].
+    """
+    in_rows = mass[:-2] + mass[1:-1] + mass[2:]
+    sums: Floats = in_rows[:, :-2] + in_rows[:, 1:-1] + in_rows[:, 2:]
+    return sums
+
+
+def check_blocks(soil: Floats, first_soil: Floats) -> None:
+    """Check that no block of cells has lost its soil.
+
+    Args:
+        soil: in each block, see `block_sums` [kg].
+        first_soil: the same at the start; a block may have had none.
+
+    Raises:
+        Fault: one has.
+    """
+    emptied = soil < EMPTIED * first_soil
+    if emptied.any():
+        row, column = np.argwhere(emptied)[0]
+        left = soil[row, column] / first_soil[row, column]
+        raise Fault(
+            f"soil in 3 x 3 cells from row {row}, column {column} is {left:.2g} times that at the "
+            "start"
+        )
+
+
+def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) -> None:
+    """Check that soil and surface move together along their normal, on nearly all of it.
+
+    Args:
+        contact: one of a surface from which the soil cannot part.
+        velocity: of the soil at its nodes in the last step [m/s], shape [node_count, 2].
+        speed: of the body into the soil in that step [m/s].
+
+    Raises:
+        Fault: they have come apart, or go through each other.
+    """
+    past = velocity + np.array([0.0, speed])
+    normal_speed = np.sum(past * contact.normals, axis=1)
+    rounding = ROUNDED * (speed + np.abs(velocity).max())
+    lost = ~(np.abs(normal_speed) <= rounding)
+    share = contact.normal_areas[lost].sum() / contact.normal_areas.sum()
+    if share > LARGEST_PARTED_SHARE:
+        worst = int(np.argmax(np.abs(normal_speed)))
+        raise Fault(
+            f"contact is lost on {share:.0%} of the surface: node {contact.nodes[worst]} goes "
+            f"into it at {normal_speed[worst]:.4g} m/s"
+        )
+
+
+def check_mean_stress(
+    *, number: Integers, position: Floats, stress: Floats, change: Floats, step: Floats
+) -> None:
+    """Check that the mean stress has changed in a step by what the change of volume gives.
+
+    Args:
+        number: by which a particle is named, shape [particle_count].
+        position: coordinates [m], shape [particle_count, 2].
+        stress: after the step [Pa], shape [particle_count, 4].
+        change: of the sum of the normal stresses [Pa], shape [particle_count].
+        step: elastic change of the stress in the particle's cell [Pa], [particle_count, 4]; the
+            sum of its normal components is three bulk moduli times the volume strain.
+
+    Raises:
+        Fault: one has not; the mean stress drifts.
+    """
+    expected = step[:, 0] + step[:, 1] + step[:, 3]
+    greatest = _greatest(stress) + _greatest(step)
+    drift = np.abs(change - expected) - STRESS_ROUNDINGS * np.finfo(stress.dtype).eps * greatest
+    worst = int(np.argmax(drift))
+    if not drift[worst] <= 0.0:
+        raise Fault(
+            f"mean stress of {_particle(number, position, worst)} has changed in a step by "
+            f"{change[worst] / 3:.4g} Pa, its volume by what makes {expected[worst] / 3:.4g} Pa"
+        )
+
+
+def check_time_step(*, time_step: float, longest: float) -> None:
+    """Check that the time step is at most the longest that is stable [s].
+
+    Raises:
+        Fault: it is not.
+    """
+    if not time_step <= longest:
+        raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")
+
+
+def _greatest(stress: Floats) -> Floats:
+    """Greatest component, by size, of each stress: rows of a transposed copy are fast to reduce."""
+    greatest: Floats = np.abs(stress.T.copy()).max(axis=0)
+    return greatest
+
+
+def _particle(number: Integers, position: Floats, index: int) -> str:
+    return f"particle {number[index]} at {_text(position[index])} m"
+
+
+def _text(values: Floats) -> str:
+    return np.array2string(np.asarray(values), precision=4, separator=", ")
