@@ -1,20 +1,19 @@
-"""A penetration, from a simulation at rest to curves of resistance and their steady values."""
+"""A penetration: curves of resistance as a penetrometer is pushed in, and their steady values."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from statistics import fmean
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import curves_kept, variable
-from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact, PenetrometerForces
 from mpm_warp.simulation import Simulation
-from mpm_warp.steady_state import is_steady
-from mpm_warp.travel import Travel
 
 SAMPLE_SPACING = 0.1
 """Penetration between two samples of the curves, in cone radii."""
@@ -22,32 +21,54 @@ STEADY_SAMPLES = 20
 """Samples whose mean is the steady value: two radii."""
 
 
-@dataclass(kw_only=True)
-class Penetration:
-    """A penetrometer that is pushed in until its resistance is steady.
+class PenetrationCurves:
+    """Samples the forces on a penetrometer, at every `SAMPLE_SPACING` radii of penetration.
 
-    Attributes:
-        surface: of the penetrometer.
-        greatest: penetration at which it ends in any case, over the radius.
+    Args:
+        simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
+        radius: radius of the penetrometer [m].
         unsteady: penetration before which no resistance counts as steady, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady.
     """
 
-    surface: PenetrometerSurface
-    greatest: float
-    unsteady: float
-    tolerance: float
-    _nodal_forces: list[Floats] = field(default_factory=list, init=False)  # by sample
-    _moved: list[float] = field(default_factory=list, init=False)  # in each sample [m]
-    _forces: list[PenetrometerForces] = field(default_factory=list, init=False)
-    _sampled_at: float = field(default=0.0, init=False)
+    def __init__(
+        self, simulation: Simulation, *, radius: float, unsteady: float, tolerance: float
+    ) -> None:
+        contact = simulation.scene.contact
+        assert isinstance(contact, PenetrometerContact)
+        self._simulation = simulation
+        self._contact = contact
+        self._radius = radius
+        self._unsteady = unsteady
+        self._tolerance = tolerance
+        self._contact_forces = ContactForces(simulation)
+        self._nodal_forces: list[Floats] = []  # by sample
+        self._moved: list[float] = []  # in each sample [m]
+        self._forces: list[PenetrometerForces] = []
+        self._sampled_at = 0.0
+
+    @property
+    def next_distance(self) -> float:
+        """Travel at which the next sample is due [m]."""
+        return (len(self._moved) + 1) * (SAMPLE_SPACING * self._radius)
+
+    def sample(self) -> None:
+        """Take down the mean forces since the sample before."""
+        reached = self._simulation.travel
+        if reached > self._sampled_at:
+            nodal_forces = self._contact_forces.take()
+        else:  # one step may go past several samples
+            nodal_forces = self._nodal_forces[-1]
+        self._nodal_forces.append(nodal_forces)
+        self._moved.append(reached - self._sampled_at)
+        self._sampled_at = reached
 
     @property
     def forces(self) -> list[PenetrometerForces]:
         """Mean forces over each sample so far."""
         # Few ask before the end, and all together they take a fraction of the time.
         new = self._nodal_forces[len(self._forces) :]
-        self._forces.extend(map(self.surface.forces, new))
+        self._forces.extend(map(self._contact.forces, new))
         return self._forces
 
     @property
@@ -56,66 +77,19 @@ class Penetration:
         parts = zip(self.forces, self._moved, strict=True)
         return math.fsum(force.upward * moved for force, moved in parts)
 
-    def run(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
-        """Push it in.
-
-        Raises:
-            SimulationDiverged: its `history` holds the curves up to there.
-            WindowOverfull: see `Travel`.
-        """
-        with curves_kept(self.curves):
-            self._push(simulation, progress)
-
-    def _push(self, simulation: Simulation, progress: Callable[[float], None] | None) -> None:
-        travel = Travel(simulation)
-        sample_count = round(self.greatest / SAMPLE_SPACING)
-        for sample in range(1, sample_count + 1):
-            steady = self.push_to(sample * self._spacing, travel, simulation)
-            if progress is not None:
-                progress(sample / sample_count)
-            if steady:
-                break
-        simulation.check()
-
-    def push_to(self, distance: float, travel: Travel, simulation: Simulation) -> bool:
-        """Push it in by `distance` [m] since the start; returns whether its resistance is steady.
-
-        Raises:
-            SimulationDiverged: see `Travel`.
-        """
-        steady = False
-        while (next_sample := (len(self._moved) + 1) * self._spacing) <= distance:
-            travel.advance_to(next_sample)
-            reached = travel.distance
-            if reached > self._sampled_at:
-                nodal_forces = simulation.take_contact_forces()
-            else:  # one step may go past several samples
-                nodal_forces = self._nodal_forces[-1]
-            self._nodal_forces.append(nodal_forces)
-            self._moved.append(reached - self._sampled_at)
-            self._sampled_at = reached
-            steady = self._is_steady
-        travel.advance_to(distance)
-        return steady
-
-    @property
-    def _is_steady(self) -> bool:
+    def is_steady(self) -> bool:
+        """Whether the resistance is steady: the mean over two radii is that over two before."""
         earliest = len(self._moved) - 2 * STEADY_SAMPLES
-        if (earliest + 0.5) * SAMPLE_SPACING < self.unsteady:
+        if (earliest + 0.5) * SAMPLE_SPACING < self._unsteady:
             return False
         resistance = [it.face_normal + it.face_shear for it in self.forces[earliest:]]
-        return is_steady(resistance, STEADY_SAMPLES, self.tolerance)
+        return is_steady(resistance, STEADY_SAMPLES, self._tolerance)
 
-    @property
-    def _spacing(self) -> float:
-        """Travel between two samples [m]."""
-        return SAMPLE_SPACING * self.surface.penetrometer.radius
-
-    def curves(self) -> xr.Dataset:
+    def dataset(self) -> xr.Dataset:
         """Resistance, its shear part, friction of the shaft and contact over penetration."""
         # Each sample is a mean over the travel since the one before; it stands in the middle.
         penetration = (np.arange(len(self._moved)) + 0.5) * SAMPLE_SPACING
-        base_area = 0.5 * self.surface.penetrometer.radius**2
+        base_area = 0.5 * self._radius**2
         normal, shear, shaft, share = (
             np.array(
                 [
@@ -138,7 +112,7 @@ class Penetration:
                 "net cone resistance, shear part",
             ),
             "shaft_friction": (
-                shaft / self.surface.shaft_area,
+                shaft / self._contact.shaft_area,
                 "Pa",
                 "mean shear stress on the shaft",
             ),
@@ -156,11 +130,28 @@ class Penetration:
         )
 
 
+def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
+    """Whether the mean of the last values differs little from the mean of those before.
+
+    What decays exponentially by the factor q over a span, and differs by `tolerance` from one span
+    to the next, has tolerance q / (1 - q) to go: about as much where a span halves it.
+
+    Args:
+        values: the curve so far, at even distances, from where it may be steady at all.
+        span: how many of them a mean is over, >= 1; never steady before two spans.
+        tolerance: difference of the two means over the last one, dimensionless; never steady at 0.
+    """
+    if len(values) < 2 * span:
+        return False
+    before, last = fmean(values[-2 * span : -span]), fmean(values[-span:])
+    return abs(last - before) < tolerance * abs(last)
+
+
 def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
     """The cone factor and its parts, from the last two radii of the curves or their last half.
 
     Args:
-        curves: see :meth:`Penetration.curves`.
+        curves: those of `PenetrationCurves`.
         strength: undrained shear strength su [Pa].
     """
     count = curves.sizes["penetration"]
@@ -170,16 +161,18 @@ def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]
     resistance = curves.penetration_resistance.values[last]
     shear = curves.penetration_resistance_shear.values[last]
     steady = {
-        "cone_factor": (resistance, "cone factor", "Nc = (qc - sigma_v0) / su"),
+        "cone_factor": (resistance, "cone factor", "Nc = (qc - sigma_v0) / su", "headline"),
         "cone_factor_normal": (
             resistance - shear,
             "cone factor, normal part",
             "what the normal traction on the face adds to Nc",
+            None,
         ),
         "cone_factor_shear": (
             shear,
             "cone factor, shear part",
             "what the shear traction on the face adds to Nc",
+            None,
         ),
     }
     variables = {
@@ -188,8 +181,9 @@ def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]
             unit="1",
             meaning=meaning,
             description=f"{description}, mean {over}",
+            role=role,
         )
-        for name, (values, meaning, description) in steady.items()
+        for name, (values, meaning, description, role) in steady.items()
     }
     variables["cone_factor_variation"] = variable(
         np.ptp(resistance) / resistance.mean(),

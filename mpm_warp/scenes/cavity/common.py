@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-import time
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene, Verification
-from mpm_warp.scenes.families.yield_criterion import yield_criterion
-
-if TYPE_CHECKING:
-    import numpy as np
-    import xarray
-
-    from mpm_warp.parts.boundaries import FarField, Fixed
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.grid.fitted import Grid
-    from mpm_warp.materials.materials import LinearElastic
-    from mpm_warp.scene import Scene
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.results import variable
+from mpm_warp.sampling import follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.shared_parameters import yield_criterion
+from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
 STRENGTH = 1e3
@@ -29,7 +31,7 @@ SAMPLE_COUNT = 150
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cavity(ReadyScene):
+class Cavity(CatalogueScene):
     """A cavity in perfectly plastic soil whose wall moves, the grid following it.
 
     Incompressible soil with strains of any size: with a the radius, a0 that at the start,
@@ -83,7 +85,7 @@ class Cavity(ReadyScene):
         """Nodes on planes and axes of symmetry."""
 
     @abstractmethod
-    def far_field(self, grid: Grid, material: LinearElastic) -> FarField | None:
+    def far_field(self, grid: Grid, material: Material) -> FarField | None:
         """The medium around the grid, or none."""
 
     @abstractmethod
@@ -100,20 +102,14 @@ class Cavity(ReadyScene):
         """Radius of the plastic zone at the end [m], about."""
         return float(self.expansion * self.rigidity_index ** (1.0 / self.exponent) * RADIUS)
 
-    def columns(self, outer_radius: float) -> np.ndarray:
+    def columns(self, outer_radius: float) -> Floats:
         """Columns of the grid, dense at the wall."""
-        from mpm_warp.grid.fitted import graded
-
         span = outer_radius - RADIUS
-        columns: np.ndarray = graded(self.cell_size, span, 1.0 + 0.5 * self.cell_size / RADIUS)
+        columns: Floats = graded(self.cell_size, span, 1.0 + 0.5 * self.cell_size / RADIUS)
         return columns / span
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.materials.materials import CRITERIA
-        from mpm_warp.parts.moving_wall import MovingWall
-        from mpm_warp.scene import Scene
-
+    def build(self) -> Scene:
+        """The soil around the cavity, and the wall that moves."""
         grid = self.grid()
         material = CRITERIA[self.material](
             shear_modulus=self.rigidity_index * STRENGTH,
@@ -133,15 +129,13 @@ class Cavity(ReadyScene):
             moving_wall=MovingWall(speed=speed, ramp_travel=0.3 * RADIUS),
         )
 
-    def exact(self, expansion: np.ndarray) -> np.ndarray:
+    def exact(self, expansion: Floats) -> Floats:
         """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
-        import numpy as np
-
         index = self.rigidity_index / self._strength
         strain = 1.0 - expansion ** -float(self.exponent)
         yielding = -math.expm1(-1.0 / index)
         elastic = index * _dilogarithm(np.minimum(strain, yielding))
-        pressure: np.ndarray = elastic + np.log(np.maximum(strain / yielding, 1.0))
+        pressure: Floats = elastic + np.log(np.maximum(strain / yielding, 1.0))
         return self.factor * self._strength * pressure
 
     @property
@@ -154,81 +148,88 @@ class Cavity(ReadyScene):
         """Half the difference of the stresses along and across the wall at yield, over su."""
         return self.von_mises_strength if self.material == "von_mises" else 1.0
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-
-        from mpm_warp.results import cost, curves_kept, variable
-        from mpm_warp.simulation import Simulation
-
-        scene = self.simulated_scene()
-        assert scene.moving_wall is not None
-        simulation = Simulation(scene, execution)
-        travel = (self.expansion - 1.0) * RADIUS + scene.moving_wall.ramp_travel
-        duration = travel / scene.moving_wall.speed
-        start = time.perf_counter()
-        expansion: list[float] = []
-        pressure: list[float] = []
-        before = RADIUS
-        with curves_kept(lambda: self._curves(np.array(expansion), np.array(pressure))):
-            for sample in range(1, SAMPLE_COUNT + 1):
-                begin = simulation.time
-                simulation.advance_to(duration * sample / SAMPLE_COUNT)
-                if simulation.time == begin:
-                    continue  # one step may go past several samples
-                now = float(simulation.array("wall.motion")[0, 2])
-                on_rows = simulation.array("wall.impulse") / (simulation.time - begin)
-                simulation.arrays["wall.impulse"].zero_()
-                middle = 0.5 * (before + now)
-                expansion.append(middle / RADIUS)
-                pressure.append(on_rows.sum() / self.wall_area(scene.grid, middle) / STRENGTH)
-                before = now
-                if progress is not None:
-                    progress(sample / SAMPLE_COUNT)
-            simulation.check()
-        run_time = time.perf_counter() - start
-
-        curves = self._curves(np.array(expansion), np.array(pressure))
-        difference = curves.cavity_pressure - curves.cavity_pressure_exact
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
+        wall = simulation.scene.moving_wall
+        assert wall is not None
+        duration = ((self.expansion - 1.0) * RADIUS + wall.ramp_travel) / wall.speed
+        curve = _PressureCurve(self, simulation)
+        moments = [duration * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
+        recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
+        difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
         error = variable(
             float(np.abs(difference.values).max()) / self.limit,
             unit="1",
             meaning="error of the cavity pressure",
             description="greatest difference over the whole curve, over the limit pressure",
+            role="headline",
         )
-        return (
-            curves.assign(error=error)
-            .assign(self.shape(scene.grid, on_rows))
-            .assign(cost(simulation, run_time=run_time))
-        )
+        shape = self.shape(simulation.scene.grid, curve.on_rows)
+        return recorded.assign(error=error).assign(shape)
 
-    def _curves(self, expansion: np.ndarray, pressure: np.ndarray) -> xarray.Dataset:
+    def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
+        """How well the cavity keeps its shape, from the forces on the wall's nodes at the end.
+
+        Args:
+            grid: that of the start.
+            on_rows: normal forces on the wall by row of nodes [N], shape [row_count + 1].
+        """
+        return {}
+
+
+class _PressureCurve:
+    """Samples the pressure in a cavity: means over the time since the sample before.
+
+    Args:
+        cavity: the scene.
+        simulation: a run of it.
+    """
+
+    def __init__(self, cavity: Cavity, simulation: Simulation) -> None:
+        self._cavity = cavity
+        self._simulation = simulation
+        self._sampled_at = simulation.time
+        self._radius = RADIUS
+        self._expansion: list[float] = []
+        self._pressure: list[float] = []
+        self.on_rows = np.zeros(simulation.scene.grid.row_count + 1)
+
+    def sample(self) -> None:
+        """Take down the radius and the mean pressure since the sample before."""
+        simulation = self._simulation
+        if simulation.time == self._sampled_at:
+            return  # one step may go past several samples
+        radius = float(simulation.array("wall.motion")[0, 2])
+        self.on_rows = simulation.array("wall.impulse") / (simulation.time - self._sampled_at)
+        simulation.assign("wall.impulse", 0.0)
+        middle = 0.5 * (self._radius + radius)
+        area = self._cavity.wall_area(simulation.scene.grid, middle)
+        self._expansion.append(middle / RADIUS)
+        self._pressure.append(self.on_rows.sum() / area / STRENGTH)
+        self._radius, self._sampled_at = radius, simulation.time
+
+    def dataset(self) -> xr.Dataset:
         """Pressure over su against radius over that at the start, computed and exact."""
-        import xarray as xr
-
-        from mpm_warp.results import variable
-
         dims = ("expansion",)
+        expansion = np.array(self._expansion)
         meaning = "radius of the cavity over that at the start"
-        axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
         variables = {
             "cavity_pressure": variable(
-                pressure, unit="1", meaning="excess cavity pressure over su", dims=dims
+                np.array(self._pressure),
+                unit="1",
+                meaning="excess cavity pressure over su",
+                dims=dims,
             ),
             "cavity_pressure_exact": variable(
-                self.exact(expansion),
+                self._cavity.exact(expansion),
                 unit="1",
                 meaning="excess cavity pressure over su, exact",
                 dims=dims,
+                exact_of="cavity_pressure",
             ),
         }
+        axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
         return xr.Dataset(variables, coords={"expansion": axis})
-
-    def shape(self, grid: Grid, on_rows: np.ndarray) -> dict[str, xarray.Variable]:
-        """What tells how well the cavity keeps its shape, from the forces on the wall's nodes."""
-        return {}
 
 
 def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
@@ -244,10 +245,8 @@ def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[V
     )
 
 
-def _dilogarithm(x: np.ndarray) -> np.ndarray:
+def _dilogarithm(x: Floats) -> Floats:
     """Li2(x) by its series, for 0 <= x <= 0.1: twelve terms are exact to rounding."""
-    import numpy as np
-
     powers = np.arange(1, 13)
-    series: np.ndarray = np.sum(np.asarray(x)[..., None] ** powers / powers**2, axis=-1)
+    series: Floats = np.sum(np.asarray(x)[..., None] ** powers / powers**2, axis=-1)
     return series

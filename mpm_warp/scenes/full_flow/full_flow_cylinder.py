@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Verification
-from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
-
-if TYPE_CHECKING:
-    from mpm_warp.parts.boundaries import Fixed
-    from mpm_warp.parts.contact import SurfaceContact
-    from mpm_warp.grid.fitted import Floats, Grid
-    from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.catalogue import Verification
 
 OUTER_RADIUS = 6.0
 """Where the soil is held, over radius: the mechanism reaches to about three."""
@@ -22,11 +23,11 @@ OUTER_RADIUS = 6.0
 
 @dataclass(frozen=True, kw_only=True)
 class FullFlowCylinder(Bearing):
-    """Half a cylinder on rays, moved by a small part of its radius; see `Bearing`.
+    """Half a cylinder on rays, moved by a small part of its radius.
 
     Soil surrounds the cylinder, so that the limit load of a small displacement is that of steady
     flow. Force over (diameter times su), with D = asin(adhesion factor):
-    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `exact_source`.
+    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); the attribute `exact_source` says where from.
     """
 
     summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
@@ -52,18 +53,13 @@ class FullFlowCylinder(Bearing):
 
     @property
     def exact_load(self) -> float:
-        """See `Bearing`."""
+        """Exact limit load over diameter and su."""
         delta = math.asin(self.adhesion_factor)
         fans = math.cos(0.5 * delta) + math.sin(0.5 * delta)
         return math.pi + 2.0 * delta + 2.0 * math.cos(delta) + 4.0 * fans
 
     def grid(self) -> PolarGrid:
-        """See `Bearing`."""
-        import numpy as np
-
-        from mpm_warp.grid.fitted import graded
-        from mpm_warp.grid.polar import PolarGrid
-
+        """Half a ring around the cylinder, on rays."""
         size, span = RADIUS / self.cells_per_radius, (OUTER_RADIUS - 1.0) * RADIUS
         row_count = round(math.pi * self.cells_per_radius)
         return PolarGrid(
@@ -76,10 +72,6 @@ class FullFlowCylinder(Bearing):
 
     def fixed(self, grid: Grid) -> Fixed:
         """Nodes on the line of travel, and those around the soil."""
-        import numpy as np
-
-        from mpm_warp.parts.boundaries import Fixed
-
         vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical[:, -1] = True
         radial = vertical.copy()
@@ -87,12 +79,7 @@ class FullFlowCylinder(Bearing):
         return Fixed.where(radial=radial, vertical=vertical)
 
     def contact(self, grid: Grid) -> SurfaceContact:
-        """See `Bearing`."""
-        import numpy as np
-
-        from mpm_warp.parts.contact import SurfaceContact
-        from mpm_warp.grid.polar import PolarGrid
-
+        """Contact all around the cylinder."""
         assert isinstance(grid, PolarGrid)
         vectors = -grid.wall_vectors
         vectors[[0, -1], 0] = 0.0  # nothing moves off the line of travel
@@ -108,8 +95,9 @@ class FullFlowCylinder(Bearing):
             speed=self.speed,
         )
 
-    def load(self, grid: Grid, nodal: Floats) -> float:
-        """See `Bearing`."""
-        normals = self.contact(grid).normals
+    def load(self, scene: Scene, nodal: Floats) -> float:
+        """The force along the line of travel, over diameter and su."""
+        assert scene.contact is not None
+        normals = scene.contact.normals
         upward = nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]
         return float(upward.sum()) / (RADIUS * STRENGTH)

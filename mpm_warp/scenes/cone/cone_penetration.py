@@ -3,29 +3,39 @@
 from __future__ import annotations
 
 import math
-import time
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.errors import InaccurateRun
+from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene
-from mpm_warp.scenes.families.yield_criterion import yield_criterion
-
-# The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.penetrometer import PenetrometerSurface
-    from mpm_warp.plan.plan import StepPlan
-    from mpm_warp.scene import Scene
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.plan.plan import Plan
+from mpm_warp.results import variable
+from mpm_warp.sampling import follow, transferred_energy
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
+from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.cone.window import (
+    approach_speed_ratio,
+    unsteady_penetration,
+    window_of_test,
+)
+from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
+from mpm_warp.simulation import Simulation
 
 LARGEST_ENERGY_ERROR = 0.05
 """Share of the penetrometer's work that the method itself may create or dissipate."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConePenetration(ReadyScene):
+class ConePenetration(CatalogueScene):
     """A penetrometer pushed at constant speed into uniform, weightless, undrained clay.
 
     The penetrometer starts in place, in undisturbed ground. Excess stresses are simulated: those
@@ -34,9 +44,7 @@ class ConePenetration(ReadyScene):
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
     version: ClassVar[int] = 7
-    headline: ClassVar[str] = "cone_factor"
     method: ClassVar[tuple[str, ...]] = (
-        "contact_surface",
         "cells_per_radius",
         "cell_growth",
         "particles_per_cell",
@@ -136,12 +144,6 @@ class ConePenetration(ReadyScene):
         minimum=0.1,
         maximum=2,
     )
-    contact_surface: str = parameter(
-        "fitted",
-        unit="1",
-        meaning="grid fitted to the penetrometer, or a plain grid and its surface as points",
-        choices=("fitted", "points"),
-    )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
         4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
@@ -174,22 +176,17 @@ class ConePenetration(ReadyScene):
         minimum=0,
         maximum=0.4999,
     )
-    precision: str = parameter(
-        "float64",
-        unit="1",
-        meaning="floating point numbers of the simulation",
-        choices=("float64", "float32"),
-    )
+    precision: str = floating_point()
 
-    def build(self) -> tuple[Scene, PenetrometerSurface]:
-        """The scene, and the surface from whose nodes the forces on the penetrometer are read."""
-        from mpm_warp.parts.boundaries import FarField, Fixed
-        from mpm_warp.immersed import ImmersedGrid, SampledSurface
-        from mpm_warp.materials.materials import CRITERIA
-        from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
-        from mpm_warp.scene import Scene
-        from mpm_warp.scenes.families.cone_window import cone_window
+    def derived(self) -> Mapping[str, float]:
+        """The shaft is as rough as the face; the approach is as fast as its inertia allows."""
+        return {
+            "shaft_adhesion_factor": self.adhesion_factor,
+            "approach_speed_ratio": approach_speed_ratio(self.speed_ratio, self.rigidity_index),
+        }
 
+    def build(self) -> Scene:
+        """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
         strength, radius = self.undrained_shear_strength, self.cone_radius
         material = CRITERIA[self.material](
             shear_modulus=self.rigidity_index * strength,
@@ -198,30 +195,16 @@ class ConePenetration(ReadyScene):
             strength=strength,
         )
         penetrometer = Penetrometer(radius=radius, apex_angle=math.radians(self.apex_angle))
-        make_grid, surface_type = {
-            "fitted": (Penetrometer.fitted_grid, PenetrometerSurface),
-            "points": (ImmersedGrid.around, SampledSurface),
-        }[self.contact_surface]
-        grid = make_grid(
-            penetrometer,
+        grid = penetrometer.fitted_grid(
             cell_size=radius / self.cells_per_radius,
             cell_growth=self.cell_growth,
             outer_radius=self.domain_radius * radius,
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,
         )
-        shaft_adhesion_factor = self.shaft_adhesion_factor
-        if shaft_adhesion_factor is None:
-            shaft_adhesion_factor = self.adhesion_factor
-        surface = surface_type(
-            penetrometer=penetrometer,
-            grid=grid,
-            face_adhesion=self.adhesion_factor * strength,
-            shaft_adhesion=shaft_adhesion_factor * strength,
-            friction=self.friction_coefficient,
-            in_situ_stress=self.in_situ_stress,
-        )
-        scene = Scene(
+        assert self.shaft_adhesion_factor is not None
+        assert self.approach_speed_ratio is not None
+        return Scene(
             grid=grid,
             material=material,
             particles_per_side=math.isqrt(self.particles_per_cell),
@@ -229,70 +212,77 @@ class ConePenetration(ReadyScene):
             bulk_viscosity=0.2,
             fixed=Fixed.axis_and_ends(grid),
             far_field=FarField.around(grid, material),
-            contact=surface.contact,
-            window=cone_window(self, material),
-            # Cells that the surface cuts have no edge along it.
-            even_flow=self.contact_surface == "fitted",
+            contact=PenetrometerContact.of(
+                penetrometer,
+                grid,
+                face_adhesion=self.adhesion_factor * strength,
+                shaft_adhesion=self.shaft_adhesion_factor * strength,
+                friction=self.friction_coefficient,
+                in_situ_stress=self.in_situ_stress,
+            ),
+            window=window_of_test(
+                radius=radius,
+                shear_wave_speed=material.shear_wave_speed,
+                speed_ratio=self.speed_ratio,
+                approach_speed_ratio=self.approach_speed_ratio,
+                approach=self.approach,
+                penetration=self.penetration,
+                rubs=self.friction_coefficient > 0.0,
+            ),
+            conservative_interpolation=True,
             energy_audit=True,
             precision=self.precision,
         )
-        return scene, surface
 
-    def step_count_bound(self, plan: StepPlan) -> int:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        window = self.simulated_scene().window
+    def step_count_bound(self, plan: Plan) -> int:
+        """Steps to the greatest penetration."""
+        window = self.build().window
         assert window is not None
         return math.ceil(window.time_to(self.penetration * self.cone_radius) / plan.time_step)
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        return self.build()[0]
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Push the penetrometer in until its resistance is steady.
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.watch.health import InaccurateRun
-        from mpm_warp.results import cost, variable
-        from mpm_warp.penetration import Penetration, steady_values
-        from mpm_warp.scenes.families.cone_window import unsteady_penetration
-        from mpm_warp.simulation import Simulation
-
-        scene, surface = self.build()
-        simulation = Simulation(scene, execution)
-        penetration = Penetration(
-            surface=surface,
-            greatest=self.penetration,
-            unsteady=unsteady_penetration(self, scene.window),
+        Raises:
+            InaccurateRun: the transfers took too much of the penetrometer's work.
+        """
+        window = simulation.scene.window
+        assert window is not None
+        curves = PenetrationCurves(
+            simulation,
+            radius=self.cone_radius,
+            unsteady=unsteady_penetration(window, self.cone_radius),
             tolerance=self.steady_tolerance,
         )
-        start = time.perf_counter()
-        penetration.run(simulation, progress)
-        run_time = time.perf_counter() - start
-        curves = penetration.curves()
-        energy_error = simulation.transfer_energy / penetration.work
+        sample_count = round(self.penetration / SAMPLE_SPACING)
+        recorded = follow(
+            simulation,
+            SAMPLE_SPACING * self.cone_radius * np.arange(1, sample_count + 1),
+            simulation.travel_to,
+            [curves],
+            progress,
+            is_over=curves.is_steady,
+        )
+        energy_error = transferred_energy(simulation) / curves.work
         if not abs(energy_error) <= LARGEST_ENERGY_ERROR:
             raise InaccurateRun(
                 f"the transfers between material points and grid took {-energy_error:.1%} of the "
                 f"penetrometer's work, more than {LARGEST_ENERGY_ERROR:.0%}: try a lower "
                 "speed_ratio, more cells_per_radius or a longer penetration",
-                curves,
+                curves.dataset(),
             )
-        return curves.assign(
-            {
-                **steady_values(curves, self.undrained_shear_strength),
-                "energy_error": variable(
-                    energy_error,
-                    unit="1",
-                    meaning="energy error",
-                    description="kinetic energy that the transfers between material points and "
-                    "grid created, dissipated if < 0, over the work of the penetrometer",
-                ),
-                "step_count_bound": variable(
-                    self.step_count_bound(simulation.plan),
-                    unit="1",
-                    meaning="time steps to the greatest penetration",
-                ),
-                **cost(simulation, run_time=run_time),
-            }
+        return recorded.assign(steady_values(recorded, self.undrained_shear_strength)).assign(
+            energy_error=variable(
+                energy_error,
+                unit="1",
+                meaning="energy error",
+                description="kinetic energy that the transfers between material points and grid "
+                "created, dissipated if < 0, over the work of the penetrometer",
+                limit=LARGEST_ENERGY_ERROR,
+            ),
+            step_count_bound=variable(
+                self.step_count_bound(simulation.plan),
+                unit="1",
+                meaning="time steps to the greatest penetration",
+            ),
         )

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, GroundGrid
+from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene, Verification
-
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.grid.fitted import GroundGrid
-    from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
-    from mpm_warp.scene import Scene
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.window import Window
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces, follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
 STRENGTH = 1e3
@@ -30,7 +33,7 @@ SAMPLE_COUNT = 60
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeSelfSimilar(ReadyScene):
+class ConeSelfSimilar(CatalogueScene):
     """Nothing in the problem has a length but the depth: the load is proportional to its square.
 
     The grid travels down with the cone, through the surface of the ground, which cuts its cells.
@@ -62,16 +65,8 @@ class ConeSelfSimilar(ReadyScene):
         0.03, unit="1", meaning="speed over shear wave speed", minimum=1e-3, maximum=0.1
     )
 
-    def build(self) -> tuple[Scene, PenetrometerSurface]:
-        """The scene, and the surface from whose nodes the load is read."""
-        import numpy as np
-
-        from mpm_warp.parts.boundaries import Fixed
-        from mpm_warp.materials.materials import Tresca
-        from mpm_warp.penetrometer import PenetrometerSurface
-        from mpm_warp.scene import Scene
-        from mpm_warp.parts.window import Window
-
+    def build(self) -> Scene:
+        """The ground and its surface; the contact is a `PenetrometerContact`."""
         material = Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,
@@ -83,38 +78,35 @@ class ConeSelfSimilar(ReadyScene):
         radial[0] = radial[:, -1] = True
         vertical = radial.copy()
         radial[grid.surface_radius == 0.0, 0] = True
-        surface = PenetrometerSurface(
-            penetrometer=self._penetrometer,
-            grid=grid,
-            face_adhesion=self.adhesion_factor * STRENGTH,
-            shaft_adhesion=0.0,
-            friction=0.0,
-            in_situ_stress=0.0,
-        )
         speed = self.speed_ratio * material.shear_wave_speed
-        scene = Scene(
+        return Scene(
             grid=grid,
             material=material,
             particles_per_side=2,
             time_step_fraction=0.7,
             bulk_viscosity=0.2,
             fixed=Fixed.where(radial=radial, vertical=vertical),
-            contact=surface.contact,
+            contact=PenetrometerContact.of(
+                self._penetrometer,
+                grid,
+                face_adhesion=self.adhesion_factor * STRENGTH,
+                in_situ_stress=0.0,
+            ),
             # Soil enters below, and none leaves above.
             window=Window(speed=speed, ramp_travel=0.1 * RADIUS, spare_fraction=1.0),
             free_surface=True,
         )
-        return scene, surface
 
     @property
     def _penetrometer(self) -> Penetrometer:
-        from mpm_warp.penetrometer import Penetrometer
-
         return Penetrometer(radius=RADIUS, apex_angle=math.radians(self.apex_angle))
 
-    def _grid(self) -> GroundGrid:
-        from mpm_warp.grid.fitted import GroundGrid
+    @property
+    def _final_depth(self) -> float:
+        """Depth of the tip at the end [m]."""
+        return FINAL_DEPTH * self._penetrometer.cone_height
 
+    def _grid(self) -> GroundGrid:
         fitted = self._penetrometer.fitted_grid(
             cell_size=RADIUS / self.cells_per_radius,
             cell_growth=0.8,
@@ -130,51 +122,30 @@ class ConeSelfSimilar(ReadyScene):
             ground_level=0.0,
         )
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        return self.build()[0]
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Push the cone in, and fit the exponent of the depth in its load."""
+        curve = _LoadCurve(simulation)
+        depths = [self._final_depth * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
+        recorded = follow(simulation, depths, simulation.travel_to, [curve], progress)
+        return recorded.assign(self._fitted(curve))
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-
-        from mpm_warp.results import cost, curves_kept, variable
-        from mpm_warp.simulation import Simulation
-        from mpm_warp.travel import Travel
-
-        scene, surface = self.build()
-        simulation = Simulation(scene, execution)
-        travel = Travel(simulation)
-        final = FINAL_DEPTH * self._penetrometer.cone_height
-        start = time.perf_counter()
-        reached: list[float] = [0.0]
-        loads: list[float] = []
-        with curves_kept(lambda: _curve(reached, loads)):
-            for sample in range(1, SAMPLE_COUNT + 1):
-                travel.advance_to(final * sample / SAMPLE_COUNT)
-                forces = surface.forces(simulation.take_contact_forces())
-                reached.append(travel.distance)
-                loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))
-                if progress is not None:
-                    progress(sample / SAMPLE_COUNT)
-            simulation.check()
-        run_time = time.perf_counter() - start
-
-        curve = _curve(reached, loads)
-        depth, load = curve["depth"].values, curve["load"].values
-        late = depth > FITTED_FROM * final
+    def _fitted(self, curve: _LoadCurve) -> dict[str, xr.Variable]:
+        """Exponent of the depth, its error, and the load over the section of the cone."""
+        depth, load, reached = curve.depth, np.array(curve.loads), np.array(curve.reached)
+        late = depth > FITTED_FROM * self._final_depth
         # By the work, whose exponent is greater by one: in it the load's noise averages out.
-        travelled = np.array(reached[1:])
         work = np.cumsum(load * np.diff(reached))
-        exponent = float(np.polyfit(np.log(travelled[late]), np.log(work[late]), 1)[0]) - 1.0
+        slope = np.polyfit(np.log(reached[1:][late]), np.log(work[late]), 1)[0]
+        exponent = float(slope) - 1.0
         factor = load / (
             STRENGTH * math.pi * (depth * math.tan(math.radians(self.apex_angle) / 2)) ** 2
         )
-        variables = {
+        return {
             "error": variable(
-                abs(exponent - 2.0), unit="1", meaning="error of the exponent of the depth"
+                abs(exponent - 2.0),
+                unit="1",
+                meaning="error of the exponent of the depth",
+                role="headline",
             ),
             "exponent": variable(
                 exponent,
@@ -189,17 +160,35 @@ class ConeSelfSimilar(ReadyScene):
                 meaning="load over su and the cone's section at the ground's first level",
             ),
         }
-        return curve.assign(variables).assign(cost(simulation, run_time=run_time))
 
 
-def _curve(reached: list[float], loads: list[float]) -> xarray.Dataset:
-    """Mean loads over the travel since the sample before, which stand in its middle."""
-    import numpy as np
-    import xarray as xr
+class _LoadCurve:
+    """Samples the load on the cone: means over the travel since the sample before."""
 
-    from mpm_warp.results import variable
+    def __init__(self, simulation: Simulation) -> None:
+        contact = simulation.scene.contact
+        assert isinstance(contact, PenetrometerContact)
+        self._simulation = simulation
+        self._contact = contact
+        self._contact_forces = ContactForces(simulation)
+        self.reached = [0.0]
+        self.loads: list[float] = []
 
-    depth = 0.5 * (np.array(reached[1:]) + np.array(reached[:-1]))
-    load = variable(np.array(loads), unit="N", meaning="load", dims=("depth",))
-    axis = variable(depth, unit="m", meaning="depth of the tip", dims=("depth",))
-    return xr.Dataset({"load": load}, coords={"depth": axis})
+    @property
+    def depth(self) -> Floats:
+        """The middle between two samples, where a mean over the travel between them stands [m]."""
+        reached = np.array(self.reached)
+        middles: Floats = 0.5 * (reached[1:] + reached[:-1])
+        return middles
+
+    def sample(self) -> None:
+        """Take down the depth and the mean load since the sample before."""
+        forces = self._contact.forces(self._contact_forces.take())
+        self.reached.append(self._simulation.travel)
+        self.loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))
+
+    def dataset(self) -> xr.Dataset:
+        """Load over depth."""
+        load = variable(np.array(self.loads), unit="N", meaning="load", dims=("depth",))
+        axis = variable(self.depth, unit="m", meaning="depth of the tip", dims=("depth",))
+        return xr.Dataset({"load": load}, coords={"depth": axis})

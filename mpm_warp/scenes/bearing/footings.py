@@ -1,18 +1,19 @@
-"""What the scenes of rigid footings on the surface of the ground have in common."""
+"""Rigid footings on the surface of the ground: a disc, and a strip in plane strain."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Verification
-from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
-
-if TYPE_CHECKING:
-    from mpm_warp.parts.contact import SurfaceContact
-    from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.catalogue import Verification
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,8 +22,6 @@ class Footing(Bearing):
 
     planar: ClassVar[bool]
     """Whether strain is plane; otherwise the footing is circular."""
-    exact: ClassVar[Mapping[float, float]]
-    """Exact load over area and su by adhesion factor, smooth and rough."""
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",
@@ -38,17 +37,8 @@ class Footing(Bearing):
         0.0, unit="1", meaning="adhesion factor of the footing", choices=(0.0, 1.0)
     )
 
-    @property
-    def exact_load(self) -> float:
-        """See `Bearing`."""
-        return self.exact[self.adhesion_factor]
-
     def grid(self) -> Grid:
-        """See `Bearing`."""
-        import numpy as np
-
-        from mpm_warp.grid.fitted import Grid, graded
-
+        """Cells of one size below the footing, growing beside it and with depth."""
         size = RADIUS / self.cells_per_radius
         outer_radius, depth = 5.0 * RADIUS, 3.0 * RADIUS
         below = np.linspace(0.0, RADIUS, self.cells_per_radius + 1)
@@ -65,10 +55,6 @@ class Footing(Bearing):
 
     def contact(self, grid: Grid) -> SurfaceContact:
         """Contact of the nodes on the surface from the axis to the rim, both included."""
-        import numpy as np
-
-        from mpm_warp.parts.contact import SurfaceContact, nodal_areas
-
         column = np.arange(self.cells_per_radius + 1)
         radius = RADIUS * column / self.cells_per_radius
         areas = nodal_areas(grid.weight(radius), np.diff(radius))
@@ -82,7 +68,42 @@ class Footing(Bearing):
             speed=self.speed,
         )
 
-    def load(self, grid: Grid, nodal: Floats) -> float:
-        """See `Bearing`."""
-        area = RADIUS if grid.planar else 0.5 * RADIUS**2
+    def load(self, scene: Scene, nodal: Floats) -> float:
+        """The sum of the normal forces, over area and su."""
+        area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
         return float(nodal[:, 0].sum()) / (area * STRENGTH)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CircularFooting(Footing):
+    """A rigid disc on weightless Tresca soil."""
+
+    summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
+    version: ClassVar[int] = 3
+    exact_source: ClassVar[str] = (
+        "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
+        "Z. angew. Math. Phys. 11:33-43"
+    )
+    planar: ClassVar[bool] = False
+
+    @property
+    def exact_load(self) -> float:
+        """Exact limit load over area and su, of a smooth or a rough disc."""
+        return 5.69 if self.adhesion_factor == 0.0 else 6.05
+
+
+@dataclass(frozen=True, kw_only=True)
+class StripFooting(Footing):
+    """A rigid strip on weightless Tresca soil, half of it: r is the distance from its middle."""
+
+    summary: ClassVar[str] = "limit load of a strip footing in plane strain, smooth and rough"
+    version: ClassVar[int] = 3
+    exact_source: ClassVar[str] = (
+        "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
+    )
+    planar: ClassVar[bool] = True
+
+    @property
+    def exact_load(self) -> float:
+        """Exact limit load over area and su, whatever the adhesion."""
+        return 2.0 + math.pi

@@ -1,15 +1,16 @@
-"""The penetrometer: a cone below a shaft, the grid fitted to it and the forces on it."""
+"""The penetrometer: a cone below a shaft, the grid fitted to it, its contact, the forces on it."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
+from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
-from mpm_warp.grid.fitted import Floats, Grid, Integers, graded
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,8 +98,8 @@ class PenetrometerForces:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PenetrometerSurface:
-    """The surface of a penetrometer in a fitted grid: contact of its nodes, and forces from it.
+class PenetrometerContact(SurfaceContact):
+    """Contact of the soil with a penetrometer that a grid is fitted to, and the forces on it.
 
     The normal of a node is that of its consistent area vector, the integral of N n over the
     surface, so that on the whole no soil flows through (Engelman, Sani & Gresho 1982, Int. J.
@@ -106,80 +107,74 @@ class PenetrometerSurface:
     has Nc 10.61 with it, 10.84 with the normal of the face alone, 9.99 with the shaft's.
 
     Attributes:
-        penetrometer: whose surface it is.
-        grid: a grid fitted to it.
+        face_areas: integrals of N r along the face for each node [m2], shape [node_count].
+        shaft_areas: the same along the shaft [m2], shape [node_count].
         face_adhesion: adhesion of the cone's face [Pa], >= 0.
         shaft_adhesion: adhesion of the shaft [Pa], >= 0.
-        friction: Coulomb coefficient of both, dimensionless, >= 0.
-        in_situ_stress: isotropic stress in the ground before [Pa], >= 0.
+        half_angle: half the angle of the cone [rad].
     """
 
-    penetrometer: Penetrometer
-    grid: Grid
+    face_areas: Floats
+    shaft_areas: Floats
     face_adhesion: float
     shaft_adhesion: float
-    friction: float
-    in_situ_stress: float
+    half_angle: float
 
-    @property
-    def nodes(self) -> Integers:
-        """Flat indices of the nodes on the surface, from the tip upward, shape [node_count]."""
-        return self.grid.node(0, self._rows)
+    @classmethod
+    def of(
+        cls,
+        penetrometer: Penetrometer,
+        grid: Grid,
+        *,
+        face_adhesion: float,
+        shaft_adhesion: float = 0.0,
+        friction: float = 0.0,
+        in_situ_stress: float,
+        speed: float = 0.0,
+    ) -> Self:
+        """Contact on all nodes of the surface, from the tip upward.
 
-    @property
-    def _rows(self) -> Integers:
-        tip = int(np.flatnonzero(self.grid.surface_radius == 0.0)[-1])
-        return np.arange(tip, self.grid.row_count + 1, dtype=np.int32)
-
-    @cached_property
-    def areas(self) -> tuple[Floats, Floats]:
-        """Integrals of N r along face and shaft for each node [m2], each of shape [node_count]."""
-        radius, height = self.grid.surface_radius[self._rows], self.grid.rows[self._rows]
+        Args:
+            penetrometer: the penetrometer.
+            grid: a grid fitted to it.
+            face_adhesion: adhesion of the cone's face [Pa], >= 0.
+            shaft_adhesion: adhesion of the shaft [Pa], >= 0.
+            friction: Coulomb coefficient of both, dimensionless, >= 0.
+            in_situ_stress: isotropic stress in the ground before [Pa], >= 0.
+            speed: at which it sinks into the grid [m/s]; 0 where the grid travels with it.
+        """
+        tip = int(np.flatnonzero(grid.surface_radius == 0.0)[-1])
+        rows = np.arange(tip, grid.row_count + 1, dtype=np.int32)
+        nodes = grid.node(0, rows)
+        radius, height = grid.surface_radius[rows], grid.rows[rows]
         length = np.hypot(np.diff(radius), np.diff(height))
         on_face = np.diff(radius) > 0.0
         face = nodal_areas(radius, np.where(on_face, length, 0.0))
-        return face, nodal_areas(radius, np.where(on_face, 0.0, length))
+        shaft = nodal_areas(radius, np.where(on_face, 0.0, length))
+        half = 0.5 * penetrometer.apex_angle
+        vectors = np.outer(face, [-np.cos(half), np.sin(half)]) + np.outer(shaft, [-1.0, 0.0])
+        # On the axis nothing moves sideways: the tip resists along z alone.
+        vectors[grid.node_positions[nodes, 0] == 0.0, 0] = 0.0
+        normal_areas = np.linalg.norm(vectors, axis=1)
+        return cls(
+            nodes=nodes,
+            normals=vectors / normal_areas[:, None],
+            normal_areas=normal_areas,
+            adhesion_forces=face_adhesion * face + shaft_adhesion * shaft,
+            friction=friction,
+            in_situ_stress=in_situ_stress,
+            speed=speed,
+            face_areas=face,
+            shaft_areas=shaft,
+            face_adhesion=face_adhesion,
+            shaft_adhesion=shaft_adhesion,
+            half_angle=half,
+        )
 
     @property
     def shaft_area(self) -> float:
         """Area of the shaft within the grid, per radian [m2]."""
-        return float(self.areas[1].sum())
-
-    @cached_property
-    def contact(self) -> SurfaceContact:
-        """Contact on all nodes of the surface."""
-        face, shaft = self.areas
-        half = 0.5 * self.penetrometer.apex_angle
-        vectors = np.outer(face, [-np.cos(half), np.sin(half)]) + np.outer(shaft, [-1.0, 0.0])
-        # On the axis nothing moves sideways: the tip resists along z alone.
-        vectors[self.grid.node_positions[self.nodes, 0] == 0.0, 0] = 0.0
-        normal_areas = np.linalg.norm(vectors, axis=1)
-        return SurfaceContact(
-            nodes=self.nodes,
-            normals=vectors / normal_areas[:, None],
-            normal_areas=normal_areas,
-            adhesion_forces=self.face_adhesion * face + self.shaft_adhesion * shaft,
-            friction=self.friction,
-            in_situ_stress=self.in_situ_stress,
-        )
-
-    @cached_property
-    def _face_part(self) -> Floats:
-        """Area on the face over that on which the normal force of a node acts, [node_count]."""
-        part: Floats = self.areas[0] / self.contact.normal_areas
-        return part
-
-    @cached_property
-    def _face_share(self) -> Floats:
-        return self._share_of_face(np.zeros(len(self.nodes)))
-
-    def _share_of_face(self, normal: Floats) -> Floats:
-        """Of the greatest shear force that a node can bear under normal forces, [node_count]."""
-        face, shaft = self.areas
-        rubbing = self.friction * (normal / self.contact.normal_areas + self.in_situ_stress)
-        face_limit = (self.face_adhesion + rubbing) * face
-        limit = face_limit + (self.shaft_adhesion + rubbing) * shaft
-        return np.divide(face_limit, limit, out=np.zeros_like(limit), where=limit > 0.0)
+        return float(self.shaft_areas.sum())
 
     def forces(self, nodal: Floats) -> PenetrometerForces:
         """Forces on face and shaft.
@@ -190,13 +185,30 @@ class PenetrometerSurface:
         Args:
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
-        half = 0.5 * self.penetrometer.apex_angle
         normal, shear = nodal[:, 0], nodal[:, 1]
         face_share = self._face_share if self.friction == 0.0 else self._share_of_face(normal)
         face_shear = float(shear @ face_share)
         return PenetrometerForces(
-            face_normal=float(normal @ self._face_part) * math.sin(half),
-            face_shear=face_shear * math.cos(half),
+            face_normal=float(normal @ self._face_part) * math.sin(self.half_angle),
+            face_shear=face_shear * math.cos(self.half_angle),
             shaft_shear=float(shear.sum()) - face_shear,
-            contact_share=self.contact.share_in_touch(normal),
+            contact_share=self.share_in_touch(normal),
         )
+
+    @cached_property
+    def _face_part(self) -> Floats:
+        """Area on the face over that on which the normal force of a node acts, [node_count]."""
+        part: Floats = self.face_areas / self.normal_areas
+        return part
+
+    @cached_property
+    def _face_share(self) -> Floats:
+        """The face's share of the shear forces where there is no friction, [node_count]."""
+        return self._share_of_face(np.zeros(len(self.nodes)))
+
+    def _share_of_face(self, normal: Floats) -> Floats:
+        """Of the greatest shear force that a node can bear under normal forces, [node_count]."""
+        rubbing = self.friction * (normal / self.normal_areas + self.in_situ_stress)
+        face_limit = (self.face_adhesion + rubbing) * self.face_areas
+        limit = face_limit + (self.shaft_adhesion + rubbing) * self.shaft_areas
+        return np.divide(face_limit, limit, out=np.zeros_like(limit), where=limit > 0.0)

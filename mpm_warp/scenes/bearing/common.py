@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import time
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene
-
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.parts.boundaries import Fixed
-    from mpm_warp.parts.contact import SurfaceContact
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.grid.fitted import Floats, Grid
-    from mpm_warp.materials.materials import Tresca
-    from mpm_warp.scene import Scene
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.sampling import follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.limit_load import LoadSampler
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
 STRENGTH = 1e3
@@ -31,7 +31,7 @@ SAMPLE_COUNT = 60
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bearing(ReadyScene):
+class Bearing(CatalogueScene):
     """A rigid body in weightless Tresca soil, pressed by a small part of its radius.
 
     What a limit load does not depend on is chosen such that it comes soon: displacements stay far
@@ -74,14 +74,18 @@ class Bearing(ReadyScene):
         """Contact of the soil with the body, which sinks at `speed`."""
 
     @abstractmethod
-    def load(self, grid: Grid, nodal: Floats) -> float:
-        """Load over area and su, from the nodal forces of the soil [N], shape [node_count, 2]."""
+    def load(self, scene: Scene, nodal: Floats) -> float:
+        """Load over area and su.
+
+        Args:
+            scene: what is simulated.
+            nodal: normal and tangential forces from the soil at the nodes of its contact [N], shape
+                [node_count, 2].
+        """
 
     @property
     def material(self) -> Tresca:
         """The soil."""
-        from mpm_warp.materials.materials import Tresca
-
         return Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,
@@ -96,10 +100,6 @@ class Bearing(ReadyScene):
 
     def fixed(self, grid: Grid) -> Fixed:
         """Nodes on the axis, on the side of the soil and below it."""
-        import numpy as np
-
-        from mpm_warp.parts.boundaries import Fixed
-
         vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical[0] = True
         radial = vertical.copy()
@@ -107,10 +107,8 @@ class Bearing(ReadyScene):
         radial[:, -1] = True
         return Fixed.where(radial=radial, vertical=vertical)
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.scene import Scene
-
+    def build(self) -> Scene:
+        """The ground, and its contact with the body."""
         grid = self.grid()
         return Scene(
             grid=grid,
@@ -122,26 +120,12 @@ class Bearing(ReadyScene):
             contact=self.contact(grid),
         )
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        from mpm_warp.results import cost
-        from mpm_warp.limit_load import press
-        from mpm_warp.simulation import Simulation
-
-        scene = self.simulated_scene()
-        simulation = Simulation(scene, execution)
-        start = time.perf_counter()
-        curve = press(
-            simulation,
-            displacement=self.displacement / self.rigidity_index * RADIUS,
-            length=RADIUS,
-            sample_count=SAMPLE_COUNT,
-            load=lambda nodal: self.load(scene.grid, nodal),
-            progress=progress,
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Press the body into the ground, and hold the limit of its load against the exact one."""
+        scene = simulation.scene
+        sampler = LoadSampler(
+            simulation, length=RADIUS, load=lambda nodal: self.load(scene, nodal)
         )
-        run_time = time.perf_counter() - start
-        return curve.beside(self.exact_load, self.exact_source).assign(
-            cost(simulation, run_time=run_time)
-        )
+        steps = sampler.steps(self.displacement / self.rigidity_index * RADIUS, SAMPLE_COUNT)
+        recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
+        return recorded.assign(sampler.curve.limit_beside(self.exact_load, self.exact_source))

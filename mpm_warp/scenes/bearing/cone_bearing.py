@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Verification
-from mpm_warp.scenes.families.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
-
-if TYPE_CHECKING:
-    from mpm_warp.parts.contact import SurfaceContact
-    from mpm_warp.grid.fitted import Floats, Grid
-    from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}
 """Load over (base area times su) by adhesion factor, for an apex angle of 60 degrees."""
@@ -53,12 +50,12 @@ class ConeBearing(Bearing):
 
     @property
     def exact_load(self) -> float:
-        """See `Bearing`; not a number where none is known."""
+        """Exact limit load over area and su; not a number where none is known."""
         return EXACT.get(self.adhesion_factor, math.nan) if self.apex_angle == 60.0 else math.nan
 
     def grid(self) -> Grid:
-        """See `Bearing`."""
-        return self._penetrometer().fitted_grid(
+        """A grid fitted to the cone, that ends at its shoulder."""
+        return self._penetrometer.fitted_grid(
             cell_size=RADIUS / self.cells_per_radius,
             cell_growth=0.3,
             outer_radius=5.0 * RADIUS,
@@ -66,28 +63,22 @@ class ConeBearing(Bearing):
             height_above=0.0,
         )
 
-    def contact(self, grid: Grid) -> SurfaceContact:
-        """See `Bearing`."""
-        return dataclasses.replace(self._surface(grid).contact, speed=self.speed)
+    def contact(self, grid: Grid) -> PenetrometerContact:
+        """Contact on the face of the cone."""
+        return PenetrometerContact.of(
+            self._penetrometer,
+            grid,
+            face_adhesion=self.adhesion_factor * STRENGTH,
+            in_situ_stress=NO_PARTING,
+            speed=self.speed,
+        )
 
-    def load(self, grid: Grid, nodal: Floats) -> float:
-        """See `Bearing`."""
-        forces = self._surface(grid).forces(nodal)
+    def load(self, scene: Scene, nodal: Floats) -> float:
+        """The upward force on the face, over base area and su."""
+        assert isinstance(scene.contact, PenetrometerContact)
+        forces = scene.contact.forces(nodal)
         return (forces.face_normal + forces.face_shear) / (0.5 * RADIUS**2 * STRENGTH)
 
+    @property
     def _penetrometer(self) -> Penetrometer:
-        from mpm_warp.penetrometer import Penetrometer
-
         return Penetrometer(radius=RADIUS, apex_angle=math.radians(self.apex_angle))
-
-    def _surface(self, grid: Grid) -> PenetrometerSurface:
-        from mpm_warp.penetrometer import PenetrometerSurface
-
-        return PenetrometerSurface(
-            penetrometer=self._penetrometer(),
-            grid=grid,
-            face_adhesion=self.adhesion_factor * STRENGTH,
-            shaft_adhesion=0.0,
-            friction=0.0,
-            in_situ_stress=NO_PARTING,
-        )

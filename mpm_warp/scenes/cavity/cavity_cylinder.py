@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-from mpm_warp.scenes.base import Verification
-from mpm_warp.scenes.families.cavity import RADIUS, Cavity, verifications
+import numpy as np
 
-if TYPE_CHECKING:
-    from mpm_warp.parts.boundaries import FarField, Fixed
-    from mpm_warp.grid.fitted import Grid
-    from mpm_warp.materials.materials import LinearElastic
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
+from mpm_warp.scenes.catalogue import Verification
 
 
 @dataclass(frozen=True, kw_only=True)
 class CavityCylinder(Cavity):
-    """One row of cells between smooth ends; see `Cavity` for the exact solution."""
+    """One row of cells between smooth ends, around a cylinder whose wall moves outward."""
 
     summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
     version: ClassVar[int] = 5
@@ -27,11 +28,7 @@ class CavityCylinder(Cavity):
     von_mises_strength: ClassVar[float] = 1.0
 
     def grid(self) -> Grid:
-        """See `Cavity`."""
-        import numpy as np
-
-        from mpm_warp.grid.fitted import Grid
-
+        """One row of cells, to twice the radius of the plastic zone."""
         # Beyond the plastic zone, so that the far field is elastic as it takes it to be.
         outer = 2.0 * self.plastic_radius
         return Grid(
@@ -42,22 +39,16 @@ class CavityCylinder(Cavity):
         )
 
     def fixed(self, grid: Grid) -> Fixed:
-        """See `Cavity`."""
-        import numpy as np
-
-        from mpm_warp.parts.boundaries import Fixed
-
+        """Nothing moves along the axis."""
         vertical = np.ones((2, len(grid.columns)), dtype=bool)
         return Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
 
-    def far_field(self, grid: Grid, material: LinearElastic) -> FarField:
-        """See `Cavity`."""
-        from mpm_warp.parts.boundaries import FarField
-
+    def far_field(self, grid: Grid, material: Material) -> FarField:
+        """The elastic medium around the grid, as springs."""
         far_field = FarField.around(grid, material)
         # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
         return dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
 
     def wall_area(self, grid: Grid, radius: float) -> float:
-        """See `Cavity`."""
+        """Area of the wall per radian [m2] when the cavity has a radius [m]."""
         return radius * float(grid.rows[-1] - grid.rows[0])

@@ -10,7 +10,8 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import curves_kept, variable
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces
 from mpm_warp.simulation import Simulation
 
 PLATEAU_SHARE = 0.25
@@ -45,21 +46,22 @@ class LoadCurve:
         change = abs(slope) * (displacement[-1] - displacement[0])
         return float(load.mean()) if change <= PLATEAU_CHANGE * abs(load.mean()) else math.nan
 
-    def curves(self) -> xr.Dataset:
+    def dataset(self) -> xr.Dataset:
         """The curve alone."""
         dims = ("displacement",)
         axis = variable(self.displacement, unit="1", meaning="displacement over radius", dims=dims)
         resistance = variable(self.load, unit="1", meaning="load over area and su", dims=dims)
         return xr.Dataset({"resistance": resistance}, coords={"displacement": axis})
 
-    def beside(self, exact: float, source: str) -> xr.Dataset:
-        """The curve and its limit, beside the exact one, over area and su, and its source."""
-        variables = {
+    def limit_beside(self, exact: float, source: str) -> dict[str, xr.Variable]:
+        """The limit beside the exact one, over area and su, which comes from a source."""
+        return {
             "error": variable(
                 abs(self.limit / exact - 1),
                 unit="1",
                 meaning="error of the limit load",
                 description="relative error of the plateau; not a number where there is none",
+                role="headline",
             ),
             "bearing_capacity": variable(
                 self.limit,
@@ -73,53 +75,59 @@ class LoadCurve:
                 unit="1",
                 meaning="limit load over area and su, exact",
                 description=source,
+                exact_of="bearing_capacity",
             ),
         }
-        return self.curves().assign(variables)
 
 
-def press(
-    simulation: Simulation,
-    *,
-    displacement: float,
-    length: float,
-    sample_count: int,
-    load: Callable[[Floats], float],
-    progress: Callable[[float], None] | None = None,
-) -> LoadCurve:
-    """Press the surface of the simulation's contact into the soil, at the speed it has.
+class LoadSampler:
+    """Samples the load of a rigid surface that is pressed into soil at the speed of its contact.
 
     Args:
-        simulation: a simulation of a scene with contact and without a window.
-        displacement: how far [m], > 0.
+        simulation: a run of a scene with contact and without a window.
         length: to measure the displacement by [m], > 0.
-        sample_count: samples of the curve, > 0; fewer where there are fewer steps.
         load: the load over area and su, out of the forces of the contact nodes.
-        progress: called with the fraction done.
-
-    Raises:
-        SimulationDiverged: the run became unstable; its `history` is the curve up to there.
     """
-    contact = simulation.scene.contact
-    assert contact is not None, "nothing is pressed into the soil"
-    travel_per_step = contact.speed * simulation.plan.time_step
-    reached: list[float] = []
-    loads: list[float] = []
 
-    def curve() -> LoadCurve:
+    def __init__(
+        self, simulation: Simulation, *, length: float, load: Callable[[Floats], float]
+    ) -> None:
+        self._simulation = simulation
+        self._length = length
+        self._load = load
+        self._contact_forces = ContactForces(simulation)
+        self._reached: list[float] = []  # displacement at each sample [m]
+        self._loads: list[float] = []
+
+    @property
+    def travel_per_step(self) -> float:
+        """How far the surface sinks in a step [m]."""
+        contact = self._simulation.scene.contact
+        assert contact is not None, "nothing is pressed into the soil"
+        return contact.speed * self._simulation.plan.time_step
+
+    def steps(self, displacement: float, sample_count: int) -> list[int]:
+        """Steps after which samples are due, evenly over a displacement [m].
+
+        There are fewer samples where there are fewer steps.
+        """
+        shares = np.arange(1, sample_count + 1) / sample_count
+        steps = np.rint(shares * displacement / self.travel_per_step)
+        return np.unique(np.maximum(steps, 1.0)).astype(int).tolist()
+
+    def sample(self) -> None:
+        """Take down the displacement, and the mean load since the sample before."""
+        self._loads.append(self._load(self._contact_forces.take()))
+        self._reached.append(self._simulation.step_count * self.travel_per_step)
+
+    @property
+    def curve(self) -> LoadCurve:
+        """Load against displacement so far."""
         # A mean over the steps since the sample before stands in their middle.
-        middles = 0.5 * (np.array(reached) + np.array([0.0, *reached])[: len(reached)])
-        return LoadCurve(displacement=middles / length, load=np.array(loads))
+        before = np.array([0.0, *self._reached])[: len(self._reached)]
+        middles = 0.5 * (np.array(self._reached) + before)
+        return LoadCurve(displacement=middles / self._length, load=np.array(self._loads))
 
-    with curves_kept(lambda: curve().curves()):
-        for sample in range(1, sample_count + 1):
-            step = max(1, round(sample / sample_count * displacement / travel_per_step))
-            if step == simulation.step_count:
-                continue
-            simulation.advance(step - simulation.step_count)
-            loads.append(load(simulation.take_contact_forces()))
-            reached.append(step * travel_per_step)
-            if progress is not None:
-                progress(sample / sample_count)
-        simulation.check()
-    return curve()
+    def dataset(self) -> xr.Dataset:
+        """The curve alone."""
+        return self.curve.dataset()

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-from mpm_warp.scenes.base import Verification
-from mpm_warp.scenes.families.cavity import RADIUS, Cavity, verifications
+import numpy as np
+import xarray as xr
 
-if TYPE_CHECKING:
-    import numpy as np
-    import xarray
-
-    from mpm_warp.parts.boundaries import FarField, Fixed
-    from mpm_warp.grid.fitted import Grid
-    from mpm_warp.materials.materials import LinearElastic
-    from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.results import variable
+from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
+from mpm_warp.scenes.catalogue import Verification
 
 
 @dataclass(frozen=True, kw_only=True)
 class CavitySphere(Cavity):
-    """A quarter of the half plane, from the axis to the equator, on rays; see `Cavity`.
+    """A quarter of the half plane, from the axis to the equator, on rays.
 
     The grid ends, without traction, at six times the radius of the plastic zone: what is missing
     beyond lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
@@ -35,11 +35,7 @@ class CavitySphere(Cavity):
     von_mises_strength: ClassVar[float] = math.sqrt(0.75)
 
     def grid(self) -> PolarGrid:
-        """See `Cavity`."""
-        import numpy as np
-
-        from mpm_warp.grid.polar import PolarGrid
-
+        """Rays from the axis to the equator, to six times the radius of the plastic zone."""
         outer = 6.0 * self.plastic_radius
         row_count = max(2, round(0.5 * math.pi * self.cells_per_radius))
         return PolarGrid(
@@ -50,31 +46,26 @@ class CavitySphere(Cavity):
         )
 
     def fixed(self, grid: Grid) -> Fixed:
-        """See `Cavity`."""
-        import numpy as np
-
-        from mpm_warp.parts.boundaries import Fixed
-
+        """Nothing moves across the axis or the equator."""
         radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical = radial.copy()
         radial[0] = True
         vertical[-1] = True
         return Fixed.where(radial=radial, vertical=vertical)
 
-    def far_field(self, grid: Grid, material: LinearElastic) -> FarField | None:
-        """See `Cavity`."""
+    def far_field(self, grid: Grid, material: Material) -> FarField | None:
+        """None: the grid ends without traction."""
         return None
 
     def wall_area(self, grid: Grid, radius: float) -> float:
-        """See `Cavity`: what the normal forces of the nodes act on, r^2 less 0.6 % at 4 cells."""
+        """Area of the wall per radian [m2] when the cavity has a radius [m].
+
+        It is what the normal forces of the nodes act on: r^2 less 0.6 % at 4 cells.
+        """
         return float(_wall_areas(grid).sum()) * (radius / RADIUS) ** 2
 
-    def shape(self, grid: Grid, on_rows: np.ndarray) -> dict[str, xarray.Variable]:
-        """See `Cavity`."""
-        import numpy as np
-
-        from mpm_warp.results import variable
-
+    def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
+        """How uneven the pressure over the wall is at the end."""
         pressure = on_rows / _wall_areas(grid)
         return {
             "departure": variable(
@@ -86,10 +77,8 @@ class CavitySphere(Cavity):
         }
 
 
-def _wall_areas(grid: Grid) -> np.ndarray:
+def _wall_areas(grid: Grid) -> Floats:
     """Of the wall's nodes at the start, along their normals [m2 per radian], [row_count + 1]."""
-    from mpm_warp.grid.polar import PolarGrid
-
     assert isinstance(grid, PolarGrid)
-    areas: np.ndarray = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
+    areas: Floats = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
     return areas

@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene, Verification
-
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.column import Column
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.scene import Scene
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.gravity import Gravity
+from mpm_warp.results import variable
+from mpm_warp.sampling import follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.waves.column import Column
+from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
 GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
+PROGRESS_COUNT = 20
+"""How often progress is told."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class GravityColumn(ReadyScene):
+class GravityColumn(CatalogueScene):
     """Elastic soil, at first without weight and stress, critically damped until it is at rest.
 
     From the base up, with M the constrained modulus: sigma = -rho g (H - z), and the displacement
@@ -48,12 +54,8 @@ class GravityColumn(ReadyScene):
         1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
     )
 
-    def build(self) -> tuple[Scene, Column]:
-        """The scene and its column."""
-        from mpm_warp.column import Column
-        from mpm_warp.materials.materials import LinearElastic
-        from mpm_warp.scene import Scene
-
+    def build(self) -> Scene:
+        """The column, its weight, and the damping that brings it to rest."""
         constrained_modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
         nu = self.poissons_ratio
         material = LinearElastic(
@@ -61,42 +63,38 @@ class GravityColumn(ReadyScene):
             poissons_ratio=nu,
             density=DENSITY,
         )
-        column = Column(height=HEIGHT, cell_count=self.cell_count)
-        scene = Scene(
-            grid=column.grid,
+        # Twice the angular frequency of the first mode, pi c / 2 H.
+        damping = math.pi * material.pressure_wave_speed / HEIGHT
+        return Scene(
+            grid=self._column.grid,
             material=material,
             particles_per_side=2,
             time_step_fraction=0.85,
-            gravity=GRAVITY,
-            # Twice the angular frequency of the first mode, pi c / 2 H.
-            damping=math.pi * material.pressure_wave_speed / HEIGHT,
-            fixed=column.fixed,
+            forces=(Gravity(GRAVITY), Damping(damping)),
+            fixed=self._column.fixed,
         )
-        return scene, column
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        return self.build()[0]
+    @property
+    def _column(self) -> Column:
+        return Column(height=HEIGHT, cell_count=self.cell_count)
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-        import xarray as xr
-
-        from mpm_warp.results import cost, variable
-        from mpm_warp.simulation import Simulation
-
-        scene, column = self.build()
-        simulation = Simulation(scene, execution)
-        start = time.perf_counter()
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Let the column come to rest, and hold stress and settlement against the exact ones."""
         position = simulation.array("particle.position").copy()
-        period = 4 * HEIGHT / scene.material.pressure_wave_speed
-        simulation.advance(round(PERIODS * period / simulation.plan.time_step))
-        simulation.check()
-        run_time = time.perf_counter() - start
+        period = 4 * HEIGHT / simulation.scene.material.pressure_wave_speed
+        step_count = round(PERIODS * period / simulation.plan.time_step)
+        steps = np.linspace(0, step_count, PROGRESS_COUNT + 1).round().astype(int)[1:]
+        recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
+        return recorded.merge(self._at_rest(simulation, position))
 
+    def _at_rest(self, simulation: Simulation, position: Floats) -> xr.Dataset:
+        """Stress and settlement, beside the exact ones.
+
+        Args:
+            simulation: at rest.
+            position: of the particles at the start [m], shape [particle_count, 2].
+        """
+        column = self._column
         mass = simulation.array("particle.mass")
         change = simulation.array("particle.position")[:, 1] - position[:, 1]
         displacement = column.mean_over_sections(change, mass)
@@ -120,17 +118,23 @@ class GravityColumn(ReadyScene):
                 meaning="error of stress and settlement",
                 description="the greater of the greatest error of the vertical stress, over that "
                 "at the base, and the relative error of the settlement",
+                role="headline",
             ),
             "stress": variable(stress, unit="Pa", meaning="vertical stress", dims=("height",)),
             "stress_exact": variable(
-                exact_stress, unit="Pa", meaning="vertical stress, exact", dims=("height",)
+                exact_stress,
+                unit="Pa",
+                meaning="vertical stress, exact",
+                dims=("height",),
+                exact_of="stress",
             ),
             "settlement": variable(settlement, unit="m", meaning="settlement of the top"),
             "settlement_exact": variable(
-                exact_settlement, unit="m", meaning="settlement of the top, exact"
+                exact_settlement,
+                unit="m",
+                meaning="settlement of the top, exact",
+                exact_of="settlement",
             ),
         }
         axis = variable(middles, unit="m", meaning="height of the cell's middle", dims=("height",))
-        return xr.Dataset(variables, coords={"height": axis}).assign(
-            cost(simulation, run_time=run_time)
-        )
+        return xr.Dataset(variables, coords={"height": axis})
