@@ -15,23 +15,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from mpm_warp.errors import ParameterError
+
 Value = float | int | str | bool
 SceneT = typing.TypeVar("SceneT")
-
-
-class ParameterError(ValueError):
-    """A parameter is unknown or its value is not allowed; the message is one line.
-
-    Attributes:
-        key: name of the offending parameter, as it was given.
-        status: how a harness files the case.
-    """
-
-    status = "refused"
-
-    def __init__(self, key: str, message: str) -> None:
-        super().__init__(message)
-        self.key = key
 
 
 @dataclass(frozen=True, kw_only=True)

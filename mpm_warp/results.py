@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats
-from mpm_warp.watch.health import SimulationDiverged
-from mpm_warp.simulation import TimeLoop
+from numpy.typing import ArrayLike
 
 
 def variable(
-    value: float | Floats,
+    value: ArrayLike,
     *,
     unit: str,
     meaning: str,
@@ -36,23 +33,6 @@ def variable(
     return xr.Variable(dims, np.asarray(value), labels)
 
 
-@contextmanager
-def curves_kept(curves: Callable[[], xr.Dataset]) -> Iterator[None]:
-    """Let a run that diverges in the block keep its curves up to there.
-
-    Args:
-        curves: gives them; a run may have none as yet.
-
-    Raises:
-        SimulationDiverged: from the block, with its `history`.
-    """
-    try:
-        yield
-    except SimulationDiverged as error:
-        error.history = curves()
-        raise
-
-
 COSTS = {
     "run_time": ("s", "wall-clock time of the time loop"),
     "setup_time": ("s", "wall-clock time to set up"),
@@ -71,16 +51,3 @@ def costs(**values: float) -> Mapping[str, xr.Variable]:
         name: variable(value, unit=COSTS[name][0], meaning=COSTS[name][1])
         for name, value in values.items()
     }
-
-
-def cost(simulation: TimeLoop, *, run_time: float) -> Mapping[str, xr.Variable]:
-    """Time and work of a simulation, whose steps took `run_time` seconds."""
-    return costs(
-        run_time=run_time,
-        setup_time=simulation.setup_time,
-        compile_time=simulation.compile_time,
-        time_step=simulation.plan.time_step,
-        step_count=simulation.step_count,
-        particle_count=simulation.plan.particle_count,
-        particle_updates=simulation.particle_updates,
-    )

@@ -1,0 +1,68 @@
+"""What ends a run, or keeps it from starting, by name; every message is one line.
+
+An error that is the outcome of a case has a `status`, by which a harness files the case.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class SceneError(ValueError):
+    """A scene cannot be run: a value is not allowed, or two parts do not go together."""
+
+    status = "refused"
+
+
+class ParameterError(ValueError):
+    """A parameter is unknown, or its value is not allowed.
+
+    Attributes:
+        key: name of the offending parameter, as it was given.
+    """
+
+    status = "refused"
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(message)
+        self.key = key
+
+
+class UnknownSceneError(LookupError):
+    """The catalogue has no scene of that name; the message names the nearest one."""
+
+
+class SimulationDiverged(RuntimeError):
+    """The run became unstable; the message names what, where and when.
+
+    Attributes:
+        curves: what had been sampled up to there; None where nothing is sampled.
+    """
+
+    status = "diverged"
+    curves: xarray.Dataset | None = None
+
+
+class WindowOverfull(SimulationDiverged):
+    """More soil stays in the travelling window than it has slots for: it piles up on the shaft."""
+
+
+class InaccurateRun(RuntimeError):
+    """The run came to its end, but its result is not to be relied on.
+
+    Attributes:
+        curves: what was sampled.
+    """
+
+    status = "inaccurate"
+
+    def __init__(self, message: str, curves: xarray.Dataset) -> None:
+        super().__init__(message)
+        self.curves = curves
+
+
+class Fault(Exception):
+    """What a look at a run has found: the beginning of a message, without when and what to do."""
