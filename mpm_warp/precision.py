@@ -8,27 +8,40 @@ import warp as wp
 
 @dataclass(frozen=True)
 class Precision:
-    """Scalar and vector types of one width; `numpy_name` is the name of the scalar in numpy.
+    """Scalar, vector and matrix types of one width.
 
-    `double` is the same in each: for what a step adds so little to that it would be rounded away.
+    Attributes:
+        numpy_name: name of the scalar in numpy.
+        real: the scalar.
+        mat22: matrices of 2 x 2.
+        double: 64 bits in every precision: for what a step adds so little to that it would be
+            rounded away.
     """
 
     numpy_name: str
     real: Any
+    mat22: Any
     vec2: Any
     vec3: Any
     vec4: Any
     vec5: Any
     vec7: Any
-    vec10: Any
-    vec11: Any
-    mat22: Any
     double: Any = wp.float64
+
+    def vector(self, length: int) -> Any:
+        """The type of vectors of that length."""
+        return wp.types.vector(length, self.real)
+
+    def type_of(self, kind: str) -> Any:
+        """The type of that name: "real", "double", "mat22", or "vec" and a length."""
+        if kind.startswith("vec"):
+            return self.vector(int(kind.removeprefix("vec")))
+        return getattr(self, kind)
 
 
 def _precision(numpy_name: str, real: Any) -> Precision:
-    vectors = (wp.types.vector(length, real) for length in (2, 3, 4, 5, 7, 10, 11))
-    return Precision(numpy_name, real, *vectors, wp.types.matrix((2, 2), real))
+    vectors = (wp.types.vector(length, real) for length in (2, 3, 4, 5, 7))
+    return Precision(numpy_name, real, wp.types.matrix((2, 2), real), *vectors)
 
 
 FLOAT64 = _precision("float64", wp.float64)

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.parts.boundaries import FarField, Fixed
-from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.precision import PRECISIONS
-from mpm_warp.parts.loads import NodalLoad
-from mpm_warp.materials.materials import LinearElastic
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.part import NodeAction
 from mpm_warp.parts.window import Window
-
-
-class SceneError(ValueError):
-    """A scene is not one that can be run; the message is one line.
-
-    Attributes:
-        status: how a harness files the case.
-    """
-
-    status = "refused"
+from mpm_warp.precision import PRECISIONS
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,10 +29,8 @@ class Scene:
         particles_per_side: particles along each side of a cell, >= 1.
         time_step_fraction: time step over the critical one, dimensionless, > 0.
         bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
-        load: forces on nodes, or none.
-        gravity: acceleration downward [m/s2], > 0, or none.
-        damping: rate at which all motion dies out, force over momentum [1/s], > 0, or none: for
-            states of rest.
+        forces: parts that act on nodes before all others, in this order: loads, gravity, damping,
+            or a user's own.
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
         contact: contact with a rigid body, or none.
@@ -48,34 +39,29 @@ class Scene:
         window: travel of the grid through the soil, or none.
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
-        even_flow: whether flow is made even within cells, see `mpm_warp.parts.even_flow_kernel`; for
-            soil that streams along a wall for long. The grid is axisymmetric, of horizontal rows.
-        consistent_mass: whether momentum is that of the consistent mass matrix, so that waves keep
-            their energy, see `mpm_warp.step.consistent_mass`; on a grid with horizontal rows
-            and without a window.
+        conservative_interpolation: whether particles follow a flow that changes volume alike all
+            over a cell; for soil that streams along a wall for long. The grid is axisymmetric, of
+            horizontal rows.
         energy_audit: whether to sample what energy the transfers create or dissipate.
-        precision: floating point numbers of the run, by a name of `PRECISIONS`.
+        precision: floating point numbers of the run, "float64" or "float32".
 
     Raises:
         SceneError: a value is not allowed, or two parts do not go together.
     """
 
     grid: Grid
-    material: LinearElastic
+    material: Material
     particles_per_side: int
     time_step_fraction: float
     bulk_viscosity: float | None = None
-    load: NodalLoad | None = None
-    gravity: float | None = None
-    damping: float | None = None
+    forces: tuple[NodeAction, ...] = ()
     fixed: Fixed | None = None
     far_field: FarField | None = None
     contact: SurfaceContact | None = None
     moving_wall: MovingWall | None = None
     window: Window | None = None
     free_surface: bool = False
-    even_flow: bool = False
-    consistent_mass: bool = False
+    conservative_interpolation: bool = False
     energy_audit: bool = False
     precision: str = "float64"
 
@@ -83,31 +69,35 @@ class Scene:
         for name in ("particles_per_side", "time_step_fraction"):
             if not getattr(self, name) > 0:
                 raise SceneError(f"{name} = {getattr(self, name):g} must be > 0")
-        for name in ("bulk_viscosity", "gravity", "damping"):
-            value = getattr(self, name)
-            if value is not None and not value > 0.0:
-                raise SceneError(f"{name} = {value:g} must be > 0, or none")
+        if self.bulk_viscosity is not None and not self.bulk_viscosity > 0.0:
+            raise SceneError(f"bulk_viscosity = {self.bulk_viscosity:g} must be > 0, or none")
         if self.precision not in PRECISIONS:
             raise SceneError(
                 f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
             )
         leans = np.ptp(self.grid.surface_radius) > 0.0
+        has_rays_or_is_plane = self.grid.polar or self.grid.planar
         for part, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
             ("moving_wall", self.window, "a window"),
-            ("even_flow", self.grid.polar or self.grid.planar, "a grid of rays or that is plane"),
-            ("consistent_mass", self.grid.polar, "a grid of rays"),
-            ("consistent_mass", self.window, "a window"),
+            ("conservative_interpolation", has_rays_or_is_plane, "a grid of rays or that is plane"),
         ):
             if getattr(self, part) and does_not_go_with:
                 raise SceneError(f"{part}: not together with {why}")
 
     @property
-    def sharpened(self) -> bool:
+    def node_actions(self) -> Iterator[NodeAction]:
+        """The parts that act on nodes, in their order; the push of a moving wall comes after."""
+        yield from self.forces
+        for part in (self.fixed, self.far_field, self.contact):
+            if part is not None:
+                yield part
+
+    @property
+    def has_mass_matrix_correction(self) -> bool:
         """Whether nodes are given back what the transfers take from their velocity at the least.
 
-        See `mpm_warp.step.mass_matrix_correction`: it is that of full cells, and a part of what the
-        consistent mass matrix gives back. A single particle in the middle of a cell takes nothing
-        of what is sharpened.
+        The correction is that of full cells. A single particle in the middle of a cell takes
+        nothing of what it gives back.
         """
-        return self.particles_per_side > 1 and not (self.consistent_mass or self.free_surface)
+        return self.particles_per_side > 1 and not self.free_surface

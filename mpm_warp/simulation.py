@@ -3,67 +3,67 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
-import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
+from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.watch.health import (
-    Fault,
-    SimulationDiverged,
-    check_particles,
-    check_time_step,
-    check_yield,
-)
 from mpm_warp.execution.host_arrays import HostArrays
-from mpm_warp.execution.next_step import AUDIT_INTERVAL
-from mpm_warp.materials.materials import PerfectlyPlastic
-from mpm_warp.plan.plan import Launch, Plan, StepPlan
+from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.parts.inflow import Inflow
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
-from mpm_warp.watch.soil import SoilWatch
+from mpm_warp.watch.watch import make_watch
 
-LOOKED_AT_ONCE = 4_000
-"""Particles that the watch looks at together; the memory of more would be fetched each time."""
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
 
 
-class TimeLoop:
-    """The state of a run of a plan, and the ways to advance it.
+class Simulation:
+    """The state of a run, and the ways to advance it. Soil enters by itself where there is a window.
+
+    Args:
+        scene: what is run: soil in a grid, or any other kind that `make_plan` can plan.
+        execution: where and on how many threads; default: one thread of the processor.
 
     Attributes:
+        scene: what is run.
         plan: its arrays and launches.
         arrays: the arrays on the device, by the names of the plan.
         step_count: steps taken.
-        particle_count: particles in the grid at the last look of the watch.
         particle_updates: particles times steps.
-        setup_time: wall-clock time to fill the arrays [s].
+        setup_time: wall-clock time to plan the run and to fill its arrays [s].
         compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
     """
 
-    def __init__(self, plan: StepPlan, execution: Execution | None = None) -> None:
-        """Fill the arrays of the plan, which is for this run alone, and compile its kernels."""
+    def __init__(self, scene: object, execution: Execution | None = None) -> None:
         execution = execution or Execution()
-        self.plan = plan
+        start = time.perf_counter()
+        on_gpu = wp.get_device(execution.device).is_cuda
+        self.scene = scene
+        self.plan: Plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
         self.step_count = 0
-        self.particle_count = plan.particle_count
         self.particle_updates = 0
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
         self._execution = execution
-
-        start = time.perf_counter()
         self.arrays = {
-            name: array.allocate(execution.device) for name, array in plan.arrays.items()
+            name: array.allocate(execution.device) for name, array in self.plan.arrays.items()
         }
         self._on_host = HostArrays(self.arrays)
         self.setup_time = time.perf_counter() - start
 
         start = time.perf_counter()
-        self._steps = execution.steps(plan, self.arrays)
+        self._steps = execution.steps(self.plan, self.arrays)
         self.compile_time = time.perf_counter() - start
+        self._watch = make_watch(scene, self)
+        self._inflow = (
+            Inflow(self, scene, scene.window) if isinstance(scene, Scene) and scene.window else None
+        )
 
     @property
     def time(self) -> float:
@@ -71,7 +71,21 @@ class TimeLoop:
         steps = self.step_count - self._changed_step
         return self._changed_time + steps * self.plan.time_step
 
-    def array(self, name: str) -> np.ndarray:
+    @property
+    def travel(self) -> float:
+        """How far the window has moved down through the soil [m].
+
+        Raises:
+            ValueError: the scene has no window.
+        """
+        return self._window_inflow.travel
+
+    @property
+    def particle_count(self) -> int:
+        """Particles in the grid at the last look of the watch."""
+        return self._watch.particle_count
+
+    def array(self, name: str) -> NDArray[Any]:
         """An array of the plan on the host: the device's own memory where they share it."""
         return self._on_host(name)
 
@@ -87,34 +101,53 @@ class TimeLoop:
         """Take steps.
 
         Raises:
-            SimulationDiverged: noticed by the watch, which looks every `CHECK_INTERVAL` steps.
+            SimulationDiverged: noticed by the watch, which looks every `CHECK_INTERVAL` steps; the
+                message names what, where, when and what may help.
+            WindowOverfull: more soil has stayed in the window than it has slots for.
         """
         last = self.step_count + step_count
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
             is_watched = self.step_count == next_check - 1
             if is_watched:
-                self._prepare_look()
+                self._watch.prepare()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
+            if self._inflow is not None:
+                block = min(block, self._inflow.steps_ahead)
             steps = range(self.step_count, self.step_count + block)
             self._steps.play(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:
                 self.check()
+            if self._inflow is not None:
+                self._inflow.let_in()
+
+    def advance_to_step(self, step: int) -> None:
+        """Take steps until so many have been taken since the start; see `advance` for errors."""
+        self.advance(step - self.step_count)
 
     def advance_to(self, time: float) -> None:
         """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.
 
         Raises:
-            SimulationDiverged: see `advance`.
+            SimulationDiverged: the run became unstable.
+            WindowOverfull: more soil has stayed in the window than it has slots for.
         """
         while (left := self._steps_until(time)) > 0:
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
-    def _steps_until(self, time: float) -> int:
-        since_change = round((time - self._changed_time) / self.plan.time_step)
-        return self._changed_step + since_change - self.step_count
+    def travel_to(self, travel: float) -> None:
+        """Take steps until the window has moved so far [m] since the start.
+
+        Raises:
+            ValueError: the scene has no window.
+            SimulationDiverged: the run became unstable.
+            WindowOverfull: more soil has stayed in the window than it has slots for.
+        """
+        inflow = self._window_inflow
+        while inflow.travel < travel:
+            self.advance(inflow.steps_to(travel))
 
     def check(self) -> None:
         """Look whether the run is sound, and whether its time step is still the right one.
@@ -124,7 +157,7 @@ class TimeLoop:
         """
         control, time_step = self.plan.control, self.plan.time_step
         try:
-            self._look(self._present())
+            self._watch.look()
             if control is not None:
                 time_step = control.following(time_step, self._on_host)
         except Fault as fault:
@@ -136,101 +169,19 @@ class TimeLoop:
         if control is not None and time_step != self.plan.time_step:
             self._go_on_with(control.replan(time_step))
 
-    def _go_on_with(self, changed: StepPlan) -> None:
+    @property
+    def _window_inflow(self) -> Inflow:
+        if self._inflow is None:
+            raise ValueError("the scene has no window: nothing travels")
+        return self._inflow
+
+    def _steps_until(self, time: float) -> int:
+        since_change = round((time - self._changed_time) / self.plan.time_step)
+        return self._changed_step + since_change - self.step_count
+
+    def _go_on_with(self, changed: Plan) -> None:
         """Take the launches of a plan of the same run with another time step."""
         self._changed_step, self._changed_time = self.step_count, self.time
         self.plan.time_step = changed.time_step
         self.plan.step, self.plan.audited_step = changed.step, changed.audited_step
         self._steps = self._execution.steps(self.plan, self.arrays)
-
-    def _prepare_look(self) -> None:
-        """Note what is to be seen before the last step that a look is at."""
-
-    def _look(self, present: Integers) -> None:
-        """Look whether the particles in these places are sound."""
-        check_time_step(time_step=self.plan.time_step, longest=self.plan.longest_time_step)
-        names = ("position", "velocity", "stress", "mass")
-        particles = {name: self.array(f"particle.{name}") for name in names}
-        self.particle_count = len(present)
-        for first in range(0, len(present), LOOKED_AT_ONCE):
-            part = present[first : first + LOOKED_AT_ONCE]
-            self._look_at(part, {name: it.take(part, axis=0) for name, it in particles.items()})
-
-    def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
-        check_particles(
-            number=number,
-            **particles,
-            speed_limit=self.plan.speed_limit,
-            bounds=self.plan.particle_bounds,
-        )
-
-    def _present(self) -> Integers:
-        """The places of particles that are in the grid."""
-        return np.arange(self.plan.particle_count, dtype=np.int32)
-
-
-class Simulation(TimeLoop):
-    """A run of a scene of soil that fills its grid.
-
-    Attributes:
-        scene: what is run.
-    """
-
-    def __init__(self, scene: Scene, execution: Execution | None = None) -> None:
-        """Plan the scene, fill its arrays and compile its kernels."""
-        execution = execution or Execution()
-        start = time.perf_counter()
-        on_gpu = wp.get_device(execution.device).is_cuda
-        plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
-        planning_time = time.perf_counter() - start
-        super().__init__(plan, execution)
-        self.plan: Plan = plan
-        self.scene = scene
-        self.setup_time += planning_time
-        self._forces_taken_at = 0.0
-        self._watch = SoilWatch(plan, self._on_host, self._present())
-
-    def _prepare_look(self) -> None:
-        self._watch.prepare(self._present())
-
-    def _look(self, present: Integers) -> None:
-        super()._look(present)
-        self._watch.look(present)
-
-    def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
-        super()._look_at(number, particles)
-        if isinstance(self.scene.material, PerfectlyPlastic):
-            check_yield(
-                number=number,
-                position=particles["position"],
-                stress=particles["stress"],
-                material=self.scene.material,
-            )
-
-    def _present(self) -> Integers:
-        if self.scene.window is None:
-            return super()._present()
-        places = np.flatnonzero(self.array("particle.cell")[:, 0] >= 0)
-        return places.astype(np.int32)
-
-    @property
-    def transfer_energy(self) -> float:
-        """What the transfers have added to the kinetic energy per radian, dissipated if < 0 [J].
-
-        A sample of the steps.
-
-        Raises:
-            KeyError: the scene has no energy audit.
-        """
-        return AUDIT_INTERVAL * float(self.array("transfer.energy").sum())
-
-    def take_contact_forces(self) -> Floats:
-        """Mean forces of the soil at the contact nodes since they were last taken.
-
-        Returns:
-            Normal and tangential force per radian [N], shape [contact node_count, 2].
-        """
-        forces: Floats = self.array("contact.impulse") / (self.time - self._forces_taken_at)
-        self.assign("contact.impulse", 0.0)
-        self._forces_taken_at = self.time
-        return forces

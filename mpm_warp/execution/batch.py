@@ -17,7 +17,8 @@ from typing import Any, TypeVar
 import warp as wp
 
 from mpm_warp.execution.execution import Execution
-from mpm_warp.plan.plan import Launch, StepPlan
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 from mpm_warp.execution.replay import Player
 from mpm_warp.execution.batched_plan import likeness, stack
 
@@ -69,7 +70,7 @@ class Batch(Execution):
                 seat.dismiss()
         return [results[number] for number in range(len(works))]
 
-    def steps(self, plan: StepPlan, arrays: dict[str, Any]) -> _Run:
+    def steps(self, plan: Plan, arrays: dict[str, Any]) -> _Run:
         """See `Execution`; to be called from within a function of :meth:`run`."""
         assert self._seat is not None, "no function of this batch is at work"
         return _Run(self._seat, plan, arrays, self.device)
@@ -128,7 +129,7 @@ class Batch(Execution):
 class _Run:
     """A run that takes its steps together with those alike; see `mpm_warp.execution.execution.Steps`."""
 
-    def __init__(self, seat: _Seat, plan: StepPlan, arrays: dict[str, Any], device: str) -> None:
+    def __init__(self, seat: _Seat, plan: Plan, arrays: dict[str, Any], device: str) -> None:
         self.plan = plan
         self.arrays = arrays
         self.likeness = likeness(plan)

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import warp as wp
 
 from mpm_warp.execution.over_cases import make_over_cases, numbers_of
-from mpm_warp.plan.plan import Launch, ShareRow, StepPlan
+from mpm_warp.plan.launch import Launch, ShareRow
+from mpm_warp.plan.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,7 +39,7 @@ class StackedLaunch(Launch):
         return dim, [item_count, chunk_size, *arguments]
 
 
-def likeness(plan: StepPlan) -> Hashable:
+def likeness(plan: Plan) -> Hashable:
     """What the plans that can be stacked have in common: all but values of arrays and numbers."""
 
     def kinds(launch: Launch) -> Iterator[Hashable]:
@@ -55,11 +56,11 @@ def likeness(plan: StepPlan) -> Hashable:
 
 
 def stack(
-    plans: Sequence[StepPlan],
+    plans: Sequence[Plan],
     arrays: Sequence[dict[str, Any]],
     device: str,
     chunk_size: int | None,
-) -> tuple[StepPlan, dict[str, Any]]:
+) -> tuple[Plan, dict[str, Any]]:
     """Stack runs whose plans have one likeness.
 
     Args:
@@ -94,11 +95,11 @@ def stack(
     return replace(first, arrays={}, step=step, audited_step=audited), stacked
 
 
-def _distinct_launches(plan: StepPlan) -> list[Launch]:
+def _distinct_launches(plan: Plan) -> list[Launch]:
     return list(dict.fromkeys([*plan.step, *plan.audited_step]))
 
 
-def _names(plan: StepPlan) -> list[str]:
+def _names(plan: Plan) -> list[str]:
     """Names of the arrays that a step works on."""
     return list(dict.fromkeys(name for it in _distinct_launches(plan) for name in it.arrays))
 

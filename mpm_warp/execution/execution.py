@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from mpm_warp.plan.plan import Launch, StepPlan
+    from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 
 THREAD_COUNTS = (1, 2, 4)
 """Threads that a run may have on processors: divisors of its shares."""
@@ -37,7 +38,7 @@ class Execution:
     device: str = "cpu"
     threads: int = 1
 
-    def steps(self, plan: StepPlan, arrays: dict[str, Any]) -> Steps:
+    def steps(self, plan: Plan, arrays: dict[str, Any]) -> Steps:
         """The launches of a plan, for a run whose arrays may be put elsewhere on the device."""
         from mpm_warp.execution.replay import Player
 

@@ -12,7 +12,8 @@ import warp as wp
 from mpm_warp.execution.worker_threads import Ensemble
 from mpm_warp.execution.next_step import AUDIT_INTERVAL, make_next_step
 from mpm_warp.execution.thread_count import Pace
-from mpm_warp.plan.plan import Launch, StepPlan
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 from mpm_warp.execution.shares import share_of
 
 
@@ -25,7 +26,7 @@ class Player:
         device: where they are.
     """
 
-    def __init__(self, plan: StepPlan, arrays: Mapping[str, Any], device: str) -> None:
+    def __init__(self, plan: Plan, arrays: Mapping[str, Any], device: str) -> None:
         self._plan = plan
         self._arrays = arrays
         self._device = wp.get_device(device)

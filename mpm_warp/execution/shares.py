@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from mpm_warp.plan.plan import Launch
+from mpm_warp.plan.launch import Launch
 
 WORTH_CLAIMING = 10_000
 """Items of a launch, at least, of which a part is left to whoever comes first."""

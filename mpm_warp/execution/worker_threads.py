@@ -10,7 +10,8 @@ import warp as wp
 from mpm_warp.execution.chunks import make_claim
 from mpm_warp.execution.next_step import AUDIT_INTERVAL, AUDITED, GOES_ON, make_next_step
 from mpm_warp.execution.barrier import LEFT, make_rendezvous
-from mpm_warp.plan.plan import Launch, StepPlan
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 from mpm_warp.execution.shares import PIECES, has_open_pieces, share_of
 from mpm_warp.execution.team import team_of
 
@@ -29,7 +30,7 @@ class Ensemble:
     """
 
     def __init__(
-        self, plan: StepPlan, command: Callable[[Launch], Any], threads: int, device: wp.Device
+        self, plan: Plan, command: Callable[[Launch], Any], threads: int, device: wp.Device
     ) -> None:
         # The command is not kept: it is of whom keeps this, and neither could be let go then.
         self._threads = threads
@@ -69,7 +70,7 @@ class Ensemble:
         else:
             team_of(self._threads).run(play_part, leave)
 
-    def _recorded(self, plan: StepPlan, thread: int, command: Callable[[Launch], Any]) -> _Loop:
+    def _recorded(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> _Loop:
         def taker(launches: Sequence[Launch]) -> Callable[[], None]:
             shared_next = [*(launch.is_shared for launch in launches[1:]), True]
 

@@ -1,4 +1,4 @@
-"""Material points (particles): where they start and what they carry."""
+"""Where material points (particles) start in the cells of a grid."""
 
 from __future__ import annotations
 
@@ -7,15 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
-
-PARTICLE_STATE = (
-    "particle.position",
-    "particle.velocity",
-    "particle.stress",
-    "particle.mass",
-    "particle.cell",
-)
-"""Arrays of a plan that are the state of the particles, in the order in which kernels take them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,7 +15,7 @@ from mpm_warp.precision import Precision
 
 
 @functools.cache
-def make_stress_step(precision: Precision) -> Any:
+def make_stress_increment(precision: Precision) -> Any:
     """The function (L, time step, G, K) -> what a step at the velocity gradient L does to stress.
 
     L is (rr, rz, zr, zz, tt); the result holds the elastic increment (rr, zz, rz, tt) and the
@@ -25,7 +25,7 @@ def make_stress_step(precision: Precision) -> Any:
     quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
 
     @wp.func
-    def stress_step(L: vec5, time_step: real, shear_modulus: real, bulk_modulus: real) -> vec7:
+    def stress_increment(L: vec5, time_step: real, shear_modulus: real, bulk_modulus: real) -> vec7:
         two_shear = two * shear_modulus * time_step
         pressure = (bulk_modulus * time_step - two_shear / three) * (L[0] + L[3] + L[4])
         # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
@@ -43,24 +43,45 @@ def make_stress_step(precision: Precision) -> Any:
             cosine * sine,
         )
 
-    return stress_step
+    return stress_increment
 
 
 @functools.cache
 def make_elastic_trial(precision: Precision) -> Any:
-    """The function (stress, step of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
-    real, vec4 = precision.real, precision.vec4
-    two = wp.constant(real(2.0))
+    """The function (stress, stress increment of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
+    vec4, vec7 = precision.vec4, precision.vec7
+    two = wp.constant(precision.real(2.0))
 
     @wp.func
-    def elastic_trial(stress: vec4, step: Any) -> vec4:
+    def elastic_trial(stress: vec4, increment: vec7) -> vec4:
         rr, zz, rz = stress[0], stress[1], stress[2]
-        cc, ss, cs = step[4], step[5], step[6]
+        cc, ss, cs = increment[4], increment[5], increment[6]
         return vec4(
-            cc * rr + ss * zz + two * cs * rz + step[0],
-            ss * rr + cc * zz - two * cs * rz + step[1],
-            (cc - ss) * rz + cs * (zz - rr) + step[2],
-            stress[3] + step[3],
+            cc * rr + ss * zz + two * cs * rz + increment[0],
+            ss * rr + cc * zz - two * cs * rz + increment[1],
+            (cc - ss) * rz + cs * (zz - rr) + increment[2],
+            stress[3] + increment[3],
         )
 
     return elastic_trial
+
+
+@functools.cache
+def make_strain_increment(precision: Precision) -> Any:
+    """The function (stress increment of the cell, G, K) -> dt D that has made it, (rr, zz, rz, tt)."""
+    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
+    two, three = wp.constant(real(2.0)), wp.constant(real(3.0))
+
+    @wp.func
+    def strain_increment(increment: vec7, shear_modulus: real, bulk_modulus: real) -> vec4:
+        mean = (increment[0] + increment[1] + increment[3]) / three
+        volume = mean / (three * bulk_modulus)
+        twice = two * shear_modulus
+        return vec4(
+            (increment[0] - mean) / twice + volume,
+            (increment[1] - mean) / twice + volume,
+            increment[2] / twice,
+            (increment[3] - mean) / twice + volume,
+        )
+
+    return strain_increment

@@ -1,15 +1,26 @@
-"""Where and how strongly the contact law acts; the law itself is in `mpm_warp.parts.contact_law`."""
+"""Contact of the soil with a rigid body whose surface goes through nodes of the grid.
 
-from __future__ import annotations
+On such a surface the impulse that presses the two together is the node's own,
 
-import math
+    P = m d.n + p A dt
+
+in the symbols of the contact law.
+"""
+
+import functools
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import warp as wp
 
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.materials.materials import LinearElastic, PerfectlyPlastic
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.contact_law import make_contact_law
+from mpm_warp.parts.part import Setting
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
 
 PARTED = 1e-3
 """Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
@@ -54,6 +65,31 @@ class SurfaceContact:
     in_situ_stress: float
     speed: float = 0.0
 
+    def add_to(self, plan: Plan, setting: Setting) -> None:
+        """Add the launch, over the nodes in contact.
+
+        Where the plan has a window, the body sinks through the soil at its speed. The array
+        "contact.impulse" adds up the normal and the tangential impulse of each node on the body,
+        shape [node_count, 2], since it was last cleared.
+        """
+        window_motion = plan.find("window.motion")
+        pressure = self.in_situ_stress * self.normal_areas
+        plan.add_launch(
+            _make_surface_contact(window_motion is not None, plan.precision),
+            len(self.nodes),
+            nodes=plan.add_array("contact.nodes", "int", self.nodes),
+            normals=plan.add_array("contact.normals", "vec2", self.normals),
+            friction=self.friction,
+            adhesion=plan.add_array("contact.adhesion", "real", self.adhesion_forces),
+            pressure=plan.add_array("contact.pressure", "real", pressure),
+            mass="node.mass",
+            time_step=plan.time_step,
+            speed=self.speed,
+            window_motion=window_motion,
+            velocities="node.velocities",
+            impulse=plan.add_zeros("contact.impulse", "vec2", len(self.nodes)),
+        )
+
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed.
 
@@ -73,18 +109,68 @@ class SurfaceContact:
         # Added up as the parts in touch are, so that all of it is exactly 1.
         return float(self.normal_areas @ np.ones(len(self.normal_areas), dtype=bool))
 
-    def can_part(self, material: LinearElastic, speed: float) -> bool:
+    def can_part(self, material: Material, speed: float) -> bool:
         """Whether the soil may pull at the surface by more than the in-situ stress presses.
 
-        Nothing draws it together by more than the limit pressure of a spherical cavity,
-        4/3 su (1 + ln G/su) (Hill 1950), and rho v^2 where it has to follow; twice that is taken.
+        Nothing draws it together by more than the limit pressure of a cavity, and rho v^2 where it
+        has to follow; twice that is taken.
 
         Args:
             material: the soil's.
             speed: of the body through the soil [m/s].
         """
-        if not isinstance(material, PerfectlyPlastic):
-            return True
-        strength = material.strength
-        limit = 4.0 / 3.0 * strength * (1.0 + math.log(material.shear_modulus / strength))
-        return self.in_situ_stress < 2.0 * (limit + material.density * speed**2)
+        pull = material.limit_pressure + material.density * speed**2
+        return self.in_situ_stress < 2.0 * pull
+
+
+@functools.cache
+def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
+    """The kernel, launched over the surface's nodes.
+
+    Args:
+        travelling: whether the grid travels with the body; else the body has a speed of its own.
+        precision: floating point types.
+    """
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    contact_law = make_contact_law(precision)
+
+    key = f"{'travelling' if travelling else 'resting'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.surface_contact.{key}", enable_backward=False)
+    def surface_contact(
+        offset: int,
+        nodes: wp.array(dtype=int),
+        normals: wp.array(dtype=vec2),
+        friction: real,
+        adhesion: wp.array(dtype=real),
+        pressure: wp.array(dtype=real),
+        mass: wp.array(dtype=real),
+        time_step: real,
+        speed: real,
+        window_motion: wp.array(dtype=wp.float64),
+        velocities: wp.array(dtype=vec4),
+        impulse: wp.array(dtype=vec2),
+    ):
+        k = offset + wp.tid()
+        node = nodes[k]
+        m = mass[node]
+        if m <= real(0.0):
+            return
+        v = velocities[node]
+        n = normals[k]
+        d = vec2(v[0], v[1])
+        if wp.static(travelling):
+            # The body sinks through the soil at the speed at which the soil passes the grid.
+            d += vec2(real(0.0), real(window_motion[1]))
+        else:
+            d += vec2(real(0.0), speed)
+        in_situ = pressure[k] * time_step
+        pressing = m * wp.dot(d, n) + in_situ
+        J = contact_law(m, d, n, pressing, friction, adhesion[k] * time_step, in_situ)
+        tangential = vec2(J[1], J[2])
+        change = -(J[0] * n + tangential) / m
+        velocities[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])
+        along = wp.dot(tangential, vec2(n[1], -n[0]))
+        impulse[k] += vec2(J[0], along)
+
+    return surface_contact

@@ -1,8 +1,35 @@
-"""An inner wall that moves outward, the grid with it."""
+"""A smooth inner wall that moves outward, and the grid that follows it.
 
-from __future__ import annotations
+Symbols: s radius of the wall, R outer radius, g column coordinate, a and w inner radius and width
+of a cell, h its height, N shape functions. For a cell with vertical sides, per radian,
 
+    integral of dN/dr r = -+ (a + w/2) h / 2       at the inner and outer nodes
+    integral of dN/dz r = -+ w (a/2 + w/6)         below and above, inner;  w (a/2 + w/3)  outer
+    integral of N       = w h / 4
+
+For a sector of a ring, in distance and angle, they are products of integrals over the two: with
+f and g the linear functions along either, P = integral of f' rho^2, Q of f rho, and of the angle t
+
+    integral of dN/dr r = P (g sin^2) + Q (g' sin cos)
+    integral of dN/dz r = P (g sin cos) - Q (g' sin^2)
+    integral of N       = Q (g)
+"""
+
+import functools
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from mpm_warp.grid.fitted import cell_lengths
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.part import Setting
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,3 +51,195 @@ class MovingWall:
     def ramp_time(self) -> float:
         """Time until the final speed is reached [s]."""
         return 2.0 * self.ramp_travel / self.speed
+
+    def add_push(self, plan: Plan, setting: Setting) -> None:
+        """Add the launch by which the wall pushes the soil beside it; it acts on nodes.
+
+        The array "wall.motion" holds (time [s], speed [m/s], radius [m]) of the wall for each row
+        of nodes, "wall.impulse" the impulse of the soil on each since it was last cleared.
+        """
+        grid = setting.grid
+        motion = np.zeros((grid.row_count + 1, 3))
+        motion[:, 2] = grid.surface_radius
+        plan.add_launch(
+            _make_push(plan.precision),
+            grid.row_count + 1,
+            column_count=grid.column_count,
+            wall_motion=plan.add_array("wall.motion", "vec3", motion),
+            outward=plan.add_array("wall.outward", "vec2", grid.surface_normals),
+            mass="node.mass",
+            velocities="node.velocities",
+            impulse=plan.add_zeros("wall.impulse", "real", grid.row_count + 1),
+        )
+
+    def add_motion(self, plan: Plan, setting: Setting) -> None:
+        """Add the launches that move the wall at the end of a step and draw the cells together."""
+        grid = setting.grid
+        plan.add_launch(
+            _make_move_wall(plan.precision),
+            grid.row_count + 1,
+            time_step=plan.time_step,
+            speed=self.speed,
+            ramp_time=self.ramp_time,
+            motion="wall.motion",
+            rows="grid.rows",
+        )
+        geometry: dict[str, Any] = {
+            "columns": "grid.columns",
+            "rows": "grid.rows",
+            "outer_radius": grid.outer_radius,
+            "column_count": grid.column_count,
+            "integrals": "cell.integrals",
+            "volume": "cell.volume",
+        }
+        if isinstance(grid, PolarGrid):
+            angular, caps = grid.angular_integrals
+            geometry["angular"] = plan.add_array("wall.angular", "vec5", angular)
+            geometry["caps"] = plan.add_array("wall.caps", "real", caps)
+            plan.add_launch(_make_refit_sectors(plan.precision), grid.cell_count, **geometry)
+        else:
+            plan.add_launch(_make_refit_cells(plan.precision), grid.cell_count, **geometry)
+
+
+def crossing_time(array: Callable[[str], NDArray[Any]], material: Material) -> float:
+    """Time in which a wave crosses the shortest cell [s], as the wall has left them.
+
+    Args:
+        array: gives an array of the plan as it is now, by its name.
+        material: of the soil.
+    """
+    lengths = cell_lengths(array("cell.integrals"), array("cell.volume"))
+    return float(lengths.min()) / material.pressure_wave_speed
+
+
+@functools.cache
+def _make_move_wall(precision: Precision) -> Any:
+    """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
+
+    `motion` is (time [s], speed [m/s], radius [m]) of the wall.
+    """
+    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
+
+    @wp.kernel(module=f"mpm_warp.move_wall.{precision.numpy_name}", enable_backward=False)
+    def move_wall(
+        time_step: real,
+        speed: real,
+        ramp_time: real,
+        motion: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+    ):
+        j = wp.tid()
+        before = motion[j]
+        time = before[0] + time_step
+        radius = before[2] + time_step * before[1]
+        motion[j] = vec3(time, speed * wp.min(time / ramp_time, real(1.0)), radius)
+        row = rows[j]
+        rows[j] = vec5(row[0], row[1], row[2], radius, row[4])
+
+    return move_wall
+
+
+@functools.cache
+def _make_refit_cells(precision: Precision) -> Any:
+    """Integrals and volumes of the cells after the wall has moved; launched over cells."""
+    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
+    half, quarter = wp.constant(real(0.5)), wp.constant(real(0.25))
+    sixth, third = wp.constant(real(1.0 / 6.0)), wp.constant(real(1.0 / 3.0))
+
+    @wp.kernel(module=f"mpm_warp.refit_cells.{precision.numpy_name}", enable_backward=False)
+    def refit_cells(
+        offset: int,
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        column_count: int,
+        integrals: wp.array2d(dtype=vec3),
+        volume: wp.array(dtype=real),
+    ):
+        c = offset + wp.tid()
+        column = columns[c % column_count]
+        row = rows[c / column_count]
+        a = row[3] + (outer_radius - row[3]) * column[0]
+        w = (outer_radius - row[3]) * column[1]
+        h = row[1]
+        across = half * (a + half * w) * h
+        inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
+        hoop = quarter * w * h
+        integrals[c, 0] = vec3(-across, -inner, hoop)
+        integrals[c, 1] = vec3(across, -outer, hoop)
+        integrals[c, 2] = vec3(-across, inner, hoop)
+        integrals[c, 3] = vec3(across, outer, hoop)
+        volume[c] = (a + half * w) * w * h
+
+    return refit_cells
+
+
+@functools.cache
+def _make_refit_sectors(precision: Precision) -> Any:
+    """The same for the cells of a polar grid; launched over cells.
+
+    `angular` holds the integrals over the angle (g sin^2, g' sin cos, g sin cos, g' sin^2, g) of
+    the two rays of each row, `caps` that of sin.
+    """
+    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
+    half, sixth, third = (wp.constant(real(x)) for x in (0.5, 1.0 / 6.0, 1.0 / 3.0))
+
+    @wp.func
+    def part(P: real, Q: real, t: vec5) -> vec3:
+        return vec3(P * t[0] + Q * t[1], P * t[2] - Q * t[3], Q * t[4])
+
+    @wp.kernel(module=f"mpm_warp.refit_sectors.{precision.numpy_name}", enable_backward=False)
+    def refit_sectors(
+        offset: int,
+        columns: wp.array(dtype=vec3),
+        rows: wp.array(dtype=vec5),
+        outer_radius: real,
+        column_count: int,
+        angular: wp.array2d(dtype=vec5),
+        caps: wp.array(dtype=real),
+        integrals: wp.array2d(dtype=vec3),
+        volume: wp.array(dtype=real),
+    ):
+        c = offset + wp.tid()
+        j = c / column_count
+        column = columns[c % column_count]
+        row = rows[j]
+        a = row[3] + (outer_radius - row[3]) * column[0]
+        w = (outer_radius - row[3]) * column[1]
+        P = a * a + a * w + third * w * w
+        inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
+        integrals[c, 0] = part(-P, inner, angular[j, 0])
+        integrals[c, 1] = part(P, outer, angular[j, 0])
+        integrals[c, 2] = part(-P, inner, angular[j, 1])
+        integrals[c, 3] = part(P, outer, angular[j, 1])
+        volume[c] = P * w * caps[j]
+
+    return refit_sectors
+
+
+@functools.cache
+def _make_push(precision: Precision) -> Any:
+    """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
+
+    Launched over the rows of nodes.
+    """
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.push.{precision.numpy_name}", enable_backward=False)
+    def push(
+        column_count: int,
+        wall_motion: wp.array(dtype=vec3),
+        outward: wp.array(dtype=vec2),
+        mass: wp.array(dtype=real),
+        velocities: wp.array(dtype=vec4),
+        impulse: wp.array(dtype=real),
+    ):
+        j = wp.tid()
+        node = j * (column_count + 1)
+        v = velocities[node]
+        n = outward[j]
+        change = wall_motion[j][1] - (v[0] * n[0] + v[1] * n[1])
+        impulse[j] += mass[node] * change
+        velocities[node] = vec4(v[0] + change * n[0], v[1] + change * n[1], v[2], v[3])
+
+    return push

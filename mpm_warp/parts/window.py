@@ -1,9 +1,19 @@
-"""The window that travels with the penetrometer: soil enters below and leaves above."""
+"""The window: the grid travels with the penetrometer down through the soil.
 
-from __future__ import annotations
+Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
+device so that a recorded step can be replayed as it is, in double precision whatever that of the
+run: a step moves it by a ten-millionth of its travel. Soil enters below and leaves above.
+"""
 
+import functools
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.parts.part import Setting
+from mpm_warp.plan.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,13 +39,13 @@ class Window:
     """The grid moves down through the soil; velocities stay those relative to undisturbed soil.
 
     Whenever the grid has travelled by the height of a layer of particles, a layer of undisturbed
-    soil enters the lowest row, into the places of particles that left above the highest.
+    soil enters the lowest row, into the slots of particles that left above the highest.
 
     Attributes:
         speed: final speed of the grid [m/s], > 0.
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
         approach: a hurried start, or none.
-        spare_fraction: places for particles beyond those of the full grid, over their number,
+        spare_fraction: slots for particles beyond those of the full grid, over their number,
             dimensionless, > 0.
     """
 
@@ -73,3 +83,62 @@ class Window:
             return self.speed
         left = (self.approach.travel - travel) / self.approach.slowing_travel
         return self.speed + min(1.0, max(0.0, left)) * (self.approach.speed - self.speed)
+
+    def top(self, setting: Setting) -> float:
+        """Height above which particles leave the grid [m].
+
+        Half a layer stays above the top, else the mass of the nodes there could vanish.
+        """
+        rows = setting.grid.rows
+        return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / setting.particles_per_side)
+
+    def add_motion(self, plan: Plan) -> None:
+        """Add the array of its motion, which a contact reads."""
+        plan.add_zeros("window.motion", "double", 3)
+
+    def add_to(self, plan: Plan) -> None:
+        """Add the launch that moves it on, at the end of a step."""
+        approach = self.approach
+        plan.add_launch(
+            _make_advance_window(approach is not None),
+            1,
+            time_step=plan.time_step,
+            speed=self.first_speed,
+            ramp_time=self.ramp_time,
+            final_speed=self.speed,
+            approach_travel=0.0 if approach is None else approach.travel,
+            slowing_travel=0.0 if approach is None else approach.slowing_travel,
+            window="window.motion",
+        )
+
+
+@functools.cache
+def _make_advance_window(hurried: bool) -> Any:
+    """One step of the motion, the speed rising linearly in time; launched once.
+
+    Args:
+        hurried: whether it falls again at the end of an approach, linearly in travel.
+    """
+    zero, one = wp.constant(wp.float64(0.0)), wp.constant(wp.float64(1.0))
+    key = "hurried" if hurried else "steady"
+
+    @wp.kernel(module=f"mpm_warp.advance_window.{key}", enable_backward=False)
+    def advance_window(
+        time_step: wp.float64,
+        speed: wp.float64,
+        ramp_time: wp.float64,
+        final_speed: wp.float64,
+        approach_travel: wp.float64,
+        slowing_travel: wp.float64,
+        window: wp.array(dtype=wp.float64),
+    ):
+        window[2] += time_step * window[1]
+        window[0] += time_step
+        risen = speed * wp.min(window[0] / ramp_time, one)
+        if wp.static(hurried):
+            left = wp.clamp((approach_travel - window[2]) / slowing_travel, zero, one)
+            window[1] = wp.min(risen, final_speed + left * (speed - final_speed))
+        else:
+            window[1] = risen
+
+    return advance_window

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from mpm_warp.watch.health import check_time_step
+from mpm_warp.errors import Fault
 
 if TYPE_CHECKING:
-    from mpm_warp.plan.plan import StepPlan
+    from mpm_warp.plan.plan import Plan
 
 SLACK = 1.05
 """Ratio of the time step to the wanted one up to which it stays: a change takes some time."""
@@ -35,7 +35,7 @@ class TimeStepControl:
     first: float
     fraction: float
     critical: Callable[[Callable[[str], NDArray[Any]]], float]
-    replan: Callable[[float], StepPlan]
+    replan: Callable[[float], Plan]
 
     def __post_init__(self) -> None:
         self._critical_before = self.first / self.fraction
@@ -57,3 +57,13 @@ class TimeStepControl:
         self._critical_before = critical
         wanted = min(self.first, self.fraction * critical * fall)
         return time_step if wanted / SLACK <= time_step <= wanted * SLACK else wanted
+
+
+def check_time_step(*, time_step: float, longest: float) -> None:
+    """Check that the time step is at most the longest that is stable [s].
+
+    Raises:
+        Fault: it is not.
+    """
+    if not time_step <= longest:
+        raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")

@@ -1,12 +1,12 @@
-"""Stage 3: particles take velocity, position and stress from the grid.
+"""Stage 6: particles take velocity, position and stress from the grid.
 
 Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, D
-and W strain rate and spin of the cell, tr the trace, U the velocity of the soil past the grid, E
-what makes the flow even within cells, of `mpm_warp.parts.even_flow_kernel`, or 0.
+and W strain rate and spin of the cell, tr the trace, U the velocity of the soil past a grid that
+travels, E the displacement by the flow within the cell where velocities are interpolated so.
 
     v_p   <- v_p + N (v - u)
     x_p   <- x_p + dt (N v + U) + E
-    sigma <- yield(R sigma R' + dt (K tr D + 2 G dev D))     R the rotation by dt W (Cayley)
+    sigma <- law(R sigma R' + dt (K tr D + 2 G dev D))      R the rotation by dt W (Cayley)
 """
 
 import functools
@@ -14,58 +14,106 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.elasticity import make_elastic_trial
-from mpm_warp.step.grid_update import cell_step_type
+from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
+from mpm_warp.materials.elasticity import make_elastic_trial, make_strain_increment
+from mpm_warp.materials.material import Law, Material
+from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
 
-@functools.cache
-def make_grid_to_particles(
-    polar: bool, yielding: Any, even: bool, window: bool, precision: Precision
-) -> Any:
-    """The kernel, launched over particles.
+def add_grid_to_particles(
+    plan: Plan,
+    grid: Grid,
+    material: Material,
+    *,
+    flow_displacement: Any | None,
+    window_top: float | None,
+) -> None:
+    """Add the stage.
 
     Args:
-        polar: whether the grid is one of rings and rays.
-        yielding: returns a trial stress to the yield surface; None where the material never yields.
-        even: whether flow is made even within cells, see `mpm_warp.parts.even_flow_kernel`.
-        window: whether particles that rise above the grid leave it; otherwise they stay below.
-        precision: floating point types.
+        plan: of the run.
+        grid: that the particles are in.
+        material: of the soil.
+        flow_displacement: function on the device (flow within the cell over the step, xi, eta) ->
+            displacement; None: there is no such flow.
+        window_top: height [m] above which particles leave a grid that travels; None: it rests, and
+            they stay in it.
     """
+    law = material.law(plan.precision)
+    plan.add_launch(
+        _make_grid_to_particles(
+            grid.polar, law, flow_displacement, window_top is not None, plan.precision
+        ),
+        plan.arrays["particle.mass"].shape,
+        velocities="node.velocities",
+        stress_increment="cell.stress_increment",
+        cell_flow=plan.find("cell.internal_flow"),
+        columns="grid.columns",
+        rows="grid.rows",
+        outer_radius=grid.outer_radius,
+        cell_counts=wp.vec2i(grid.column_count, grid.row_count),
+        time_step=plan.time_step,
+        shear_modulus=material.shear_modulus,
+        bulk_modulus=material.bulk_modulus,
+        properties=law.properties_type(*material.properties),
+        position="particle.position",
+        velocity="particle.velocity",
+        stress="particle.stress",
+        state=plan.find("particle.state"),
+        particle_cell="particle.cell",
+        window_motion=plan.find("window.motion"),
+        top=0.0 if window_top is None else window_top,
+    )
+
+
+@functools.cache
+def _make_grid_to_particles(
+    polar: bool, law: Law, flow_displacement: Any | None, travelling: bool, precision: Precision
+) -> Any:
+    """The kernel, launched over slots of particles."""
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    vec5 = precision.vec5
+    vec5, vec7 = precision.vec5, precision.vec7
     location = make_location(polar, precision)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
-    elastic_trial = make_elastic_trial(precision)
-    yields = yielding is not None
-    one = wp.constant(real(1.0))
-    behaviour = yielding.key if yields else "elastic"
-    key = f"{'polar' if polar else 'rows'}.{behaviour}.{'even' if even else 'bilinear'}"
-    key = f"{key}.{'window' if window else 'closed'}.{precision.numpy_name}"
+    elastic_trial, strain_increment = (
+        make_elastic_trial(precision),
+        make_strain_increment(precision),
+    )
+    update, remembers = law.update, law.remembers
+    properties_type, state_type = law.properties_type, law.state_type
+    interpolated = flow_displacement is not None
+    flow = flow_displacement.key if flow_displacement is not None else "bilinear"
+    key = f"{'polar' if polar else 'rows'}.{law.key}.{flow}"
+    key = f"{key}.{'travelling' if travelling else 'resting'}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
-        first: int,
-        motion: wp.array(dtype=vec4),
-        cell_step: wp.array(dtype=cell_step_type(even, precision)),
+        offset: int,
+        velocities: wp.array(dtype=vec4),
+        stress_increment: wp.array(dtype=vec7),
+        cell_flow: wp.array(dtype=vec4),
         columns: wp.array(dtype=vec3),
         rows: wp.array(dtype=vec5),
         outer_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
-        strength: real,
+        shear_modulus: real,
+        bulk_modulus: real,
+        properties: properties_type,
         position: wp.array(dtype=vec2),
         velocity: wp.array(dtype=vec2),
         stress: wp.array(dtype=vec4),
+        state: wp.array(dtype=state_type),
         particle_cell: wp.array(dtype=wp.vec2i),
         window_motion: wp.array(dtype=wp.float64),
         top: real,
     ):
-        p = first + wp.tid()
+        p = offset + wp.tid()
         cell = particle_cell[p]
         i, j = cell[0], cell[1]
-        if wp.static(window):
+        if wp.static(travelling):
             if i < 0:
                 return
         x = position[p]
@@ -74,8 +122,8 @@ def make_grid_to_particles(
 
         node = j * (cell_counts[0] + 1) + i
         upper = node + cell_counts[0] + 1
-        lower_left, lower_right = motion[node], motion[node + 1]
-        upper_left, upper_right = motion[upper], motion[upper + 1]
+        lower_left, lower_right = velocities[node], velocities[node + 1]
+        upper_left, upper_right = velocities[upper], velocities[upper + 1]
         # (v, u) at the particle: v the velocity after the step, u before it.
         left = lower_left + eta * (upper_left - lower_left)
         right = lower_right + eta * (upper_right - lower_right)
@@ -84,19 +132,22 @@ def make_grid_to_particles(
         u = vec2(here[2], here[3])
         velocity[p] += v - u
 
-        step = cell_step[j * cell_counts[0] + i]
-        trial = elastic_trial(stress[p], step)
-        if wp.static(yields):
-            stress[p] = yielding(trial, strength)
-        else:
-            stress[p] = trial
+        c = j * cell_counts[0] + i
+        increment = stress_increment[c]
+        trial = elastic_trial(stress[p], increment)
+        strain = strain_increment(increment, shear_modulus, bulk_modulus)
+        remembered = state_type()
+        if wp.static(remembers):
+            remembered = state[p]
+        sigma, remembered = update(trial, strain, time_step, properties, remembered)
+        stress[p] = sigma
+        if wp.static(remembers):
+            state[p] = remembered
 
         x += time_step * v
-        if wp.static(even):
-            upright = eta * (one - eta)
-            across = xi * (one - xi) * (step[7] + xi * step[8])
-            x += vec2(across + upright * step[9], upright * step[10])
-        if wp.static(window):
+        if wp.static(interpolated):
+            x += flow_displacement(cell_flow[c], xi, eta)
+        if wp.static(travelling):
             x += vec2(real(0.0), time_step * real(window_motion[1]))
             if x[1] >= top:
                 particle_cell[p] = wp.vec2i(-1, -1)

@@ -1,4 +1,4 @@
-"""What the transfer to particles and back takes from the velocity at the least, given back.
+"""Mass-matrix correction: what the transfer to particles and back takes at the least, given back.
 
 A field that particles have from the nodes comes back to them smoothed, as if it had diffused: each
 particle spreads its momentum over the nodes of its cell. That takes the mean of xi (1 - xi) over
@@ -34,7 +34,7 @@ from mpm_warp.precision import Precision
 
 
 @dataclass(frozen=True)
-class Sharpening:
+class MassMatrixCorrection:
     """Device functions of S.
 
     Attributes:
@@ -47,7 +47,7 @@ class Sharpening:
 
 
 @functools.cache
-def make_sharpening(precision: Precision) -> Sharpening:
+def make_mass_matrix_correction(precision: Precision) -> MassMatrixCorrection:
     """The functions in one precision; of nodes they take (v_r, v_z, ...)."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
     one = wp.constant(real(1.0))
@@ -81,4 +81,4 @@ def make_sharpening(precision: Precision) -> Sharpening:
                 total += corner(cells[cell - 1], one, one)
         return total
 
-    return Sharpening(of_cell, at_node)
+    return MassMatrixCorrection(of_cell, at_node)

@@ -10,21 +10,49 @@ Symbols: m mass, v velocity, sigma stress, N_i shape function of node i at the p
 import functools
 from typing import Any
 
+import numpy as np
 import warp as wp
 
+from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
+from mpm_warp.plan.launch import ShareRow
+from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
 
-@functools.cache
-def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> Any:
-    """The kernel, launched over particles.
+def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:
+    """Add the stage, and the sums and the places of rows and columns that it needs."""
+    width = np.append(np.diff(grid.columns), 1.0)
+    height = np.append(np.diff(grid.rows), 1.0)
+    lean = np.append(np.diff(grid.surface_radius), 0.0)
+    columns = np.stack([grid.columns, width, 1.0 / width], axis=-1)
+    rows = np.stack([grid.rows, height, 1.0 / height, grid.surface_radius, lean], axis=-1)
+    plan.add_array("grid.columns", "vec3", columns)
+    plan.add_array("grid.rows", "vec5", rows)
+    plan.add_zeros("cell.stress_sum", "vec4", (plan.share_count, grid.cell_count))
+    plan.add_zeros("cell.mass", "real", (plan.share_count, grid.cell_count))
+    plan.add_zeros("node.momentum", "vec4", (plan.share_count, grid.node_count))
+    plan.add_launch(
+        _make_particles_to_grid(grid.polar, has_empty_slots, plan.precision),
+        plan.arrays["particle.mass"].shape,
+        position="particle.position",
+        velocity="particle.velocity",
+        stress="particle.stress",
+        mass="particle.mass",
+        particle_cell="particle.cell",
+        columns="grid.columns",
+        rows="grid.rows",
+        outer_radius=grid.outer_radius,
+        column_count=grid.column_count,
+        node_momentum=ShareRow("node.momentum"),
+        cell_stress_sum=ShareRow("cell.stress_sum"),
+        cell_mass=ShareRow("cell.mass"),
+    )
 
-    Args:
-        polar: whether the grid is one of rings and rays.
-        window: whether there are places without a particle, to be passed over.
-        precision: floating point types.
-    """
+
+@functools.cache
+def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Precision) -> Any:
+    """The kernel, launched over slots of particles."""
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     vec5 = precision.vec5
     natural = make_location(polar, precision).natural
@@ -35,12 +63,12 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         # (mass, momentum, 0): four numbers are added in one instruction.
         return vec4(m, m * v[0], m * v[1], zero)
 
-    key = f"{'polar' if polar else 'rows'}.{'window' if window else 'closed'}"
+    key = f"{'polar' if polar else 'rows'}.{'slots' if has_empty_slots else 'full'}"
     key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
     def particles_to_grid(
-        first: int,
+        offset: int,
         position: wp.array(dtype=vec2),
         velocity: wp.array(dtype=vec2),
         stress: wp.array(dtype=vec4),
@@ -54,10 +82,10 @@ def make_particles_to_grid(polar: bool, window: bool, precision: Precision) -> A
         cell_stress_sum: wp.array(dtype=vec4),
         cell_mass: wp.array(dtype=real),
     ):
-        p = first + wp.tid()
+        p = offset + wp.tid()
         cell = particle_cell[p]
         i, j = cell[0], cell[1]
-        if wp.static(window):
+        if wp.static(has_empty_slots):
             if i < 0:
                 return
         where = natural(position[p], columns[i], rows[j], outer_radius)

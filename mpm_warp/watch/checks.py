@@ -1,20 +1,16 @@
-"""The watch on a run: one that diverges ends with a named error, not with wrong numbers."""
+"""What is looked at in a run that may have become unsound: one function a check.
+
+Each raises a `Fault` that names what, and where; when, and what may help, is added by who calls.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.materials.materials import PerfectlyPlastic, Tresca, VonMises
+from mpm_warp.parts.contact import SurfaceContact
 
-if TYPE_CHECKING:
-    import xarray
-
-YIELD_ROUNDINGS = 64
-"""Roundings of the greatest stress by which a stress may be beyond the yield surface."""
 STRESS_ROUNDINGS = 64
 """Roundings of the greatest stress by which a step may change the mean stress by itself."""
 OVERFULL = 20
@@ -25,41 +21,6 @@ LARGEST_PARTED_SHARE = 0.1
 """Share of a surface that noise may part where the soil cannot pull as the ground presses."""
 ROUNDED = 1e-3
 """Normal velocity at a surface, over the greatest there, that is rounding."""
-
-
-class SimulationDiverged(RuntimeError):
-    """The run became unstable; the message is one line and names what, where and when.
-
-    Attributes:
-        status: how a harness files the case.
-        history: curves up to there, or none.
-    """
-
-    status = "diverged"
-    history: xarray.Dataset | None = None
-
-
-class InaccurateRun(RuntimeError):
-    """The run came to its end, but not to a result to be relied on; the message is one line.
-
-    Attributes:
-        status: how a harness files the case.
-        history: its curves.
-    """
-
-    status = "inaccurate"
-
-    def __init__(self, message: str, history: xarray.Dataset) -> None:
-        super().__init__(message)
-        self.history = history
-
-
-class WindowOverfull(SimulationDiverged):
-    """More soil stays in the travelling window than it has places for: it piles up on the shaft."""
-
-
-class Fault(Exception):
-    """What the watch has found: the beginning of a message, without when and what to do."""
 
 
 def check_particles(
@@ -97,47 +58,30 @@ def check_particles(
         if not healthy.all():
             worst = int(np.argmin(healthy)) // values[0].size
             raise Fault(
-                f"{quantity} of {_particle(number, position, worst)} is {_text(values[worst])}"
+                f"{quantity} of {_particle(int(number[worst]), position[worst])} is {_text(values[worst])}"
             )
 
 
-def check_yield(
-    *, number: Integers, position: Floats, stress: Floats, material: PerfectlyPlastic
-) -> None:
-    """Check that stresses (rr, zz, rz, tt) are on or inside the yield surface.
+def check_yield(*, margin: Floats, particle: Integers, position: Floats, stress: Floats) -> None:
+    """Check that stresses are on or inside the yield surface.
+
+    Args:
+        margin: by how much the worst of some particles is outside beyond rounding, over the
+            strength; shape [block_count].
+        particle: number of the worst of each, shape [block_count].
+        position: coordinates of all particles [m], shape [particle_count, 2].
+        stress: of all (rr, zz, rz, tt) [Pa], shape [particle_count, 4].
 
     Raises:
-        Fault: one is not.
+        Fault: one is outside.
     """
-    excess = yield_excess(stress, material)
-    greatest = _greatest(stress) / material.strength
-    rounding = YIELD_ROUNDINGS * np.finfo(stress.dtype).eps * (1.0 + greatest)
-    worst = int(np.argmax(excess - rounding))
-    if excess[worst] > rounding[worst]:
+    block = int(np.argmax(margin))
+    if margin[block] > 0.0:
+        worst = int(particle[block])
         raise Fault(
-            f"stress of {_particle(number, position, worst)} is {_text(stress[worst])}, outside "
-            f"the yield surface by {excess[worst]:.2g} of the strength"
+            f"stress of {_particle(worst, position[worst])} is {_text(stress[worst])}, outside "
+            f"the yield surface by {margin[block]:.2g} of the strength"
         )
-
-
-def yield_excess(stress: Floats, material: PerfectlyPlastic) -> Floats:
-    """How far stresses are outside the yield surface over the strength; < 0 inside."""
-    shear = {Tresca: _greatest_shear, VonMises: _root_of_j2}[type(material)]
-    excess: Floats = shear(*stress.T.astype(np.float64, order="C")) / material.strength - 1.0
-    return excess
-
-
-def _greatest_shear(rr: Floats, zz: Floats, rz: Floats, tt: Floats) -> Floats:
-    centre, radius = 0.5 * (rr + zz), np.sqrt((0.5 * (rr - zz)) ** 2 + rz**2)
-    shear: Floats = 0.5 * (np.maximum(centre + radius, tt) - np.minimum(centre - radius, tt))
-    return shear
-
-
-def _root_of_j2(rr: Floats, zz: Floats, rz: Floats, tt: Floats) -> Floats:
-    mean = (rr + zz + tt) / 3.0
-    j2 = 0.5 * ((rr - mean) ** 2 + (zz - mean) ** 2 + (tt - mean) ** 2) + rz**2
-    root: Floats = np.sqrt(j2)
-    return root
 
 
 def check_cells(
@@ -239,19 +183,9 @@ def check_mean_stress(
     worst = int(np.argmax(drift))
     if not drift[worst] <= 0.0:
         raise Fault(
-            f"mean stress of {_particle(number, position, worst)} has changed in a step by "
+            f"mean stress of {_particle(int(number[worst]), position[worst])} has changed in a step by "
             f"{change[worst] / 3:.4g} Pa, its volume by what makes {expected[worst] / 3:.4g} Pa"
         )
-
-
-def check_time_step(*, time_step: float, longest: float) -> None:
-    """Check that the time step is at most the longest that is stable [s].
-
-    Raises:
-        Fault: it is not.
-    """
-    if not time_step <= longest:
-        raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")
 
 
 def _greatest(stress: Floats) -> Floats:
@@ -260,8 +194,8 @@ def _greatest(stress: Floats) -> Floats:
     return greatest
 
 
-def _particle(number: Integers, position: Floats, index: int) -> str:
-    return f"particle {number[index]} at {_text(position[index])} m"
+def _particle(number: int, position: Floats) -> str:
+    return f"particle {number} at {_text(position)} m"
 
 
 def _text(values: Floats) -> str:

@@ -1,55 +1,62 @@
-"""Return of a trial stress to the yield surface: one function for each yield criterion.
-
-Stresses are (rr, zz, rz, tt), tension positive; in axisymmetry the hoop stress tt is principal.
-"""
+"""Perfect plasticity with the yield criterion of Tresca, as suits undrained clay."""
 
 import functools
+from dataclasses import dataclass
 from typing import Any
 
 import warp as wp
 
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.precision import Precision
-from mpm_warp.materials.materials import LinearElastic, Tresca, VonMises
 
 
-def make_yielding(material: LinearElastic, precision: Precision) -> Any:
-    """The function (trial stress, strength) -> stress; None for a material that never yields."""
-    makers = {LinearElastic: lambda _: None, Tresca: _make_tresca, VonMises: _make_von_mises}
-    return makers[type(material)](precision)
+@dataclass(frozen=True, kw_only=True)
+class Tresca(PerfectlyPlastic):
+    """Yields where (sigma_1 - sigma_3) / 2 = su; in axisymmetry the hoop stress is principal."""
 
+    def update(self, precision: Precision) -> Any:
+        """Return to the nearest point of the hexagon, a side of it or a corner."""
+        return _make_update(precision)
 
-@functools.cache
-def _make_von_mises(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-
-    @wp.func
-    def return_to_von_mises(stress: vec4, strength: real) -> vec4:
-        mean = (stress[0] + stress[1] + stress[3]) / real(3.0)
-        rr, zz, tt, rz = stress[0] - mean, stress[1] - mean, stress[3] - mean, stress[2]
-        j2 = real(0.5) * (rr * rr + zz * zz + tt * tt) + rz * rz
-        if j2 <= strength * strength:
-            return stress
-        scale = strength / wp.sqrt(j2)
-        return vec4(mean + scale * rr, mean + scale * zz, scale * rz, mean + scale * tt)
-
-    return return_to_von_mises
+    def yield_function(self, precision: Precision) -> Any:
+        """((sigma_1 - sigma_3) / 2, su)."""
+        return _make_yield_function(precision)
 
 
 @functools.cache
-def _make_tresca(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
+def _make_yield_function(precision: Precision) -> Any:
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    vec1 = precision.vector(1)
 
     @wp.func
-    def return_to_tresca(stress: vec4, strength: real) -> vec4:
-        # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
+    def greatest_shear(stress: vec4, properties: vec1, state: vec1) -> vec2:
         centre = real(0.5) * (stress[0] + stress[1])
         half_difference = real(0.5) * (stress[0] - stress[1])
-        square = half_difference * half_difference + stress[2] * stress[2]
-        hoop = stress[3]
+        radius = wp.sqrt(half_difference * half_difference + stress[2] * stress[2])
+        highest = wp.max(centre + radius, stress[3])
+        lowest = wp.min(centre - radius, stress[3])
+        return vec2(real(0.5) * (highest - lowest), properties[0])
+
+    return greatest_shear
+
+
+@functools.cache
+def _make_update(precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
+    vec1 = precision.vector(1)
+
+    @wp.func
+    def return_to_tresca(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
+        strength = properties[0]
+        # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
+        centre = real(0.5) * (trial[0] + trial[1])
+        half_difference = real(0.5) * (trial[0] - trial[1])
+        square = half_difference * half_difference + trial[2] * trial[2]
+        hoop = trial[3]
         # Elastic where neither 2 radius nor radius + |centre - hoop| exceeds 2 su: without a root.
         room = wp.min(strength, real(2.0) * strength - wp.abs(centre - hoop))
         if room >= real(0.0) and square <= room * room:
-            return stress
+            return trial, state
         radius = wp.sqrt(square)
         highest = wp.max(centre + radius, hoop)
         lowest = wp.min(centre - radius, hoop)
@@ -83,11 +90,12 @@ def _make_tresca(precision: Precision) -> Any:
         scale = real(0.0)
         if radius > real(0.0):
             scale = real(0.5) * (major - minor) / radius
-        return vec4(
+        returned = vec4(
             new_centre + scale * half_difference,
             new_centre - scale * half_difference,
-            scale * stress[2],
+            scale * trial[2],
             new_hoop,
         )
+        return returned, state
 
     return return_to_tresca

@@ -1,0 +1,87 @@
+"""How far stresses are outside the yield surface: what the watch asks of a material."""
+
+import functools
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.materials.material import Law, Material
+from mpm_warp.plan.launch import make_launch
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+YIELD_ROUNDINGS = 64
+"""Roundings of the greatest stress by which a stress may be beyond the yield surface."""
+BLOCK = 256
+"""Particles that one thread looks at; it keeps the worst of them."""
+
+
+def add_yield_check(plan: Plan, material: Material) -> None:
+    """Add the launch "yield_check", which the watch orders; none where the material never yields.
+
+    It leaves in `yield.margin` how far the worst particle of each block is outside the yield
+    surface beyond rounding, over its strength, and its number in `yield.particle`.
+    """
+    law = material.law(plan.precision)
+    if law.yield_function is None:
+        return
+    (count,) = plan.arrays["particle.mass"].shape
+    blocks = -(-count // BLOCK)
+    plan.between_steps["yield_check"] = make_launch(
+        _make_yield_check(law, plan.precision),
+        blocks,
+        {
+            "count": count,
+            "particle_cell": "particle.cell",
+            "stress": "particle.stress",
+            "state": plan.find("particle.state"),
+            "properties": law.properties_type(*material.properties),
+            "margin": plan.add_zeros("yield.margin", "real", blocks),
+            "worst": plan.add_zeros("yield.particle", "int", blocks),
+        },
+    )
+
+
+@functools.cache
+def _make_yield_check(law: Law, precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
+    properties_type, state_type = law.properties_type, law.state_type
+    yield_function = law.yield_function
+    remembers = law.remembers
+    one = wp.constant(real(1.0))
+    roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(precision.numpy_name).eps))
+    nothing = wp.constant(real(-1e30))
+
+    @wp.kernel(
+        module=f"mpm_warp.yield_check.{law.key}.{precision.numpy_name}", enable_backward=False
+    )
+    def yield_check(
+        count: int,
+        particle_cell: wp.array(dtype=wp.vec2i),
+        stress: wp.array(dtype=vec4),
+        state: wp.array(dtype=state_type),
+        properties: properties_type,
+        margin: wp.array(dtype=real),
+        worst: wp.array(dtype=int),
+    ):
+        block = wp.tid()
+        greatest_margin = nothing
+        number = int(-1)
+        for p in range(block * wp.static(BLOCK), wp.min((block + 1) * wp.static(BLOCK), count)):
+            if particle_cell[p][0] >= 0:
+                s = stress[p]
+                remembered = state_type()
+                if wp.static(remembers):
+                    remembered = state[p]
+                measured = yield_function(s, properties, remembered)
+                f, k = measured[0], measured[1]
+                greatest = wp.max(wp.abs(s))
+                beyond = f / k - one - roundings * (one + greatest / k)
+                if beyond > greatest_margin:
+                    greatest_margin = beyond
+                    number = p
+        margin[block] = greatest_margin
+        worst[block] = number
+
+    return yield_check

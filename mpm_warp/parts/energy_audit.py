@@ -1,0 +1,74 @@
+"""Energy audit: every 16th step also records the kinetic energy that the transfers change.
+
+Recorded before a step, for the velocities v that the last one has left, and after its momentum
+equation, for the velocities u before it: only the transfer to particles and back lies between.
+
+    E <- E + sum over a row of m u.u / 2        before the step
+    E <- E - sum over a row of m v.v / 2        after the one before it
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.plan.launch import make_launch
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+
+def add_energy_audit(plan: Plan, grid: Grid) -> None:
+    """Add an audited step to a plan whose step is complete.
+
+    The array "transfer.energy" adds up what each row of nodes has gained in the audited steps [J].
+    """
+    energy = plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
+    before, after = (
+        make_launch(
+            _make_kinetic_energy(when, plan.precision),
+            grid.row_count + 1,
+            {
+                "column_count": grid.column_count,
+                "mass": "node.mass",
+                "velocities": "node.velocities",
+                "energy": energy,
+            },
+        )
+        for when in ("before", "after")
+    )
+    update = plan.position_after("momentum")
+    plan.audited_step = [after, *plan.step[:update], before, *plan.step[update:]]
+
+
+@functools.cache
+def _make_kinetic_energy(when: str, precision: Precision) -> Any:
+    """The kernel, launched over rows of nodes, each of which keeps its own sum.
+
+    Args:
+        when: "before" or "after" a step.
+        precision: floating point types.
+    """
+    real, vec4 = precision.real, precision.vec4
+    first, sign = {"before": (2, 1.0), "after": (0, -1.0)}[when]
+    key = f"{when}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.kinetic_energy.{key}", enable_backward=False)
+    def kinetic_energy(
+        column_count: int,
+        mass: wp.array(dtype=real),
+        velocities: wp.array(dtype=vec4),
+        energy: wp.array(dtype=real),
+    ):
+        j = wp.tid()
+        total = real(0.0)
+        for i in range(column_count + 1):
+            node = j * (column_count + 1) + i
+            v = velocities[node]
+            total += mass[node] * (
+                v[wp.static(first)] * v[wp.static(first)]
+                + v[wp.static(first + 1)] * v[wp.static(first + 1)]
+            )
+        energy[j] = energy[j] + real(0.5 * wp.static(sign)) * total
+
+    return kinetic_energy

@@ -1,0 +1,78 @@
+"""Nodes at rest relative to undisturbed soil, in r, z or both: v <- free v, free being 0 or 1."""
+
+import functools
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.parts.part import Setting
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+Booleans = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fixed:
+    """Nodes that rest relative to undisturbed soil, in r, z or both.
+
+    Attributes:
+        nodes: flat indices, each once, shape [node_count].
+        free: 1 where the velocity component is free, 0 where it is held, shape [node_count, 2].
+    """
+
+    nodes: Integers
+    free: Floats
+
+    @classmethod
+    def axis_and_ends(cls, grid: Grid) -> Self:
+        """No radial velocity on the axis, none at all at the bottom, no vertical one at the top."""
+        free = np.ones((grid.row_count + 1, grid.column_count + 1, 2))
+        free[grid.surface_radius == 0.0, 0, 0] = 0.0
+        free[0] = 0.0
+        free[-1, :, 1] = 0.0
+        return cls.where(radial=free[..., 0] == 0.0, vertical=free[..., 1] == 0.0)
+
+    @classmethod
+    def where(cls, *, radial: Booleans, vertical: Booleans) -> Self:
+        """Nodes held where a mask says so, one mask a component.
+
+        Args:
+            radial: where the radial velocity is held, shape [row_count + 1, column_count + 1].
+            vertical: the same for the vertical velocity.
+        """
+        free = np.where(np.stack([radial, vertical], axis=-1), 0.0, 1.0).reshape(-1, 2)
+        nodes = np.flatnonzero(free.min(axis=-1) == 0.0)
+        return cls(nodes=nodes, free=free[nodes])
+
+    def add_to(self, plan: Plan, setting: Setting) -> None:
+        """Add the launch, over the held nodes."""
+        plan.add_launch(
+            _make_fixed(plan.precision),
+            len(self.nodes),
+            nodes=plan.add_array("fixed.nodes", "int", self.nodes),
+            free=plan.add_array("fixed.free", "vec2", self.free),
+            velocities="node.velocities",
+        )
+
+
+@functools.cache
+def _make_fixed(precision: Precision) -> Any:
+    vec2, vec4 = precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.fixed.{precision.numpy_name}", enable_backward=False)
+    def fixed(
+        offset: int,
+        nodes: wp.array(dtype=int),
+        free: wp.array(dtype=vec2),
+        velocities: wp.array(dtype=vec4),
+    ):
+        k = offset + wp.tid()
+        v = velocities[nodes[k]]
+        velocities[nodes[k]] = vec4(free[k][0] * v[0], free[k][1] * v[1], v[2], v[3])
+
+    return fixed

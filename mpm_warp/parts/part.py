@@ -1,0 +1,40 @@
+"""What a part of a scene may know of the soil that it acts on, and how it enters a run."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import Material
+from mpm_warp.plan.plan import Plan
+
+
+class Setting(Protocol):
+    """The soil that a part acts on; a scene is one.
+
+    Attributes:
+        grid: the background grid.
+        material: the soil's constitutive model.
+        particles_per_side: particles along each side of a cell.
+    """
+
+    @property
+    def grid(self) -> Grid: ...
+
+    @property
+    def material(self) -> Material: ...
+
+    @property
+    def particles_per_side(self) -> int: ...
+
+
+class NodeAction(Protocol):
+    """A part that changes the new velocities of nodes: a force, a boundary, a contact.
+
+    It acts between the momentum equation and the strain rates of cells. The array of the plan
+    "node.velocities" holds (v_r, v_z, u_r, u_z), velocity after the step and before it, "node.mass"
+    the mass, 0 where no particle is near.
+    """
+
+    def add_to(self, plan: Plan, setting: Setting) -> None:
+        """Add arrays and launches of the part to a plan, at the end of what it has by now."""

@@ -1,0 +1,119 @@
+"""Conservative velocity interpolation: flow that changes volume alike all over a cell.
+
+The strain of a cell is one for all of it. The bilinear velocity between its nodes follows that
+only in the mean: here it gathers particles, there it parts them. Soil that stays for long where it
+gathers, beside a rough wall say, piles up without end. So particles also move with a flow within
+the cell that corrects this and vanishes on the edges that it would cross (Meyer & Jenny 2004, PAMM
+4:466-467), here about an axis.
+
+Symbols: xi, eta natural coordinates of the cell, u_ij velocity (r, z) of its nodes, d change over
+the step. At half the height, r0 and r1 radii of the left and right edge, r their mean, c centroid
+in xi, w width; h height, l lean of the edges: the rise of their radius over the height.
+
+    d r = xi (1 - xi) (P + xi Q) + eta (1 - eta) S l / h
+    d z = eta (1 - eta) S
+
+    P     = w (c T / h + (r0 e1 - r1 e0) / (2 r r0))            T = u_00 - u_10 - u_01 + u_11, its z
+    P + Q = w ((1 - c) T / h + (r0 e1 - r1 e0) / (2 r r1))      e_i = mean of u_i0 and u_i1, its r
+    S     = h (C - l T / h) / (2 w)                             C = the r of what T is the z of
+            + h ((a_0 + a_1) / 2 - (e0 + e1) l / (2 r)) / (2 r) a_i = u_i1 - u_i0, its r
+
+In an upright cell all heights, and along their length both edges, have the divergence of the cell
+exactly; in between it is off by about w / r of what it was, as where edges lean. In a cell on the
+axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same everywhere.
+"""
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+
+@dataclass(frozen=True)
+class VelocityInterpolation:
+    """Device functions of the flow within a cell.
+
+    Attributes:
+        of_cell: (velocities of the four nodes, weights of the cell) -> (P, Q, S l / h, S) per time.
+        displacement: (these over a step, xi, eta) -> (d r, d z).
+    """
+
+    of_cell: Any
+    displacement: Any
+
+
+def add_velocity_interpolation(plan: Plan, grid: Grid) -> VelocityInterpolation:
+    """Add the weights of the cells to a plan; returns the functions that its stages are to use."""
+    plan.add_array("cell.interpolation_weights", "vec10", interpolation_weights(grid))
+    return _make_velocity_interpolation(plan.precision)
+
+
+def interpolation_weights(grid: Grid) -> Floats:
+    """Factors of sums and differences of the velocities of the nodes of each cell.
+
+    Args:
+        grid: axisymmetric, with horizontal rows.
+
+    Returns:
+        Ten dimensionless numbers a cell, in the order in which the kernel takes them; shape
+        [cell_count, 10].
+    """
+    radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
+    r0, r1 = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
+    r, w, h = 0.5 * (r0 + r1), r1 - r0, height[:, 2] - height[:, 0]
+    lean = 0.5 * (radius[:, 2] - radius[:, 0] + radius[:, 3] - radius[:, 1])
+    on_axis = r0 == 0.0
+    centroid = (0.5 * r0 + w / 3.0) / r
+    at_left = np.where(on_axis, 1.0 / 3.0, centroid)
+    hoop = np.where(on_axis, 0.0, 0.25 * w / r)
+    return np.stack(
+        [
+            at_left * w / h,
+            (1.0 - centroid - at_left) * w / h,
+            hoop,
+            np.divide(hoop * w, r0, out=np.zeros_like(r0), where=~on_axis),
+            -hoop * w / r1,
+            0.5 * h / w,
+            0.25 * h / r,
+            -0.125 * h * lean / r**2,
+            -0.5 * lean / w,
+            lean / h,
+        ],
+        axis=-1,
+    )
+
+
+@functools.cache
+def _make_velocity_interpolation(precision: Precision) -> VelocityInterpolation:
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    vec10 = precision.vector(10)
+    one = wp.constant(real(1.0))
+
+    @wp.func
+    def conservative_flow(u_00: vec4, u_10: vec4, u_01: vec4, u_11: vec4, weight: vec10) -> vec4:
+        T = (u_00[1] - u_10[1]) - (u_01[1] - u_11[1])
+        left, right = u_00[0] + u_01[0], u_10[0] + u_11[0]
+        a_0, a_1 = u_01[0] - u_00[0], u_11[0] - u_10[0]
+        P = weight[0] * T + weight[2] * (right - left) - weight[3] * left
+        Q = weight[1] * T + weight[3] * left + weight[4] * right
+        S = (
+            weight[5] * (a_1 - a_0)
+            + weight[6] * (a_0 + a_1)
+            + weight[7] * (left + right)
+            + weight[8] * T
+        )
+        return vec4(P, Q, weight[9] * S, S)
+
+    @wp.func
+    def displacement(flow: vec4, xi: real, eta: real) -> vec2:
+        upright = eta * (one - eta)
+        across = xi * (one - xi) * (flow[0] + xi * flow[1])
+        return vec2(across + upright * flow[2], upright * flow[3])
+
+    return VelocityInterpolation(conservative_flow, displacement)

@@ -1,0 +1,123 @@
+"""From a run to its dataset: samplers take down what they watch, at the moments of a schedule."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
+
+import xarray as xr
+
+from mpm_warp.errors import SimulationDiverged
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.plan.plan import AUDIT_INTERVAL
+from mpm_warp.results import costs
+from mpm_warp.simulation import Simulation
+
+
+class Sampler(Protocol):
+    """Takes down what it watches of a run."""
+
+    def sample(self) -> None:
+        """Take down the run as it is now."""
+
+    def dataset(self) -> xr.Dataset:
+        """What has been taken down so far, as curves or scalars."""
+
+
+def never() -> bool:
+    """Of a run that goes on to its last moment."""
+    return False
+
+
+def follow(
+    simulation: Simulation,
+    moments: Sequence[float],
+    reach: Callable[[float], None],
+    samplers: Sequence[Sampler],
+    progress: Callable[[float], None] | None = None,
+    is_over: Callable[[], bool] = never,
+) -> xr.Dataset:
+    """Run a simulation through some moments, and sample it at each.
+
+    Args:
+        simulation: the run.
+        moments: in the order of time, as `reach` takes them: times, steps or travels.
+        reach: advances the simulation to a moment.
+        samplers: each takes a sample at every moment. A step may go past several moments, so that
+            the simulation may not have moved since the sample before.
+        progress: is told the fraction done, at last 1.
+        is_over: asked after every sample whether the run may end there.
+
+    Returns:
+        What the samplers have taken down, and what the run has cost.
+
+    Raises:
+        SimulationDiverged: the run became unstable; its `curves` are those up to there.
+    """
+    start = time.perf_counter()
+    try:
+        for count, moment in enumerate(moments, start=1):
+            reach(moment)
+            for sampler in samplers:
+                sampler.sample()
+            if progress is not None and count < len(moments):
+                progress(count / len(moments))
+            if is_over():
+                break
+        simulation.check()
+    except SimulationDiverged as error:
+        error.curves = _merged(samplers)
+        raise
+    run_time = time.perf_counter() - start
+    if progress is not None:
+        progress(1.0)
+    return _merged(samplers).assign(cost(simulation, run_time=run_time))
+
+
+def cost(simulation: Simulation, *, run_time: float) -> Mapping[str, xr.Variable]:
+    """Time and work of a simulation, whose steps took `run_time` seconds."""
+    return costs(
+        run_time=run_time,
+        setup_time=simulation.setup_time,
+        compile_time=simulation.compile_time,
+        time_step=simulation.plan.time_step,
+        step_count=simulation.step_count,
+        particle_count=simulation.plan.particle_count,
+        particle_updates=simulation.particle_updates,
+    )
+
+
+class ContactForces:
+    """The forces of the soil at the nodes of a scene's contact, mean values since the last ones.
+
+    Args:
+        simulation: of a scene with contact.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._taken_at = simulation.time
+
+    def take(self) -> Floats:
+        """Normal and tangential force per radian [N], shape [contact node_count, 2]."""
+        simulation = self._simulation
+        forces: Floats = simulation.array("contact.impulse") / (simulation.time - self._taken_at)
+        simulation.assign("contact.impulse", 0.0)
+        self._taken_at = simulation.time
+        return forces
+
+
+def transferred_energy(simulation: Simulation) -> float:
+    """What the transfers have added to the kinetic energy per radian, dissipated if < 0 [J].
+
+    Estimated from the steps that were audited.
+
+    Raises:
+        KeyError: the scene has no energy audit.
+    """
+    return AUDIT_INTERVAL * float(simulation.array("transfer.energy").sum())
+
+
+def _merged(samplers: Sequence[Sampler]) -> xr.Dataset:
+    return xr.merge([sampler.dataset() for sampler in samplers])

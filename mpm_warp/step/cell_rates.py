@@ -1,0 +1,127 @@
+"""Stage 5: the mean velocity gradient of each cell, and what it does to the stress in a step.
+
+Symbols: v velocity of the nodes after the step, G_i the integrals over a cell of
+(dN_i/dr r, dN_i/dz r, N_i), V volume of the cell, L velocity gradient (rr, rz, zr, zz, tt).
+
+    L       = sum over nodes (v_r G_r, v_r G_z, v_z G_r, v_z G_z, v_r G_t) / V
+    div v_c = L_rr + L_zz + L_tt
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.elasticity import make_stress_increment
+from mpm_warp.materials.material import Material
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+from mpm_warp.step.mass_matrix_correction import make_mass_matrix_correction
+
+
+def add_cell_rates(
+    plan: Plan,
+    grid: Grid,
+    material: Material,
+    *,
+    particles_per_side: int,
+    internal_flow: Any | None,
+) -> None:
+    """Add the stage.
+
+    Args:
+        plan: of the run; what its earlier stages have arrays for is worked out too: the rate of
+            dilation and the mass-matrix correction.
+        grid: whose cells they are.
+        material: of the soil.
+        particles_per_side: along each side of a cell when it is full.
+        internal_flow: function on the device (velocities of the four nodes, weights of the cell)
+            -> flow within the cell per time, a vector of 4; None: there is none. The plan then has
+            the array "cell.interpolation_weights" already.
+    """
+    # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
+    weight = material.density * (1.0 - particles_per_side**-2.0) / 24.0
+    plan.add_array("cell.volume", "real", grid.cell_volumes)
+    plan.add_zeros("cell.stress_increment", "vec7", grid.cell_count)
+    if internal_flow is not None:
+        plan.add_zeros("cell.internal_flow", "vec4", grid.cell_count)
+    viscous, corrected = plan.find("cell.dilation_rate"), plan.find("cell.correction")
+    plan.add_launch(
+        _make_cell_rates(viscous is not None, corrected is not None, internal_flow, plan.precision),
+        grid.cell_count,
+        velocities="node.velocities",
+        integrals="cell.integrals",
+        volume="cell.volume",
+        column_count=grid.column_count,
+        time_step=plan.time_step,
+        shear_modulus=material.shear_modulus,
+        bulk_modulus=material.bulk_modulus,
+        dilation_rate=viscous,
+        correction_weight=weight,
+        correction=corrected,
+        stress_increment="cell.stress_increment",
+        interpolation_weights=plan.find("cell.interpolation_weights"),
+        cell_flow=plan.find("cell.internal_flow"),
+    )
+
+
+@functools.cache
+def _make_cell_rates(
+    viscous: bool, corrected: bool, internal_flow: Any | None, precision: Precision
+) -> Any:
+    """The kernel, launched over cells."""
+    real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
+    vec5, vec7, vec10 = precision.vec5, precision.vec7, precision.vector(10)
+    one = wp.constant(real(1.0))
+    stress_increment_of = make_stress_increment(precision)
+    correction_of_cell = make_mass_matrix_correction(precision).of_cell
+    interpolated = internal_flow is not None
+
+    @wp.func
+    def rates(v: vec4, G: vec3) -> vec5:
+        return vec5(v[0] * G[0], v[0] * G[1], v[1] * G[0], v[1] * G[1], v[0] * G[2])
+
+    parts = ("viscous" if viscous else "inviscid", "corrected" if corrected else "lumped")
+    flow = internal_flow.key if internal_flow is not None else "bilinear"
+    key = f"{'.'.join(parts)}.{flow}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
+    def cell_rates(
+        offset: int,
+        velocities: wp.array(dtype=vec4),
+        integrals: wp.array2d(dtype=vec3),
+        volume: wp.array(dtype=real),
+        column_count: int,
+        time_step: real,
+        shear_modulus: real,
+        bulk_modulus: real,
+        dilation_rate: wp.array(dtype=real),
+        correction_weight: real,
+        correction: wp.array(dtype=vec4),
+        stress_increment: wp.array(dtype=vec7),
+        interpolation_weights: wp.array(dtype=vec10),
+        cell_flow: wp.array(dtype=vec4),
+    ):
+        c = offset + wp.tid()
+        node = c + c / column_count
+        upper = node + column_count + 1
+        v_00, v_10 = velocities[node], velocities[node + 1]
+        v_01, v_11 = velocities[upper], velocities[upper + 1]
+        L = (one / volume[c]) * (
+            rates(v_00, integrals[c, 0])
+            + rates(v_10, integrals[c, 1])
+            + rates(v_01, integrals[c, 2])
+            + rates(v_11, integrals[c, 3])
+        )
+        if wp.static(viscous):
+            dilation_rate[c] = L[0] + L[3] + L[4]
+        if wp.static(corrected):
+            weight = correction_weight * volume[c]
+            correction[c] = correction_of_cell(v_00, v_10, v_01, v_11, weight)
+        stress_increment[c] = stress_increment_of(L, time_step, shear_modulus, bulk_modulus)
+        if wp.static(interpolated):
+            flow = internal_flow(v_00, v_10, v_01, v_11, interpolation_weights[c])
+            cell_flow[c] = time_step * flow
+
+    return cell_rates

@@ -1,0 +1,98 @@
+"""Stage 2: the mean stress of each cell.
+
+Symbols: sigma stress (rr, zz, rz, tt), m mass, h length of a cell, rho density, c pressure wave
+speed, b coefficient of the bulk viscosity, M mass of a cell that is full.
+
+    sigma_c = sum m sigma / sum m + b rho c h div v            mean stress and bulk viscosity
+    sigma_c <- min(sum m / M, 1) sigma_c                       where a free surface may pass
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import Material
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+
+def add_cell_stress(
+    plan: Plan, grid: Grid, material: Material, *, bulk_viscosity: float | None, free_surface: bool
+) -> None:
+    """Add the stage.
+
+    Args:
+        plan: of the run.
+        grid: whose cells they are.
+        material: of the soil.
+        bulk_viscosity: coefficient b, dimensionless, or none.
+        free_surface: whether cells may hold less soil than fills them.
+    """
+    plan.add_zeros("cell.stress", "vec4", grid.cell_count)
+    if bulk_viscosity is not None:
+        impedance = material.density * material.pressure_wave_speed
+        plan.add_array("cell.viscosity", "real", bulk_viscosity * impedance * grid.cell_lengths)
+        plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
+    if free_surface:
+        plan.add_array("cell.full_mass", "real", material.density * grid.cell_volumes)
+    plan.add_launch(
+        _make_cell_stress(
+            plan.share_count, bulk_viscosity is not None, free_surface, plan.precision
+        ),
+        grid.cell_count,
+        stress_sum="cell.stress_sum",
+        mass="cell.mass",
+        dilation_rate=plan.find("cell.dilation_rate"),
+        viscosity=plan.find("cell.viscosity"),
+        full_mass=plan.find("cell.full_mass"),
+        stress="cell.stress",
+    )
+
+
+@functools.cache
+def _make_cell_stress(
+    share_count: int, viscous: bool, free_surface: bool, precision: Precision
+) -> Any:
+    """The kernel, launched over cells; it clears the particles' sums, of which each has so many."""
+    real, vec4 = precision.real, precision.vec4
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+
+    key = f"{'viscous' if viscous else 'inviscid'}.{'partly' if free_surface else 'full'}"
+    key = f"{share_count}.{key}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
+    def cell_stress(
+        offset: int,
+        stress_sum: wp.array2d(dtype=vec4),
+        mass: wp.array2d(dtype=real),
+        dilation_rate: wp.array(dtype=real),
+        viscosity: wp.array(dtype=real),
+        full_mass: wp.array(dtype=real),
+        stress: wp.array(dtype=vec4),
+    ):
+        c = offset + wp.tid()
+        sums, m = vec4(), real(0.0)
+        for share in range(wp.static(share_count)):
+            part = mass[share, c]
+            if part != zero:
+                sums += stress_sum[share, c]
+                m += part
+                stress_sum[share, c] = vec4()
+                mass[share, c] = zero
+        mean = (one / m) * sums
+        total = mean[0] + mean[1] + mean[2] + mean[3]
+        # A cell that is empty for a moment keeps the stress it had: soil is all around it. So does
+        # one whose soil is not finite, until the watch finds the particle.
+        if total - total == zero:
+            if wp.static(viscous):
+                q = viscosity[c] * dilation_rate[c]
+                mean += vec4(q, q, zero, q)
+            if wp.static(free_surface):
+                mean *= wp.min(m / full_mass[c], one)
+            stress[c] = mean
+        elif wp.static(free_surface):
+            stress[c] = vec4()
+
+    return cell_stress

@@ -1,0 +1,129 @@
+"""Stage 3: the momentum equation of the nodes.
+
+Symbols: sigma stress of a cell (rr, zz, rz, tt), m mass, M half a quarter of the mass of the cells
+around a node when they are full, u and v velocity before and after the step, G_i the integrals over
+a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one.
+
+    f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
+                                sigma_rz G_r + sigma_zz G_z)
+    u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)
+    v_i     = u_i + dt f_i / max(m_i, M_i)
+
+The force is that of full cells, whatever particles are near the node at the moment; so M bounds
+what it can do to a node that has few.
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import Material
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+from mpm_warp.step.mass_matrix_correction import make_mass_matrix_correction
+
+ABSURD_SPEED = 100.0
+"""Speed over that of the pressure wave beyond which a node is left out of the step."""
+
+
+def add_momentum(plan: Plan, grid: Grid, material: Material, *, corrected: bool) -> None:
+    """Add the stage; `corrected`: whether there is a mass-matrix correction."""
+    plan.add_array("cell.integrals", "vec3", grid.gradient_integrals)
+    # Where a wall moves it stays that of the start.
+    plan.add_array("node.least_mass", "real", 0.5 * material.density * grid.node_volumes)
+    plan.add_zeros("node.mass", "real", grid.node_count)
+    plan.add_zeros("node.velocities", "vec4", grid.node_count)
+    if corrected:
+        plan.add_zeros("cell.correction", "vec4", grid.cell_count)
+    plan.add_launch(
+        _make_momentum(plan.share_count, corrected, plan.precision),
+        (grid.row_count + 1, grid.column_count + 1),
+        momenta="node.momentum",
+        stress="cell.stress",
+        integrals="cell.integrals",
+        column_count=grid.column_count,
+        row_count=grid.row_count,
+        time_step=plan.time_step,
+        least_mass="node.least_mass",
+        absurd_speed=ABSURD_SPEED * plan.speed_limit,
+        correction=plan.find("cell.correction"),
+        mass="node.mass",
+        velocities="node.velocities",
+    )
+
+
+@functools.cache
+def _make_momentum(share_count: int, corrected: bool, precision: Precision) -> Any:
+    """The kernel, launched over (rows, columns) of nodes; it clears the sums, each of so many.
+
+    `velocities` is (v_r, v_z, u_r, u_z): velocity after the step and before it.
+    """
+    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
+    zero, half, one = (wp.constant(real(x)) for x in (0.0, 0.5, 1.0))
+    correction_at_node = make_mass_matrix_correction(precision).at_node
+
+    @wp.func
+    def pull(stress: vec4, G: vec3) -> vec2:
+        return vec2(
+            stress[0] * G[0] + stress[2] * G[1] + stress[3] * G[2],
+            stress[2] * G[0] + stress[1] * G[1],
+        )
+
+    key = f"{share_count}.{'corrected' if corrected else 'lumped'}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.momentum.{key}", enable_backward=False)
+    def momentum(
+        offset: int,
+        momenta: wp.array2d(dtype=vec4),
+        stress: wp.array(dtype=vec4),
+        integrals: wp.array2d(dtype=vec3),
+        column_count: int,
+        row_count: int,
+        time_step: real,
+        least_mass: wp.array(dtype=real),
+        absurd_speed: real,
+        correction: wp.array(dtype=vec4),
+        mass: wp.array(dtype=real),
+        velocities: wp.array(dtype=vec4),
+    ):
+        row, i = wp.tid()
+        j = offset + row
+        node = j * (column_count + 1) + i
+        sums = vec4()
+        for share in range(wp.static(share_count)):
+            part = momenta[share, node]
+            if part[0] != zero:
+                sums += part
+                momenta[share, node] = vec4()
+        m = sums[0]
+        mass[node] = m
+        if m <= zero:
+            velocities[node] = vec4()
+            return
+        force = vec2()
+        cell = j * column_count + i
+        if j < row_count:
+            if i < column_count:
+                force -= pull(stress[cell], integrals[cell, 0])
+            if i > 0:
+                force -= pull(stress[cell - 1], integrals[cell - 1, 1])
+        if j > 0:
+            cell -= column_count
+            if i < column_count:
+                force -= pull(stress[cell], integrals[cell, 2])
+            if i > 0:
+                force -= pull(stress[cell - 1], integrals[cell - 1, 3])
+        before = (one / m) * vec2(sums[1], sums[2])
+        if wp.static(corrected):
+            given_back = correction_at_node(correction, i, j, column_count, row_count)
+            before += (half / wp.max(half * m, least_mass[node])) * given_back
+        if not wp.dot(before, before) < absurd_speed * absurd_speed:
+            # The particle that gave it such a velocity is left alone until the watch finds it.
+            velocities[node] = vec4()
+            return
+        after = before + (time_step / wp.max(m, least_mass[node])) * force
+        velocities[node] = vec4(after[0], after[1], before[0], before[1])
+
+    return momentum
