@@ -3,7 +3,8 @@
 from abc import abstractmethod
 from typing import Any
 
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress as Progress
+from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.catalogue import Progress as Progress
 from mpm_warp.scenes.catalogue import Verification as Verification
 
 

@@ -12,10 +12,10 @@ from mpm_warp.scenes.families.impact import LENGTH, Impact
 if TYPE_CHECKING:
     import xarray
 
-    from mpm_warp.column import Column
     from mpm_warp.execution.execution import Execution
     from mpm_warp.grid.fitted import Floats
     from mpm_warp.scene import Scene
+    from mpm_warp.scenes.waves.column import Column
 
 POISSONS_RATIO = 0.3
 BULK_VISCOSITY = 1.0
@@ -34,9 +34,9 @@ class StruckColumn(Impact):
 
     def build(self) -> tuple[Scene, Column]:
         """The scene and its column."""
-        from mpm_warp.column import Column
         from mpm_warp.materials.materials import LinearElastic
         from mpm_warp.scene import Scene
+        from mpm_warp.scenes.waves.column import Column
 
         nu = POISSONS_RATIO
         column = Column(height=LENGTH, cell_count=self.cell_count)

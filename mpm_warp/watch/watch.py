@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -40,9 +41,19 @@ class Run(Protocol):
     def launch(self, launch: Launch) -> None: ...
 
 
-def make_watch(scene: object, run: Run) -> ParticleWatch:
-    """The watch on a run of a scene; of soil in a grid it looks at more than each particle."""
-    return SoilWatch(scene, run) if isinstance(scene, Scene) else ParticleWatch(run)
+class Watch(Protocol):
+    """A watch on a run.
+
+    Attributes:
+        particle_count: particles at the last look.
+    """
+
+    @property
+    def particle_count(self) -> int: ...
+
+    def prepare(self) -> None: ...
+
+    def look(self) -> None: ...
 
 
 class ParticleWatch:
@@ -212,3 +223,12 @@ class SoilWatch(ParticleWatch):
     def _blocks(self, mass: Floats) -> Floats:
         grid = self._scene.grid
         return block_sums(mass.reshape(grid.row_count, grid.column_count))
+
+
+@functools.singledispatch
+def make_watch(scene: object, run: Run) -> Watch:
+    """The watch on a run of a scene. Kinds of scenes register their own, else it is of particles."""
+    return ParticleWatch(run)
+
+
+make_watch.register(Scene, SoilWatch)

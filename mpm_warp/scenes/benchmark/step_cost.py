@@ -6,26 +6,32 @@ import dataclasses
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.benchmark.clocks import ClockedExecution
+from mpm_warp.benchmark.speed import LEAST_STEPS, Companion, Run, StageTimes, ThreadGain
+from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.execution import THREAD_COUNTS, Execution
+from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene
-from mpm_warp.scenes.cone_penetration import ConePenetration
-
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.scene import Scene
-    from mpm_warp.simulation import Simulation
-    from mpm_warp.benchmark.speed import Beside, Run
+from mpm_warp.results import variable
+from mpm_warp.sampling import cost
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetration import PenetrationCurves
+from mpm_warp.scenes.shared_parameters import floating_point
+from mpm_warp.simulation import Simulation
 
 BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class StepCost(ReadyScene):
+class StepCost(CatalogueScene):
     """The scene of a cone penetration at a size, or less of its physics, timed warm.
 
     The soil starts with random stresses about its strength, so that much of it yields. All results
@@ -34,7 +40,6 @@ class StepCost(ReadyScene):
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
     version: ClassVar[int] = 6
-    headline: ClassVar[str] = "update_rate"
     runs_alone: ClassVar[bool] = True
 
     size: int = parameter(
@@ -46,16 +51,11 @@ class StepCost(ReadyScene):
         meaning="all of a cone penetration, or soil alone: plastic (Tresca), or elastic",
         choices=("cone", "plastic", "elastic"),
     )
-    threads: int = parameter(1, unit="1", meaning="threads of the processor", choices=(1, 2, 4))
+    threads: int = parameter(1, unit="1", meaning="threads of the processor", choices=THREAD_COUNTS)
     cases: int = parameter(
         1, unit="1", meaning="cases that are computed together", minimum=1, maximum=10_000
     )
-    precision: str = parameter(
-        "float64",
-        unit="1",
-        meaning="floating point numbers of the simulation",
-        choices=("float64", "float32"),
-    )
+    precision: str = floating_point()
     samples: int = parameter(7, unit="1", meaning="timed samples", minimum=1, maximum=1000)
     sample_time: float = parameter(
         0.3, unit="s", meaning="time of a sample, about", above=0, maximum=100
@@ -68,16 +68,14 @@ class StepCost(ReadyScene):
             cone = ConePenetration(
                 cells_per_radius=cells_per_radius, precision=self.precision, approach=0.0
             )
-            scene = cone.build()[0]
+            scene = cone.build()
             count = scene.grid.cell_count * scene.particles_per_side**2
             cells_per_radius = max(1.0, cells_per_radius * math.sqrt(self.size / count))
         return cone
 
     def build(self) -> Scene:
-        """The scene."""
-        from mpm_warp.materials.materials import LinearElastic
-
-        scene = self.cone().build()[0]
+        """The scene of the cone penetration, or its soil alone."""
+        scene = self.cone().build()
         if self.physics == "cone":
             return scene
         soil = dataclasses.replace(
@@ -86,7 +84,7 @@ class StepCost(ReadyScene):
             far_field=None,
             contact=None,
             window=None,
-            even_flow=False,
+            conservative_interpolation=False,
             energy_audit=False,
         )
         if self.physics == "plastic":
@@ -98,26 +96,19 @@ class StepCost(ReadyScene):
         )
         return dataclasses.replace(soil, material=material)
 
-    def simulated_scene(self) -> Scene:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        return self.build()
+    def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
+        """Time the steps of a case, or of several together.
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`; the threads are those of the scene."""
-        from mpm_warp.execution.batch import Batch
-        from mpm_warp.execution.execution import Execution
-        from mpm_warp.simulation import Simulation
-        from mpm_warp.benchmark.speed import LEAST_STEPS
-        from mpm_warp.benchmark.clocks import ClockedExecution
-
+        Args:
+            progress: is told the fraction done after each sample.
+            execution: the device alone is taken from it; the threads are those of the scene.
+        """
         device = "cpu" if execution is None else execution.device
         if self.cases == 1:
             can_be_clocked = device == "cpu" and self.threads == 1
             kind = ClockedExecution if can_be_clocked else Execution
             return self._measured(kind(device, self.threads), progress)
-        batch, results = Batch(device, self.threads), list["xarray.Dataset"]()
+        batch, results = Batch(device, self.threads), list[xr.Dataset]()
 
         def lead() -> None:
             results.append(self._measured(batch, progress))
@@ -130,26 +121,19 @@ class StepCost(ReadyScene):
         batch.run([lead] + [accompany] * (self.cases - 1))
         return results[0]
 
-    def _measured(self, execution: Execution, progress: Progress | None) -> xarray.Dataset:
+    def _measured(self, execution: Execution, progress: Progress) -> xr.Dataset:
         """The speed of a case, or of all that go along with it step by step."""
-        import numpy as np
-        import xarray as xr
-
-        from mpm_warp.results import cost, variable
-        from mpm_warp.simulation import Simulation
-
         simulation = Simulation(self.build(), execution)
-        beside = self._beside(simulation, execution)
+        companion = self._companion(simulation, execution)
         run = self._stirred(simulation)
         begun = time.perf_counter()
         step_count = run.steps_within(self.sample_time)
         samples = []
         for number in range(self.samples):
-            beside.begin()
+            companion.before_sample()
             samples.append(run.sample(step_count))
-            beside.note(samples[-1])
-            if progress is not None:
-                progress((number + 1) / self.samples)
+            companion.after_sample(samples[-1])
+            progress((number + 1) / self.samples)
         simulation.check()
         rates = [self.cases * it.rate for it in samples]
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
@@ -160,12 +144,19 @@ class StepCost(ReadyScene):
                     unit="s-1",
                     meaning="particle updates per second",
                     description="of all cases together; median of the samples",
+                    role="headline",
                 ),
                 "update_rate_lowest": variable(
-                    min(rates), unit="s-1", meaning="least particle updates per second"
+                    min(rates),
+                    unit="s-1",
+                    meaning="least particle updates per second",
+                    role="measured",
                 ),
                 "update_rate_highest": variable(
-                    max(rates), unit="s-1", meaning="most particle updates per second"
+                    max(rates),
+                    unit="s-1",
+                    meaning="most particle updates per second",
+                    role="measured",
                 ),
                 "array_bytes": variable(
                     byte_count / simulation.plan.particle_count,
@@ -175,32 +166,21 @@ class StepCost(ReadyScene):
                 **cost(simulation, run_time=time.perf_counter() - begun),
             }
         )
-        return result.merge(beside.table())
+        return result.merge(companion.dataset())
 
-    def _beside(self, simulation: Simulation, execution: Execution) -> Beside:
-        """What else is measured of a case, by how it is computed."""
-        from mpm_warp.execution.execution import Execution
-        from mpm_warp.simulation import Simulation
-        from mpm_warp.benchmark.speed import LEAST_STEPS, Beside, Clocks, OneThread
-        from mpm_warp.benchmark.clocks import ClockedExecution
-
+    def _companion(self, simulation: Simulation, execution: Execution) -> Companion:
+        """What is measured turn about with the samples, by how the case is computed."""
         if isinstance(execution, ClockedExecution):
-            return Clocks(simulation, execution)
+            return StageTimes(simulation, execution)
         if self.cases > 1 or execution.device != "cpu":
-            return Beside()
+            return Companion()
         runs = [self._stirred(Simulation(self.build(), Execution())) for _ in range(self.threads)]
         for run in runs:
             run.take(LEAST_STEPS)  # warm
-        return OneThread(runs)
+        return ThreadGain(runs)
 
     def _stirred(self, simulation: Simulation) -> Run:
         """Give the soil its stresses and the window its speed."""
-        import numpy as np
-
-        from mpm_warp.penetration import Penetration
-        from mpm_warp.benchmark.speed import Run
-        from mpm_warp.travel import Travel
-
         scene = simulation.scene
         strength = 0.01 * scene.material.shear_modulus
         block = np.random.default_rng(0).uniform(-strength, strength, (BLOCK, 4))
@@ -210,18 +190,23 @@ class StepCost(ReadyScene):
             part.assign(block[: len(part)])
         if scene.window is None:
             return Run(simulation, simulation.advance)
-        window, travel = scene.window, Travel(simulation)
-        simulation.arrays["window.motion"].assign([window.ramp_time, window.speed, 0.0])
+        window = scene.window
+        simulation.assign("window.motion", np.array([window.ramp_time, window.speed, 0.0]))
         per_step = window.speed * simulation.plan.time_step
         cone = self.cone()
-        penetration = Penetration(
-            surface=cone.build()[1],
-            greatest=math.inf,
+        curves = PenetrationCurves(
+            simulation,
+            radius=cone.cone_radius,
             unsteady=math.inf,  # as for all but the last radii of a test
             tolerance=cone.steady_tolerance,
         )
 
         def take(count: int) -> None:
-            penetration.push_to(travel.distance + (count - 0.5) * per_step, travel, simulation)
+            distance = simulation.travel + (count - 0.5) * per_step
+            while curves.next_distance <= distance:
+                simulation.travel_to(curves.next_distance)
+                curves.sample()
+                curves.is_steady()
+            simulation.travel_to(distance)
 
         return Run(simulation, take)

@@ -12,8 +12,8 @@ from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
-from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
 from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
 
 
 @dataclass(frozen=True, kw_only=True)

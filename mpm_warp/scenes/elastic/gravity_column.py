@@ -15,7 +15,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.damping import Damping
 from mpm_warp.parts.gravity import Gravity
 from mpm_warp.results import variable
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.waves.column import Column
@@ -26,8 +26,6 @@ GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
-PROGRESS_COUNT = 20
-"""How often progress is told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +81,7 @@ class GravityColumn(CatalogueScene):
         position = simulation.array("particle.position").copy()
         period = 4 * HEIGHT / simulation.scene.material.pressure_wave_speed
         step_count = round(PERIODS * period / simulation.plan.time_step)
-        steps = np.linspace(0, step_count, PROGRESS_COUNT + 1).round().astype(int)[1:]
+        steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         return recorded.merge(self._at_rest(simulation, position))
 

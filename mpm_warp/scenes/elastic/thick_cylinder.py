@@ -17,7 +17,7 @@ from mpm_warp.parts.damping import Damping
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.nodal_load import NodalLoad
 from mpm_warp.results import variable
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.simulation import Simulation
@@ -29,8 +29,6 @@ STRAIN = 1e-5
 """Displacement of the wall over its radius, of an infinite body."""
 REST_TIME = 60.0
 """Time to come to rest, in inner radii over the shear wave speed."""
-PROGRESS_COUNT = 20
-"""How often progress is told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +134,7 @@ class ThickCylinder(CatalogueScene):
         position = simulation.array("particle.position").copy()
         rest_time = REST_TIME * self.radius_ratio / simulation.scene.material.shear_wave_speed
         step_count = round(rest_time / simulation.plan.time_step)
-        steps = np.linspace(0, step_count, PROGRESS_COUNT + 1).round().astype(int)[1:]
+        steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         return recorded.merge(self._at_rest(simulation, position))
 

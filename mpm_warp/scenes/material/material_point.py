@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
+import numpy as np
+import xarray as xr
+
+from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes.base import Progress, ReadyScene, Verification
-
-if TYPE_CHECKING:
-    import numpy as np
-    import xarray
-
-    from mpm_warp.execution.execution import Execution
+from mpm_warp.plan.plan import Plan
+from mpm_warp.results import variable
+from mpm_warp.sampling import even_steps, follow
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
 
 RANDOM_PATHS = 200
 """Paths in random directions, on which the stress must stay within the yield surface."""
@@ -40,7 +41,7 @@ class StrainPath:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MaterialPoint(ReadyScene):
+class MaterialPoint(CatalogueScene):
     """Tresca soil strained and turned through the stress update of the simulator, without a grid.
 
     Simple shear far beyond yield has the steady state of the Jaumann rate with perfect plasticity:
@@ -124,89 +125,63 @@ class MaterialPoint(ReadyScene):
             )
         )
 
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """See :class:`~mpm_warp.scenes.base.ReadyScene`."""
-        import numpy as np
-        import xarray as xr
+    def build(self) -> StrainPaths:
+        """The paths that have a closed form, then random ones that start without stress."""
+        paths, strength = self.paths(), self.undrained_shear_strength
+        random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
+        gradient = np.concatenate([[path.gradient for path in paths], random])
+        start = np.zeros((len(gradient), 4))
+        start[: len(paths)] = [path.start for path in paths]
+        return StrainPaths(
+            material=Tresca(
+                shear_modulus=self.rigidity_index * strength,
+                poissons_ratio=self.poissons_ratio,
+                density=1.0,
+                strength=strength,
+            ),
+            gradient=gradient,
+            stress=start * strength,
+            step_count=self.step_count,
+        )
 
-        from mpm_warp.results import variable
+    def step_count_bound(self, plan: Plan) -> int:
+        """The strain steps of a path."""
+        return self.step_count
 
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Follow the paths to their ends, and hold the stress there against the closed forms."""
+        steps = even_steps(self.step_count)
+        recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
+        return recorded.merge(self._at_the_end(simulation))
+
+    def _at_the_end(self, simulation: Simulation) -> xr.Dataset:
+        """Stresses at the ends of the paths, and how far any was beyond the yield surface."""
         paths = self.paths()
-        stress, excess, cost = self._follow(paths, "cpu" if execution is None else execution.device)
+        stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
         exact = np.array([path.exact for path in paths])
         dims = ("path", "component")
         variables = {
             "stress": variable(stress, unit="1", meaning="stress over strength", dims=dims),
             "stress_exact": variable(
-                exact, unit="1", meaning="stress over strength, closed form", dims=dims
+                exact,
+                unit="1",
+                meaning="stress over strength, closed form",
+                dims=dims,
+                exact_of="stress",
             ),
             "error": variable(
                 np.abs(stress - exact).max(),
                 unit="1",
                 meaning="error of stress",
                 description="greatest difference of a component from the closed form, over su",
+                role="headline",
             ),
             "yield_excess": variable(
-                excess.max(),
+                simulation.array("particle.yield_excess").max(),
                 unit="1",
                 meaning="stress beyond the yield surface",
                 description="greatest (sigma_1 - sigma_3) / (2 su) - 1 on any path at any step",
             ),
         }
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
-        return xr.Dataset(variables, coords=axes).assign(cost)
-
-    def _follow(
-        self, paths: tuple[StrainPath, ...], device: str
-    ) -> tuple[np.ndarray, np.ndarray, Mapping[str, xarray.Variable]]:
-        """Stress over strength at the ends of `paths`, excess of these and of random ones, cost."""
-        import numpy as np
-        import warp as wp
-
-        from mpm_warp.results import costs
-        from mpm_warp.precision import FLOAT64
-        from mpm_warp.materials.strain_path import make_strain_path
-        from mpm_warp.materials.yielding import make_yielding
-        from mpm_warp.materials.materials import Tresca
-
-        start = time.perf_counter()
-        material = Tresca(
-            shear_modulus=self.rigidity_index * self.undrained_shear_strength,
-            poissons_ratio=self.poissons_ratio,
-            density=1.0,
-            strength=self.undrained_shear_strength,
-        )
-        random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
-        gradient = np.concatenate([[path.gradient for path in paths], random])
-        rest = np.zeros((len(gradient), 4))
-        rest[: len(paths)] = [path.start for path in paths]
-        stress: wp.array[Any] = wp.array(
-            rest * material.strength, dtype=FLOAT64.vec4, device=device
-        )
-        excess: wp.array[Any] = wp.zeros(len(gradient), dtype=FLOAT64.real, device=device)
-        arguments = [
-            wp.array(gradient, dtype=FLOAT64.vec5, device=device),
-            self.step_count,
-            material.shear_modulus,
-            material.bulk_modulus,
-            material.strength,
-            stress,
-            excess,
-        ]
-        set_up = time.perf_counter()
-        kernel = make_strain_path(make_yielding(material, FLOAT64), FLOAT64)
-        wp.force_load(device, modules=[kernel.module])
-        loaded = time.perf_counter()
-        wp.launch(kernel, len(gradient), arguments, device=device)
-        wp.synchronize_device(device)
-        cost = costs(
-            run_time=time.perf_counter() - loaded,
-            setup_time=set_up - start,
-            compile_time=loaded - set_up,
-            step_count=self.step_count,
-            particle_count=len(gradient),
-            particle_updates=len(gradient) * self.step_count,
-        )
-        return stress.numpy()[: len(paths)] / material.strength, excess.numpy(), cost
+        return xr.Dataset(variables, coords=axes)
