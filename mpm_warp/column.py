@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.loads import NodalLoad
 
 

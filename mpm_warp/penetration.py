@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import curves_kept, variable
 from mpm_warp.penetrometer import PenetrometerForces, PenetrometerSurface
+from mpm_warp.results import curves_kept, variable
 from mpm_warp.simulation import Simulation
 from mpm_warp.steady_state import is_steady
 from mpm_warp.travel import Travel

@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.grid.fitted import Floats, Grid, Integers, graded
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 
 
 @dataclass(frozen=True, kw_only=True)

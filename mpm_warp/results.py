@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-
 from numpy.typing import ArrayLike
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from typing import Any
 
+import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.host_arrays import HostArrays
-from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.parts.inflow import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -24,7 +24,7 @@ CHECK_INTERVAL = 500
 
 
 class Simulation:
-    """The state of a run, and the ways to advance it. Soil enters by itself where there is a window.
+    """The state of a run, and the ways to advance it; soil enters by itself where it has to.
 
     Args:
         scene: what is run: soil in a grid, or any other kind that `make_plan` can plan.
@@ -89,7 +89,7 @@ class Simulation:
         """An array of the plan on the host: the device's own memory where they share it."""
         return self._on_host(name)
 
-    def assign(self, name: str, values: Floats | Integers | float) -> None:
+    def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
         """Give an array of the plan other values, or one value everywhere."""
         self._on_host.assign(name, values)
 

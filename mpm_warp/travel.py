@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.watch.health import WindowOverfull
 from mpm_warp.plan.plan import Launch, share_bounds
 from mpm_warp.simulation import Simulation
+from mpm_warp.watch.health import WindowOverfull
 
 ROUNDING = 1e-6
 """Share of a step that counts as rounding: no step beyond a distance is taken for it."""

@@ -9,7 +9,6 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.grid.fitted import Floats, Integers
 
 
 class HostArrays:
@@ -34,7 +33,7 @@ class HostArrays:
                 self._seen[name] = array, values  # runs of few particles ask often
         return values
 
-    def assign(self, name: str, values: Floats | Integers | float) -> None:
+    def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
         """Give the array of that name other values, or one value everywhere."""
         array = self._arrays[name]
         if array.device == self._host:

@@ -47,7 +47,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
 def _make_yield_check(law: Law, precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
     properties_type, state_type = law.properties_type, law.state_type
-    yield_function = law.yield_function
+    yield_function: Any = law.yield_function
     remembers = law.remembers
     one = wp.constant(real(1.0))
     roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(precision.numpy_name).eps))
@@ -67,7 +67,7 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
     ):
         block = wp.tid()
         greatest_margin = nothing
-        number = int(-1)
+        number = -1
         for p in range(block * wp.static(BLOCK), wp.min((block + 1) * wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
                 s = stress[p]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.plan.launch import Launch
-from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.plan.time_step import check_time_step
 from mpm_warp.scene import Scene
 from mpm_warp.watch.checks import (
@@ -27,17 +26,6 @@ LOOKED_AT_ONCE = 4_000
 """Particles that the watch looks at together; the memory of more would be fetched each time."""
 SAMPLED = 2_000
 """Particles, about, whose mean stress is held against their volume."""
-
-
-class Run(Protocol):
-    """A run, as its watch sees it."""
-
-    @property
-    def plan(self) -> Plan: ...
-
-    def array(self, name: str) -> NDArray[Any]: ...
-
-    def launch(self, launch: Launch) -> None: ...
 
 
 def make_watch(scene: object, run: Run) -> ParticleWatch:
