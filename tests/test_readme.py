@@ -1,0 +1,52 @@
+"""The front door: its Python runs as it stands there, and the links of all pages lead on."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+PAGES = sorted(path for folder in (".", "[!.]*") for path in ROOT.glob(f"{folder}/*.md"))
+BLOCKS = re.findall(r"^```python\n(.*?)^```$", README.read_text(), re.MULTILINE | re.DOTALL)
+
+
+def run(*arguments: str, folder: Path) -> str:
+    """What a Python process of its own prints, started in a folder and without a screen."""
+    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_its_python_runs(tmp_path: Path) -> None:
+    # The main job, coarse and short: the names and dims of its result are those of the full one.
+    settings = ("--set", "cells_per_radius=1", "--set", "penetration=1")
+    run("-m", "harness", "run", "adhesion_factor", *settings, folder=tmp_path)
+    from_python, from_file = (run("-c", block, folder=tmp_path) for block in BLOCKS)
+    assert f"`{from_python.strip()}`" in README.read_text()
+    assert (tmp_path / "resistance.png").stat().st_size > 0
+    assert from_file.count("completed") == 5
+
+
+def test_a_stranger_reads_it_in_five_minutes() -> None:
+    assert len(README.read_text().splitlines()) <= 150
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_to_what_is_there(page: Path) -> None:
+    targets = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text())
+    local = [target for target in targets if "://" not in target]
+    assert [target for target in local if not (page.parent / target).exists()] == []
