@@ -17,9 +17,8 @@ from mpm_warp.watch.health import (
     check_yield,
 )
 from mpm_warp.execution.host_arrays import HostArrays
-from mpm_warp.execution.next_step import AUDIT_INTERVAL
 from mpm_warp.materials.materials import PerfectlyPlastic
-from mpm_warp.plan.plan import Launch, Plan, StepPlan
+from mpm_warp.plan.plan import AUDIT_INTERVAL, Launch, Plan, StepPlan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.watch.soil import SoilWatch
@@ -97,7 +96,7 @@ class TimeLoop:
                 self._prepare_look()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             steps = range(self.step_count, self.step_count + block)
-            self._steps.play(steps, self._execution.threads)
+            self._steps.replay(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:

@@ -45,6 +45,8 @@ class Array:
         return wp.array(self.initial, dtype=self.dtype, device=device, copy=False)
 
 
+AUDIT_INTERVAL = 16
+"""Every step whose number is a multiple of this is audited, where a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers, which do not depend on the precision."""
 
