@@ -68,11 +68,13 @@ def real_arguments(kernel: Any) -> dict[int, Any]:
 
 
 def _arguments(kernel: Any) -> list[tuple[str, Any]]:
-    return list(kernel.func.__annotations__.items())
+    """Names and types of the arguments."""
+    return [(argument.label, argument.type) for argument in kernel.adj.args]
 
 
 def _is_array(kind: Any) -> bool:
-    return isinstance(kind, wp.array)
+    """Whether an argument is an array, written as `wp.array(dtype=...)` or as `wp.array[...]`."""
+    return hasattr(kind, "ndim")
 
 
 def _is_real(kind: Any) -> bool:

@@ -14,7 +14,7 @@ import xarray as xr
 
 import mpm_warp.execution.batch
 from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.batched_kernel import make_batched_kernel
+from mpm_warp.execution.batched_kernel import make_batched_kernel, real_arguments
 from mpm_warp.execution.batched_plan import batch_key, batched_plan
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import Replay
@@ -28,6 +28,7 @@ from mpm_warp.simulation import Simulation
 from mpm_warp.watch.health import SimulationDiverged
 
 SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
+VECTOR_1 = wp.types.vector(1, wp.float64)
 
 
 def cone(**parameters: Any) -> ConePenetration:
@@ -193,6 +194,30 @@ def test_the_time_of_others_is_idle_time() -> None:
     assert 0 < sum(spent) <= time.perf_counter() - begin
     assert execution.case_count == 3
     assert (Execution().case_count, Execution().idle_time) == (1, 0.0)
+
+
+def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
+    @wp.kernel(module="tests.scaled", enable_backward=False)
+    def scaled(
+        first: int,
+        factor: wp.float64,
+        one: VECTOR_1,  # type: ignore[valid-type]
+        x: wp.array[wp.vec2d],
+        y: wp.array2d[wp.float64],
+        z: wp.array(dtype=wp.float64, ndim=2),  # type: ignore[valid-type]
+    ) -> None:
+        i = first + wp.tid()
+        y[i, 0] = factor * x[i][0]
+        z[0, i] = one[0] * x[i][1]
+
+    assert real_arguments(scaled) == {1: wp.float64, 2: VECTOR_1}
+    x = wp.array([[(1.0, 2.0), (3.0, 4.0)], [(5.0, 6.0), (7.0, 8.0)]], dtype=wp.vec2d)
+    y, z = wp.zeros((2, 2, 1), dtype=wp.float64), wp.zeros((2, 1, 2), dtype=wp.float64)
+    factor = wp.array([10.0, 100.0], dtype=wp.float64)
+    one = wp.array([(0.5,), (0.25,)], dtype=VECTOR_1)
+    wp.launch(make_batched_kernel(scaled), (2, 1), [2, 2, 0, factor, one, x, y, z])
+    np.testing.assert_array_equal(y.numpy()[:, :, 0], [[10.0, 30.0], [500.0, 700.0]])
+    np.testing.assert_array_equal(z.numpy()[:, 0], [[1.0, 2.0], [1.5, 2.0]])
 
 
 def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
