@@ -6,6 +6,8 @@ to use, and its launch. What not every scene has stands in the files `planning_*
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from mpm_warp.parts.even_flow import even_flow_weights
@@ -31,6 +33,7 @@ ABSURD_SPEED = 100.0
 """Speed over that of the pressure wave beyond which a node is left out of the step."""
 
 
+@functools.singledispatch
 def make_plan(scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None) -> Plan:
     """The plan of a run of `scene`, complete.
 

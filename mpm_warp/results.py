@@ -20,6 +20,8 @@ def variable(
     meaning: str,
     description: str | None = None,
     dims: tuple[str, ...] = (),
+    role: str | None = None,
+    exact_of: str | None = None,
 ) -> xr.Variable:
     """A labelled variable.
 
@@ -29,10 +31,16 @@ def variable(
         meaning: a few words, fit for the axis of a picture.
         description: how the value came about, where that needs saying.
         dims: names of the dimensions.
+        role: of the variable.
+        exact_of: the variable that it is the exact value of.
     """
     labels = {"units": unit, "long_name": meaning}
     if description is not None:
         labels["description"] = description
+    if exact_of is not None:
+        role, labels["exact_of"] = "exact", exact_of
+    if role is not None:
+        labels["role"] = role
     return xr.Variable(dims, np.asarray(value), labels)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -112,6 +113,10 @@ class TimeLoop:
         while (left := self._steps_until(time)) > 0:
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
+    def advance_to_step(self, number: int) -> None:
+        """Take steps until so many have been taken."""
+        self.advance(number - self.step_count)
+
     def _steps_until(self, time: float) -> int:
         since_change = round((time - self._changed_time) / self.plan.time_step)
         return self._changed_step + since_change - self.step_count
@@ -176,7 +181,7 @@ class Simulation(TimeLoop):
         scene: what is run.
     """
 
-    def __init__(self, scene: Scene, execution: Execution | None = None) -> None:
+    def __init__(self, scene: Any, execution: Execution | None = None) -> None:
         """Plan the scene, fill its arrays and compile its kernels."""
         execution = execution or Execution()
         start = time.perf_counter()
@@ -185,21 +190,24 @@ class Simulation(TimeLoop):
         planning_time = time.perf_counter() - start
         super().__init__(plan, execution)
         self.plan: Plan = plan
-        self.scene = scene
+        self.scene: Any = scene
         self.setup_time += planning_time
         self._forces_taken_at = 0.0
-        self._watch = SoilWatch(plan, self._on_host, self._present())
+        soil = isinstance(scene, Scene)
+        self._watch = SoilWatch(plan, self._on_host, self._present()) if soil else None
 
     def _prepare_look(self) -> None:
-        self._watch.prepare(self._present())
+        if self._watch is not None:
+            self._watch.prepare(self._present())
 
     def _look(self, present: Integers) -> None:
         super()._look(present)
-        self._watch.look(present)
+        if self._watch is not None:
+            self._watch.look(present)
 
     def _look_at(self, number: Integers, particles: dict[str, Floats]) -> None:
         super()._look_at(number, particles)
-        if isinstance(self.scene.material, PerfectlyPlastic):
+        if isinstance(getattr(self.scene, "material", None), PerfectlyPlastic):
             check_yield(
                 number=number,
                 position=particles["position"],
@@ -208,7 +216,7 @@ class Simulation(TimeLoop):
             )
 
     def _present(self) -> Integers:
-        if self.scene.window is None:
+        if getattr(self.scene, "window", None) is None:
             return super()._present()
         places = np.flatnonzero(self.array("particle.cell")[:, 0] >= 0)
         return places.astype(np.int32)

@@ -1,11 +1,11 @@
-"""Stage 3 for bodies: particles take velocity, position and stress from the field of their body.
+"""From the nodes to particles: velocity, position and stress from the field of their body.
 
 Symbols: v_i velocity of node i, d_i its offset, N_i shape function, L velocity gradient
 (xx, xy, yx, yy, zz), h cell size.
 
     v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
     L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
-                                     symmetric part of L: without it a body that turns grows
+                                     symmetric part of L; without this term a body that turns grows
     x <- x + dt v,       V <- V exp(dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
@@ -17,11 +17,35 @@ The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans
 import functools
 from typing import Any
 
+import numpy as np
 import warp as wp
 
+from mpm_warp.bodies.grid import make_splines
+from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_step
+from mpm_warp.plan.plan import StepPlan
 from mpm_warp.precision import Precision
-from mpm_warp.bodies.splines import make_splines
+
+
+def add_grid_to_body(plan: StepPlan, scene: BodyScene) -> None:
+    """Add the motion and the stress of particles, after the velocities of the nodes are final."""
+    materials = [body.material for body in scene.bodies]
+    moduli = np.array([(it.shear_modulus, it.bulk_modulus) for it in materials])
+    plan.add_array("body.moduli", "vec2", moduli)
+    retardation, viscous_stress, dissipated = None, None, None
+    if scene.is_damped:
+        times = np.array([body.retardation_time or 0.0 for body in scene.bodies])
+        retardation = plan.add_array("body.retardation_time", "real", times)
+        viscous_stress = "particle.viscous_stress"
+        dissipated = plan.add_zeros("particle.dissipated", "real", plan.particle_count)
+    plan.add_launch(
+        make_grid_to_body(scene.grid.axisymmetric, scene.is_damped, plan.precision),
+        plan.particle_count,
+        *("particle.body", "body.moduli", retardation, "field.velocity"),
+        *(*scene.grid.kernel_arguments(plan.precision), plan.time_step),
+        *("particle.position", "particle.velocity", "particle.affine", "particle.stress"),
+        *("particle.volume", viscous_stress, dissipated),
+    )
 
 
 @functools.cache
@@ -36,8 +60,8 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
     real, vec2, vec4, vec5 = precision.real, precision.vec2, precision.vec4, precision.vec5
     mat22 = precision.mat22
     splines = make_splines(precision)
-    first_node, place, offsets = splines.first_node, splines.place, splines.offsets
-    weights, slopes = splines.weights, splines.slopes
+    first_node, local_coordinate = splines.first_node, splines.local_coordinate
+    weights, slopes, offsets = splines.weights, splines.slopes, splines.offsets
     elastic_trial, stress_step = make_elastic_trial(precision), make_stress_step(precision)
     half, four = (wp.constant(real(x)) for x in (0.5, 4.0))
 
@@ -68,7 +92,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
-        fx, fy = place(where[0], i), place(where[1], j)
+        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
         Nx, Ny = weights(fx), weights(fy)
         dNx, dNy = slopes(fx) / h, slopes(fy) / h
         dx, dy = offsets(fx), offsets(fy)

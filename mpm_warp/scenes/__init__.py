@@ -16,6 +16,16 @@ from mpm_warp.scenes.base import Progress, ReadyScene
 __all__ = ["Progress", "ReadyScene", "UnknownSceneError", "scene_class", "scene_names"]
 
 
+IN_FAMILIES = {
+    "flying_block": "blocks",
+    "sliding_block": "blocks",
+    "stretched_bar": "bars",
+    "struck_bar": "impact",
+    "struck_column": "impact",
+}
+"""Stand-in until the merge: scenes that have moved into the folder of their family."""
+
+
 class UnknownSceneError(LookupError):
     """No scene has that name; the message is one line and names the nearest one."""
 
@@ -23,7 +33,8 @@ class UnknownSceneError(LookupError):
 def scene_names() -> tuple[str, ...]:
     """Names of all scenes, sorted."""
     modules = pkgutil.iter_modules(__path__)
-    return tuple(sorted(it.name for it in modules if it.name != "base" and not it.ispkg))
+    flat = (it.name for it in modules if it.name not in {"base", "catalogue"} and not it.ispkg)
+    return tuple(sorted([*flat, *IN_FAMILIES]))
 
 
 def scene_class(name: str) -> type[ReadyScene]:
@@ -35,6 +46,7 @@ def scene_class(name: str) -> type[ReadyScene]:
     known = scene_names()
     if name not in known:
         raise UnknownSceneError(f"unknown scene {name!r}{nearest_name(name, known)}")
-    module = importlib.import_module(f"{__name__}.{name}")
+    family = f"{IN_FAMILIES[name]}." if name in IN_FAMILIES else ""
+    module = importlib.import_module(f"{__name__}.{family}{name}")
     scene: type[ReadyScene] = getattr(module, "".join(map(str.capitalize, name.split("_"))))
     return scene
