@@ -113,9 +113,9 @@ class TimeLoop:
         while (left := self._steps_until(time)) > 0:
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
-    def advance_to_step(self, number: int) -> None:
+    def advance_to_step(self, number: float) -> None:
         """Take steps until so many have been taken."""
-        self.advance(number - self.step_count)
+        self.advance(int(number) - self.step_count)
 
     def _steps_until(self, time: float) -> int:
         since_change = round((time - self._changed_time) / self.plan.time_step)

@@ -1,3 +1,6 @@
-"""The second solver: bodies of any shape on a plain grid, each with its own velocity, in contact."""
+"""The second solver: bodies of any shape in contact on a uniform grid.
+
+Each body has a velocity field of its own; soil that fills its grid is the first solver's.
+"""
 
 from mpm_warp.bodies import planning as planning  # tells make_plan how bodies are planned

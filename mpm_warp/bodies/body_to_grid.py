@@ -33,9 +33,7 @@ def add_body_to_grid(plan: StepPlan, scene: BodyScene) -> None:
     if scene.contacts:
         surface = plan.add_zeros("field.surface", "vec2", scene.field_shape)
     plan.add_launch(
-        make_body_to_grid(
-            grid.axisymmetric, damped, loaded, surface is not None, plan.precision
-        ),
+        make_body_to_grid(grid.axisymmetric, damped, loaded, surface is not None, plan.precision),
         plan.particle_count,
         *("particle.body", "particle.position", "particle.velocity", "particle.affine"),
         *("particle.stress", "particle.mass", "particle.volume"),
@@ -83,9 +81,9 @@ def make_body_to_grid(
     first_node, local_coordinate = splines.first_node, splines.local_coordinate
     weights, slopes, offsets = splines.weights, splines.slopes, splines.offsets
 
-    shape = "axisymmetric" if axisymmetric else "plane"
-    parts = (damped and "damped", loaded and "loaded", contact and "contact")
-    key = ".".join([shape, *filter(None, parts)])
+    key = "axisymmetric" if axisymmetric else "plane"
+    for name, has_part in (("damped", damped), ("loaded", loaded), ("contact", contact)):
+        key += f".{name}" if has_part else ""
 
     @wp.kernel(module=f"mpm_warp.body_to_grid.{key}.{precision.numpy_name}", enable_backward=False)
     def body_to_grid(

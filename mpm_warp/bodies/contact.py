@@ -55,9 +55,7 @@ class BodyContact:
     friction: float = 0.0
     adhesion: float = 0.0
 
-    def add_to(
-        self, plan: StepPlan, index: int, bodies: Sequence[Body], grid: UniformGrid
-    ) -> None:
+    def add_to(self, plan: StepPlan, index: int, bodies: Sequence[Body], grid: UniformGrid) -> None:
         """Add contact number `index` of a scene, after the velocities that each body has alone."""
         contact, pair = f"contact{index}", (self.body, self.base)
         over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)

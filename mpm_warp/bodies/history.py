@@ -133,8 +133,9 @@ class BodyHistory:
 
     def _elastic_energy(self) -> float:
         """s:s / 4 G + p^2 / 2 K over all bodies, s the deviator and p the mean stress [J]."""
-        stress, volume = (self._simulation.array(f"particle.{name}") for name in ("stress", "volume"))
-        moduli = self._simulation.array("body.moduli")[self._simulation.array("particle.body")]
+        array = self._simulation.array
+        stress, volume = array("particle.stress"), array("particle.volume")
+        moduli = array("body.moduli")[array("particle.body")]
         normal = stress[:, [0, 1, 3]]
         mean = normal.mean(axis=1)
         square = np.sum((normal - mean[:, None]) ** 2, axis=1) + 2.0 * stress[:, 2] ** 2

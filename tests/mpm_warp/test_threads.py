@@ -21,7 +21,7 @@ from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.execution.replay import Player
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.execution.shares import has_open_pieces, share_of
 from mpm_warp.simulation import Simulation
 from mpm_warp.execution.team import Team

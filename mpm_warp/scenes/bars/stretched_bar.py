@@ -88,6 +88,7 @@ class StretchedBar(CatalogueScene):
 
     def stretch_at(self, time: Floats) -> Floats:
         """The closed form; 0 <= time [s] <= duration."""
+
         def growth(since: Floats | float) -> Floats:
             tau = self.retardation_time
             grown: Floats = since - tau * (1.0 - np.exp(-np.asarray(since) / tau))
@@ -173,7 +174,7 @@ class MiddleHalf:
         self._samples.append((time, float(stretch), float(stress.min()), float(stress.max())))
 
     def dataset(self) -> xr.Dataset:
-        """Stretch and stress so far, and the closed form, over the time as a share of the duration."""
+        """Stretch and stress so far, and the closed form."""
         times, stretch, least, greatest = np.array(self._samples).reshape(-1, 4).T
         exact_stress = YOUNGS_MODULUS * np.log(stretch)
         fraction = np.arange(1, len(times) + 1) / SAMPLE_COUNT

@@ -27,7 +27,10 @@ BASE_CELLS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class SlidingBlock(BlockOnBase):
-    """A block is pressed on a base and driven along it; its motion is compared with the exact one."""
+    """A block is pressed on a base and driven along it, and its motion compared with the exact one.
+
+    The error is that of its acceleration, or the creep of a block that sticks.
+    """
 
     summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
     version: ClassVar[int] = 4

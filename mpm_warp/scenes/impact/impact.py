@@ -1,4 +1,4 @@
-"""A bar or column that strikes a rigid wall: what both scenes have in common, and the exact shock."""
+"""A bar or column that strikes a rigid wall: the exact shock, and a run compared with it."""
 
 from __future__ import annotations
 

@@ -59,8 +59,8 @@ class StruckBar(Impact):
         point_count = POINTS_PER_CELL * count
 
         def means(values: Floats) -> Floats:
-            across: Floats = values[:point_count].reshape(-1, POINTS_PER_CELL)
-            return across.mean(axis=1)
+            means: Floats = values[:point_count].reshape(-1, POINTS_PER_CELL).mean(axis=1)
+            return means
 
         return Sections(
             heights=LENGTH * (np.arange(count) + 0.5) / count,
