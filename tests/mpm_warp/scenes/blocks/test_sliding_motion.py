@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.sliding import SlidingMotion
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.scenes.blocks.sliding_motion import SlidingMotion
 
 TRAVEL = 0.7
 

@@ -3,31 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from mpm_warp.parameters import ParameterError, parameter
-from mpm_warp.scenes.base import ReadyScene
-
-# The simulator is imported where it is used: whoever only asks for parameters need not wait for it.
-if TYPE_CHECKING:
-    from mpm_warp.bodies.sliding import SlidingMotion
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.blocks.sliding_motion import SlidingMotion
+from mpm_warp.scenes.catalogue import CatalogueScene
 
 SETTLING = 40.0
-"""Duration of the start, in which the normal load rises and comes to rest, over the time in which
-a shear wave crosses the height of the block."""
+"""Duration of the start over the time in which a shear wave crosses the height of the block: the
+normal load rises, and the block comes to rest."""
 DRIVE_RISE = 10.0
 """Time in which a constant driving force rises, in the same unit."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class BlockOnBase(ReadyScene):
+class BlockOnBase(CatalogueScene):
     """A block that is pressed on a base, and driven along it when it has come to rest.
 
-    The interface is described as horizontal: gravity leans by the slope instead, and the grid lies
-    under the whole at any angle and offset. With M the mass of the block, A its base, N the normal
-    force, F the driving force at time t, a the adhesion, mu the friction coefficient: the block
-    sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
+    The coordinates follow the interface: gravity is inclined by the slope, and the grid has any
+    angle and offset to the interface. With M the mass of the block, A the area of its base, N the
+    normal force, F the driving force at time t, a the adhesion, mu the friction coefficient: the
+    block sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
     """
 
     friction: float = parameter(
@@ -47,8 +45,8 @@ class BlockOnBase(ReadyScene):
     driving: str = parameter(
         "constant",
         unit="1",
-        meaning="driving forces, gravity's included: soon constant (risen in ten crossing times of "
-        "a wave), or ramped: rising until the end, where the block slides",
+        meaning="how the driving forces, gravity's included, rise: to a constant value in ten "
+        "crossing times of a wave, or, where the block slides, ramped until the end",
         choices=("constant", "ramped"),
     )
     grid_angle: float = parameter(
@@ -138,8 +136,16 @@ class BlockOnBase(ReadyScene):
         else:
             self._check_ring()
 
+    def derived(self) -> Mapping[str, float]:
+        """The time to watch a block that sticks: in it the block would slide its length freely."""
+        if self.driving_force <= 0.0:
+            return {}  # such a block is refused
+        free_slide = math.sqrt(2.0 * self.length * self.mass / self.driving_force)
+        return {"rest_time": free_slide}
+
     def _check_pressed(self) -> None:
-        # The base shear acts below the middle; its moment is borne while N is in the middle third.
+        # The base shear acts below the middle of the block. The base carries its moment as long as
+        # N acts in the middle third.
         shear = min(self.motion.resistance, self.driving_force)
         highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
         if self.height > highest:
@@ -178,7 +184,7 @@ class BlockOnBase(ReadyScene):
 
     @property
     def height(self) -> float:
-        """Height of the block, in whole particles [m]."""
+        """Height of the block, a whole number of particles [m]."""
         return self.spacing * max(1, round(self.height_ratio * self.length / self.spacing))
 
     @property
@@ -216,8 +222,6 @@ class BlockOnBase(ReadyScene):
     @property
     def motion(self) -> SlidingMotion:
         """The exact solution."""
-        from mpm_warp.bodies.sliding import SlidingMotion
-
         motion = SlidingMotion(
             mass=self.mass,
             driving_force=self.driving_force,
@@ -246,8 +250,8 @@ class BlockOnBase(ReadyScene):
         """
         if self.motion.slides:
             return self.motion.duration(self.travel * self.length)
-        free_slide = math.sqrt(2.0 * self.length * self.mass / self.driving_force)
-        return self.settled_time + (self.rest_time or free_slide)
+        assert self.rest_time is not None, "derived on construction"
+        return self.settled_time + self.rest_time
 
     @property
     def _crossing(self) -> float:

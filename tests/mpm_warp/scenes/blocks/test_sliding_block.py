@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value
-from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 
 PUSHED: dict[str, Value] = {
     "friction": 0.0,
@@ -84,3 +85,54 @@ def test_momentum_and_energy_balance() -> None:
     assert float(result.energy_error) <= 0.01
     work = result.load_work[-1] - result.slip_work[-1] - result.kinetic_energy[-1]
     assert abs(float(work)) <= 0.01 * float(result.load_work[-1])
+
+
+@pytest.mark.parametrize("stiffness_ratio", [1e-3, 1e3])
+def test_sliding_on_a_base_of_another_stiffness(stiffness_ratio: float) -> None:
+    block = SlidingBlock(
+        stiffness_ratio=stiffness_ratio,
+        cells_per_length=6,
+        height_ratio=0.5,
+        drive=2e4,
+        travel=0.01,
+    )
+    assert float(block.run().error) <= 0.01
+
+
+@pytest.mark.parametrize("grid_angle", [0.0, 20.0])
+def test_block_at_rest_does_not_creep(grid_angle: float) -> None:
+    """A share of the 1e-4 of its length that it may creep in a million steps."""
+    block = SlidingBlock(
+        friction=0.8, cells_per_length=6, height_ratio=0.5, grid_angle=grid_angle, rest_time=50.0
+    )
+    result = block.run()
+    assert float(result.error) <= 1e-4 * float(result.step_count) / 1e6
+
+
+@pytest.mark.parametrize(
+    ("parameters", "key"),
+    [
+        ({"friction": -0.1}, "friction"),
+        ({"slope": 0.0}, "drive"),
+        ({"gravity": 0.0, "drive": 1.0}, "normal_pressure"),
+        ({"height_ratio": 0.2}, "height_ratio"),
+        ({"height_ratio": 1.0, "friction": 0.8}, "height_ratio"),
+        ({"interface_radius": 2.0}, "friction"),
+        ({"interface_radius": 2.0, "friction": 0.0, "grid_angle": 5.0}, "grid_angle"),
+        ({"interface_radius": 0.5, "friction": 0.0}, "interface_radius"),
+    ],
+)
+def test_sliding_block_without_its_exact_solution_is_refused(
+    parameters: dict[str, Value], key: str
+) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        SlidingBlock(**parameters)  # type: ignore[arg-type]
+    assert refusal.value.key == key
+    assert key in str(refusal.value)
+
+
+def test_a_block_at_rest_is_watched_for_as_long_as_it_would_slide_freely() -> None:
+    block = SlidingBlock(friction=0.8, length=2.0)
+    acceleration = block.driving_force / block.mass
+    assert 0.5 * acceleration * block.rest_time**2 == pytest.approx(block.length)
+    assert SlidingBlock(friction=0.8, rest_time=3.0).rest_time == 3.0

@@ -16,9 +16,9 @@ class SlidingMotion:
 
     Attributes:
         mass: M [kg], > 0.
-        driving_force: what F rises to, linearly from zero [N], > 0.
+        driving_force: final value of F, which rises linearly from zero [N], > 0.
         resistance: R [N], >= 0.
-        rise_time: time in which it rises [s], > 0; None: F reaches its end with the motion.
+        rise_time: time in which F rises [s], > 0; None: F rises until the motion ends.
     """
 
     mass: float
@@ -32,9 +32,12 @@ class SlidingMotion:
         return self.driving_force > self.resistance
 
     def duration(self, travel: float) -> float:
-        """Time from the beginning of the drive until a sliding block has gone `travel` [m], in s.
+        """Time from the beginning of the drive until a sliding block has covered a distance [s].
 
-        The distance that it covers while a force of its own `rise_time` rises is left out.
+        Where there is a `rise_time`, the distance covered while the force rises is left out.
+
+        Args:
+            travel: the distance [m].
         """
         excess = 1.0 - self.resistance / self.driving_force
         unit = travel * self.mass / self.driving_force
@@ -46,8 +49,11 @@ class SlidingMotion:
         """Velocity [m/s], displacement [m] and base shear [N].
 
         Args:
-            since: times since the driving force began [s]; where it has no `rise_time` of its own,
-                the last is the end of the rise.
+            since: times since the driving force began [s]; where there is no `rise_time`, the last
+                one is the end of the rise.
+
+        Returns:
+            Three arrays of the shape of `since`.
         """
         rise = float(since[-1]) if self.rise_time is None else self.rise_time
         onset = min(self.resistance / self.driving_force, 1.0) * rise
