@@ -1,100 +1,19 @@
-"""What every ready scene offers: parameters as fields, a summary, a run that gives a dataset."""
+"""Stand-in for the scenes that are not here: dropped at the merge."""
 
-from __future__ import annotations
+from abc import abstractmethod
+from typing import Any
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
-
-from mpm_warp.parameters import Value, check_parameters
-
-if TYPE_CHECKING:
-    import xarray
-
-    from mpm_warp.execution.execution import Execution
-    from mpm_warp.plan.plan import StepPlan
-    from mpm_warp.scene import Scene
-
-Progress = Callable[[float], None]
-"""Called now and then during a run with the fraction done, 0 to 1."""
+from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.catalogue import Progress as Progress
+from mpm_warp.scenes.catalogue import Verification as Verification
 
 
-@dataclass(frozen=True, kw_only=True)
-class Verification:
-    """How a scene is held against its exact solution.
+class ReadyScene(CatalogueScene):
+    """Stand-in."""
 
-    Attributes:
-        resolution: name of the parameter that refines the solution.
-        resolutions: its values, rising; the bounds hold for the last.
-        bounds: scalars of the result and what they may reach at most.
-        least_order: least observed order of the variable `error` in the resolution, or none.
-        settings: parameters that differ from their defaults.
-        extreme: whether it shows how far the method holds, a long run or a violent one, and is
-            left out unless asked for.
-    """
-
-    resolution: str
-    resolutions: tuple[int, ...]
-    bounds: Mapping[str, float]
-    least_order: float | None = None
-    settings: Mapping[str, Value] = field(default_factory=dict)
-    extreme: bool = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReadyScene(ABC):
-    """A scene that can be named, parametrised and run; subclasses add parameters as fields.
-
-    Raises:
-        mpm_warp.parameters.ParameterError: on construction, where a value is not allowed.
-    """
-
-    summary: ClassVar[str]
-    """One line on what the scene simulates."""
-    version: ClassVar[int]
-    """Raised whenever the same parameters no longer give the same numbers."""
-    headline: ClassVar[str] = "error"
-    """The scalar result that the scene is run for."""
-    runs_alone: ClassVar[bool] = False
-    """Whether its results measure the machine, so that no other case may run beside it."""
-    method: ClassVar[tuple[str, ...]] = ()
-    """Parameters of the method alone: without its error, the headline would not depend on them."""
-    verifications: ClassVar[tuple[Verification, ...]] = ()
-    """Comparisons with the exact solution, where there is one: its results hold `error`."""
-
-    def __post_init__(self) -> None:
-        check_parameters(self)
-
-    def simulated_scene(self) -> Scene | None:
-        """What the simulator runs where soil fills a grid; None otherwise."""
-        return None
-
-    def plan(self) -> StepPlan | None:
-        """What a run consists of; None where it runs no grid."""
-        from mpm_warp.planning import make_plan
-
-        scene = self.simulated_scene()
-        return None if scene is None else make_plan(scene)
-
-    def step_count_bound(self, plan: StepPlan) -> int | None:
-        """Steps of a run of `plan` at most; None where that is not known beforehand."""
-        return None
+    def build(self) -> Any:
+        """Stand-in."""
 
     @abstractmethod
-    def run(
-        self, progress: Progress | None = None, execution: Execution | None = None
-    ) -> xarray.Dataset:
-        """Simulate the scene.
-
-        Args:
-            progress: is told the fraction done now and then.
-            execution: where and on how many threads; default: one thread of the processor.
-
-        Returns:
-            One dataset of scalars and curves, each with ``units`` and ``long_name``.
-
-        Raises:
-            mpm_warp.watch.health.SimulationDiverged: the run became unstable; its `history` holds the
-                curves up to there, where the scene records any.
-        """
+    def run(self, progress: Any = None, execution: Any = None) -> Any:
+        """Stand-in."""
