@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from typing import Any
 
+import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.host_arrays import HostArrays
-from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.parts.inflow import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -24,7 +24,7 @@ CHECK_INTERVAL = 500
 
 
 class Simulation:
-    """The state of a run, and the ways to advance it. Soil enters by itself where there is a window.
+    """The state of a run, and the ways to advance it; soil enters by itself where it has to.
 
     Args:
         scene: what is run: soil in a grid, or any other kind that `make_plan` can plan.
@@ -47,6 +47,7 @@ class Simulation:
         self.scene = scene
         self.plan: Plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
         self.step_count = 0
+        self._first_step_at: float | None = None
         self.particle_updates = 0
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
@@ -72,6 +73,11 @@ class Simulation:
         return self._changed_time + steps * self.plan.time_step
 
     @property
+    def run_time(self) -> float:
+        """Wall-clock time since the first step was begun [s]; 0 before it."""
+        return 0.0 if self._first_step_at is None else time.perf_counter() - self._first_step_at
+
+    @property
     def travel(self) -> float:
         """How far the window has moved down through the soil [m].
 
@@ -89,7 +95,7 @@ class Simulation:
         """An array of the plan on the host: the device's own memory where they share it."""
         return self._on_host(name)
 
-    def assign(self, name: str, values: Floats | Integers | float) -> None:
+    def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
         """Give an array of the plan other values, or one value everywhere."""
         self._on_host.assign(name, values)
 
@@ -105,6 +111,8 @@ class Simulation:
                 message names what, where, when and what may help.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
+        if self._first_step_at is None:
+            self._first_step_at = time.perf_counter()
         last = self.step_count + step_count
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
@@ -115,7 +123,7 @@ class Simulation:
             if self._inflow is not None:
                 block = min(block, self._inflow.steps_ahead)
             steps = range(self.step_count, self.step_count + block)
-            self._steps.play(steps, self._execution.threads)
+            self._steps.replay(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:
@@ -123,9 +131,14 @@ class Simulation:
             if self._inflow is not None:
                 self._inflow.let_in()
 
-    def advance_to_step(self, step: int) -> None:
-        """Take steps until so many have been taken since the start; see `advance` for errors."""
-        self.advance(step - self.step_count)
+    def advance_to_step(self, step: float) -> None:
+        """Take steps until so many have been taken since the start.
+
+        Raises:
+            SimulationDiverged: the run became unstable.
+            WindowOverfull: more soil has stayed in the window than it has slots for.
+        """
+        self.advance(int(step) - self.step_count)
 
     def advance_to(self, time: float) -> None:
         """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.

@@ -1,4 +1,4 @@
-"""Where a particle is in its cell: natural coordinates on a grid of `mpm_warp.grid.fitted` or `.polar`.
+"""Where a particle is in its cell: natural coordinates, on a fitted or a polar grid.
 
 Symbols: g column coordinate (0 on the surface, 1 at the outer radius), s radius of the surface,
 D the difference across the cell; column[i] = (g, Dg, 1/Dg), row[j] = (z, Dz, 1/Dz, s, Ds).

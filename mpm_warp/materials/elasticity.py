@@ -48,7 +48,7 @@ def make_stress_increment(precision: Precision) -> Any:
 
 @functools.cache
 def make_elastic_trial(precision: Precision) -> Any:
-    """The function (stress, stress increment of the cell) -> R sigma R' + dt (K tr D + 2 G dev D)."""
+    """The function (stress, stress increment) -> R sigma R' + dt (K tr D + 2 G dev D)."""
     vec4, vec7 = precision.vec4, precision.vec7
     two = wp.constant(precision.real(2.0))
 
@@ -68,7 +68,7 @@ def make_elastic_trial(precision: Precision) -> Any:
 
 @functools.cache
 def make_strain_increment(precision: Precision) -> Any:
-    """The function (stress increment of the cell, G, K) -> dt D that has made it, (rr, zz, rz, tt)."""
+    """The function (stress increment, G, K) -> dt D that has made it, (rr, zz, rz, tt)."""
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     two, three = wp.constant(real(2.0)), wp.constant(real(3.0))
 

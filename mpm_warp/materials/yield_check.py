@@ -47,11 +47,10 @@ def add_yield_check(plan: Plan, material: Material) -> None:
 def _make_yield_check(law: Law, precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
     properties_type, state_type = law.properties_type, law.state_type
-    yield_function = law.yield_function
+    yield_function: Any = law.yield_function
     remembers = law.remembers
     one = wp.constant(real(1.0))
     roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(precision.numpy_name).eps))
-    nothing = wp.constant(real(-1e30))
 
     @wp.kernel(
         module=f"mpm_warp.yield_check.{law.key}.{precision.numpy_name}", enable_backward=False
@@ -66,9 +65,10 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
         worst: wp.array(dtype=int),
     ):
         block = wp.tid()
-        greatest_margin = nothing
-        number = int(-1)
-        for p in range(block * wp.static(BLOCK), wp.min((block + 1) * wp.static(BLOCK), count)):
+        first = block * wp.static(BLOCK)
+        greatest_margin = real(-1e30)
+        number = first
+        for p in range(first, wp.min(first + wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
                 s = stress[p]
                 remembered = state_type()

@@ -6,33 +6,21 @@ that what a part or a material adds to the particles enters with them.
 
 import functools
 import math
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import warp as wp
 
 from mpm_warp.errors import WindowOverfull
-from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.grid.fitted import Integers
 from mpm_warp.parts.part import Setting
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.launch import Launch, make_launch, share_bounds
+from mpm_warp.plan.launch import make_launch, share_bounds
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 
 ROUNDING = 1e-6
 """Share of a step that counts as rounding: no step beyond a distance is taken for it."""
-
-
-class Run(Protocol):
-    """A run of a plan with a window, as the inflow sees it."""
-
-    @property
-    def plan(self) -> Plan: ...
-
-    def array(self, name: str) -> np.ndarray: ...
-
-    def assign(self, name: str, values: Floats | Integers | float) -> None: ...
-
-    def launch(self, launch: Launch) -> None: ...
 
 
 def add_inflow(plan: Plan, setting: Setting) -> None:

@@ -10,22 +10,19 @@ from mpm_warp.plan.plan import Plan
 
 
 class Setting(Protocol):
-    """The soil that a part acts on; a scene is one.
-
-    Attributes:
-        grid: the background grid.
-        material: the soil's constitutive model.
-        particles_per_side: particles along each side of a cell.
-    """
+    """The soil that a part acts on; a scene is one."""
 
     @property
-    def grid(self) -> Grid: ...
+    def grid(self) -> Grid:
+        """The background grid."""
 
     @property
-    def material(self) -> Material: ...
+    def material(self) -> Material:
+        """The soil's constitutive model."""
 
     @property
-    def particles_per_side(self) -> int: ...
+    def particles_per_side(self) -> int:
+        """Particles along each side of a cell."""
 
 
 class NodeAction(Protocol):

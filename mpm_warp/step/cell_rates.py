@@ -68,7 +68,7 @@ def add_cell_rates(
 
 @functools.cache
 def _make_cell_rates(
-    viscous: bool, corrected: bool, internal_flow: Any | None, precision: Precision
+    viscous: bool, corrected: bool, internal_flow: Any, precision: Precision
 ) -> Any:
     """The kernel, launched over cells."""
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4

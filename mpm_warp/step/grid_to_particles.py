@@ -70,7 +70,7 @@ def add_grid_to_particles(
 
 @functools.cache
 def _make_grid_to_particles(
-    polar: bool, law: Law, flow_displacement: Any | None, travelling: bool, precision: Precision
+    polar: bool, law: Law, flow_displacement: Any, travelling: bool, precision: Precision
 ) -> Any:
     """The kernel, launched over slots of particles."""
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4

@@ -5,6 +5,8 @@ Each raises a `Fault` that names what, and where; when, and what may help, is ad
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mpm_warp.errors import Fault
@@ -58,7 +60,8 @@ def check_particles(
         if not healthy.all():
             worst = int(np.argmin(healthy)) // values[0].size
             raise Fault(
-                f"{quantity} of {_particle(int(number[worst]), position[worst])} is {_text(values[worst])}"
+                f"{quantity} of {_particle(number[worst], position[worst])} is "
+                f"{_text(values[worst])}"
             )
 
 
@@ -183,7 +186,7 @@ def check_mean_stress(
     worst = int(np.argmax(drift))
     if not drift[worst] <= 0.0:
         raise Fault(
-            f"mean stress of {_particle(int(number[worst]), position[worst])} has changed in a step by "
+            f"mean stress of {_particle(number[worst], position[worst])} has changed in a step by "
             f"{change[worst] / 3:.4g} Pa, its volume by what makes {expected[worst] / 3:.4g} Pa"
         )
 
@@ -194,7 +197,7 @@ def _greatest(stress: Floats) -> Floats:
     return greatest
 
 
-def _particle(number: int, position: Floats) -> str:
+def _particle(number: int | np.integer[Any], position: Floats) -> str:
     return f"particle {number} at {_text(position)} m"
 
 

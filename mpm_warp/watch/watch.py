@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.plan.launch import Launch
-from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.plan.time_step import check_time_step
 from mpm_warp.scene import Scene
 from mpm_warp.watch.checks import (
@@ -30,30 +29,22 @@ SAMPLED = 2_000
 """Particles, about, whose mean stress is held against their volume."""
 
 
-class Run(Protocol):
-    """A run, as its watch sees it."""
-
-    @property
-    def plan(self) -> Plan: ...
-
-    def array(self, name: str) -> NDArray[Any]: ...
-
-    def launch(self, launch: Launch) -> None: ...
-
-
 class Watch(Protocol):
-    """A watch on a run.
-
-    Attributes:
-        particle_count: particles at the last look.
-    """
+    """A watch on a run."""
 
     @property
-    def particle_count(self) -> int: ...
+    def particle_count(self) -> int:
+        """Particles at the last look."""
 
-    def prepare(self) -> None: ...
+    def prepare(self) -> None:
+        """Note what the next step, the last one before a look, is held against."""
 
-    def look(self) -> None: ...
+    def look(self) -> None:
+        """Look at the run.
+
+        Raises:
+            Fault: it is not sound; the message names what and where.
+        """
 
 
 class ParticleWatch:

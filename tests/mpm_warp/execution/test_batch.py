@@ -1,0 +1,233 @@
+"""Runs that take their steps together: the same bits as alone, whoever the others are."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+import xarray as xr
+
+import mpm_warp.execution.batch
+from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.batched_kernel import make_batched_kernel, real_arguments
+from mpm_warp.execution.batched_plan import batch_key, batched_plan
+from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.replay import Replay
+from mpm_warp.plan.plan import AUDIT_INTERVAL
+from mpm_warp.planning import make_plan
+from mpm_warp.scenes.base import ReadyScene
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.simulation import Simulation
+from mpm_warp.watch.health import SimulationDiverged
+
+SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
+VECTOR_1 = wp.types.vector(1, wp.float64)
+
+
+def cone(**parameters: Any) -> ConePenetration:
+    return ConePenetration(**SMALL, **{"penetration": 2, **parameters})
+
+
+DIFFERENT = [
+    cone(adhesion_factor=0.2, rigidity_index=50, friction_coefficient=0.1),
+    cone(adhesion_factor=0.8, rigidity_index=300, friction_coefficient=0.2, penetration=1),
+    cone(time_step_fraction=0.4, friction_coefficient=0.3, undrained_shear_strength=5e3),
+    cone(particles_per_cell=9, penetration=1),
+]
+"""Cones of their own materials, contact, time steps and lengths; the last on other points."""
+
+
+@pytest.fixture
+def together(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many runs take their steps in common launches, noted wherever others come together."""
+    counts: list[int] = []
+    replay_of = Batch._replay_of
+
+    def counted(batch: Batch, runs: tuple[Any, ...]) -> Replay:
+        counts.append(len(runs))
+        return replay_of(batch, runs)
+
+    monkeypatch.setattr(Batch, "_replay_of", counted)
+    return counts
+
+
+def run_together(scenes: list[ReadyScene], execution: Batch) -> list[xr.Dataset]:
+    return execution.run([partial(scene.run, execution=execution) for scene in scenes])
+
+
+def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
+    for name in one.variables:
+        if not str(name).endswith("_time") or name == "time_step":
+            np.testing.assert_array_equal(one[name], other[name], err_msg=str(name))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_batch_does_not_change_a_bit(threads: int, together: list[int]) -> None:
+    results = run_together(list(DIFFERENT), Batch(threads=threads))
+    assert together[:2] == [3, 1]
+    for scene, result in zip(DIFFERENT, results, strict=True):
+        assert_same(scene.run(), result)
+
+
+def test_a_batch_larger_than_the_cache_is_taken_in_portions(
+    together: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = 2 * make_plan(cone().build()[0]).particle_count
+    monkeypatch.setattr(mpm_warp.execution.batch, "POINTS_IN_CACHE", points)
+    cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
+    results = run_together(list(cones), Batch())
+    assert together[:3] == [2, 2, 1]
+    for scene, result in zip(cones, results, strict=True):
+        assert_same(scene.run(), result)
+
+
+def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
+    first, second, long = cone(adhesion_factor=0.1), cone(penetration=1.3), cone(penetration=4)
+    results: dict[ConePenetration, xr.Dataset] = {}
+    execution = Batch()
+
+    def one_after_the_other(*cones: ConePenetration) -> None:
+        for scene in cones:
+            results[scene] = scene.run(execution=execution)
+
+    execution.run([partial(one_after_the_other, first, second), partial(one_after_the_other, long)])
+    # Else the steps that are audited would be the same by chance.
+    assert int(results[first].step_count) % AUDIT_INTERVAL
+    for scene, result in results.items():
+        assert_same(scene.run(), result)
+
+
+@pytest.mark.parametrize("make", [GravityColumn, SlidingBlock])
+def test_any_scene_can_be_run_in_a_batch(make: Callable[[], ReadyScene]) -> None:
+    alone = make().run()
+    for result in run_together([make(), make()], Batch()):
+        assert_same(alone, result)
+
+
+def test_a_thread_for_each_item_gives_the_same_bits() -> None:
+    # As on a GPU, where sums are taken in one share.
+    scenes = [cone(adhesion_factor=0.2).build()[0], cone(rigidity_index=300).build()[0]]
+    alone = [Simulation(scene) for scene in scenes]
+    together = [Simulation(scene) for scene in scenes]
+    plans, arrays = [it.plan for it in together], [it.arrays for it in together]
+    replay = Replay(*batched_plan(plans, arrays, "cpu", chunk_size=1), "cpu")
+    replay.replay(range(40), threads=1)
+    for one, other in zip(alone, together, strict=True):
+        one.advance(40)
+        for name in one.arrays:
+            np.testing.assert_array_equal(other.array(name), one.array(name), err_msg=name)
+
+
+def test_plans_that_differ_in_numbers_only_have_one_batch_key() -> None:
+    key = batch_key(make_plan(cone().build()[0]))
+    assert key == batch_key(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()[0]))
+    assert key != batch_key(make_plan(cone(particles_per_cell=9).build()[0]))
+    assert key != batch_key(make_plan(cone(precision="float32").build()[0]))
+    assert key != batch_key(make_plan(cone(material="von_mises").build()[0]))
+
+
+def test_one_that_diverges_does_not_disturb_the_others() -> None:
+    good, bad = cone(), cone(time_step_fraction=1.2)
+    results: list[xr.Dataset] = []
+    errors: list[Exception] = []
+    execution = Batch()
+
+    def survive() -> None:
+        results.append(good.run(execution=execution))
+
+    def fail() -> None:
+        simulation = Simulation(bad.build()[0], execution)
+        simulation.advance(10)
+        simulation.array("particle.velocity")[0] = np.nan
+        try:
+            simulation.advance(1000)
+        except SimulationDiverged as error:
+            errors.append(error)
+
+    execution.run([fail, survive, fail])
+    assert len(errors) == 2
+    assert "velocity of particle 0" in str(errors[0])
+    assert_same(good.run(), results[0])
+
+
+def test_an_exception_gives_up_the_others() -> None:
+    execution = Batch()
+    cleaned: list[int] = []
+
+    def go_on(number: int) -> Callable[[], None]:
+        def run() -> None:
+            try:
+                cone(penetration=200).run(execution=execution)
+            finally:
+                cleaned.append(number)
+
+        return run
+
+    def fail() -> None:
+        Simulation(cone().build()[0], execution).advance(100)
+        raise KeyError("as expected")
+
+    with pytest.raises(KeyError, match="as expected"):
+        execution.run([go_on(0), fail, go_on(2)])
+    assert sorted(cleaned) == [0, 2]
+
+
+def test_the_time_of_others_is_idle_time() -> None:
+    execution = Batch()
+    begin = time.perf_counter()
+    spent: list[float] = []
+
+    def work() -> None:
+        start = time.perf_counter()
+        cone().run(execution=execution)
+        spent.append(time.perf_counter() - start - execution.idle_time)
+
+    execution.run([work, work, work])
+    # What the three spent themselves is at most what they took together.
+    assert 0 < sum(spent) <= time.perf_counter() - begin
+    assert execution.case_count == 3
+    assert (Execution().case_count, Execution().idle_time) == (1, 0.0)
+
+
+def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
+    @wp.kernel(module="tests.scaled", enable_backward=False)
+    def scaled(
+        first: int,
+        factor: wp.float64,
+        one: VECTOR_1,  # type: ignore[valid-type]
+        x: wp.array[wp.vec2d],
+        y: wp.array2d[wp.float64],
+        z: wp.array(dtype=wp.float64, ndim=2),  # type: ignore[valid-type]
+    ) -> None:
+        i = first + wp.tid()
+        y[i, 0] = factor * x[i][0]
+        z[0, i] = one[0] * x[i][1]
+
+    assert real_arguments(scaled) == {1: wp.float64, 2: VECTOR_1}
+    x = wp.array([[(1.0, 2.0), (3.0, 4.0)], [(5.0, 6.0), (7.0, 8.0)]], dtype=wp.vec2d)
+    y, z = wp.zeros((2, 2, 1), dtype=wp.float64), wp.zeros((2, 1, 2), dtype=wp.float64)
+    factor = wp.array([10.0, 100.0], dtype=wp.float64)
+    one = wp.array([(0.5,), (0.25,)], dtype=VECTOR_1)
+    wp.launch(make_batched_kernel(scaled), (2, 1), [2, 2, 0, factor, one, x, y, z])
+    np.testing.assert_array_equal(y.numpy()[:, :, 0], [[10.0, 30.0], [500.0, 700.0]])
+    np.testing.assert_array_equal(z.numpy()[:, 0], [[1.0, 2.0], [1.5, 2.0]])
+
+
+def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
+    @wp.kernel(enable_backward=False)
+    def first_above(limit: float, values: wp.array(dtype=float), found: wp.array(dtype=int)):  # type: ignore[valid-type]
+        i = wp.tid()
+        for j in range(i):
+            if values[j] > limit:
+                found[i] = j
+                return
+
+    with pytest.raises(NotImplementedError, match="within a loop"):
+        make_batched_kernel(first_above)
