@@ -1,7 +1,7 @@
 """What a step does to a wave along a column: its decay and its frequency, by modal analysis.
 
-For small strain a step is linear, and particles stay where they are in their cells. Its unknowns are
-the vertical velocities v_p of the particles and v_i of the nodes after the step before, and the
+For small strain a step is linear, and particles stay where they are in their cells. Its unknowns
+are the vertical velocities v_p of the particles and v_i of the nodes after the step before, and the
 stresses s = (sigma_zz, sigma_rz) of the cells:
 
     u_i <- sum m_p N_ip v_p / m_i + (S v)_i / max(m_i, 2 M_i)
@@ -10,8 +10,8 @@ stresses s = (sigma_zz, sigma_rz) of the cells:
     s   <- s + dt E sum G_i v_i
 
 with the symbols of `mpm_warp.step.momentum`, G_i the velocity gradient that a velocity of the node
-makes, E the elastic moduli. These are the rows of a matrix. The eigenvalue that belongs to a wave is
-a = |a| exp(i w dt): each step multiplies its amplitude by |a|, its energy by |a|^2, and w is its
+makes, E the elastic moduli. These are the rows of a matrix. The eigenvalue that belongs to a wave
+is a = |a| exp(i w dt): each step multiplies its amplitude by |a|, its energy by |a|^2, and w is its
 angular frequency.
 """
 
@@ -21,7 +21,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import eigs
 
-from mpm_warp.grid.fitted import Floats, Grid, bilinear
+from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.scene import Scene
 
@@ -87,7 +87,7 @@ def _step(scene: Scene, time_step: float) -> sparse.csc_array:
     return sparse.csc_array(sparse.block_array(rows) + unchanged, dtype=complex)
 
 
-def _shares(grid: Grid, position: Floats, cell: Floats) -> sparse.csc_array:
+def _shares(grid: Grid, position: Floats, cell: Integers) -> sparse.csc_array:
     """Shape functions of the nodes at particles, of shape [node_count, particle_count]."""
     column, row = cell.T
     xi = (position[:, 0] / grid.outer_radius - grid.columns[column]) / np.diff(grid.columns)[column]
