@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
+from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 
 @pytest.fixture
@@ -37,13 +37,8 @@ def rectilinear() -> Grid:
 
 
 @pytest.fixture
-def surface(penetrometer: Penetrometer, fitted: Grid) -> PenetrometerSurface:
-    """The penetrometer's surface in the fitted grid, adhesive and in the ground under stress."""
-    return PenetrometerSurface(
-        penetrometer=penetrometer,
-        grid=fitted,
-        face_adhesion=3.0,
-        shaft_adhesion=1.0,
-        friction=0.0,
-        in_situ_stress=10.0,
+def contact(penetrometer: Penetrometer, fitted: Grid) -> PenetrometerContact:
+    """The penetrometer in the fitted grid, adhesive and in the ground under stress."""
+    return PenetrometerContact.of(
+        penetrometer, fitted, face_adhesion=3.0, shaft_adhesion=1.0, in_situ_stress=10.0
     )

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import (
-    ParameterError,
+    Derived,
+    check_parameters,
     did_you_mean,
     from_mapping,
     known_names,
     nearest_name,
+    parameter,
     parameters_of,
 )
-from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
-from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
 @pytest.mark.parametrize(
@@ -59,9 +65,39 @@ def test_every_parameter_of_every_scene_is_explained_and_accepts_its_default() -
             assert definition.checked(definition.default) == definition.default
 
 
-def test_an_unknown_scene_is_refused_by_name() -> None:
-    with pytest.raises(UnknownSceneError, match="did you mean 'cone_penetration'"):
-        scene_class("cone_penetraton")
+def test_what_is_derived_follows_what_it_is_derived_from() -> None:
+    """Also where a scene is made from another; what was given stays as it was given."""
+    smooth = ConePenetration()
+    assert smooth.shaft_adhesion_factor == 0.0
+    assert isinstance(smooth.shaft_adhesion_factor, Derived)
+    assert dataclasses.replace(smooth, adhesion_factor=0.5).shaft_adhesion_factor == 0.5
+    given = ConePenetration(shaft_adhesion_factor=0.0)
+    assert dataclasses.replace(given, adhesion_factor=0.5).shaft_adhesion_factor == 0.0
+    kept = dataclasses.replace(
+        smooth, adhesion_factor=0.5, shaft_adhesion_factor=float(smooth.shaft_adhesion_factor)
+    )
+    assert kept.shaft_adhesion_factor == 0.0
+    assert smooth == given  # a derived value is a number like any other
+
+
+def test_what_may_be_none_stays_none() -> None:
+    assert SlidingBlock().stiffness_ratio is None
+
+
+def test_what_is_derived_is_checked() -> None:
+    with pytest.raises(ParameterError, match=r"half = 6\.0 is not allowed: must be a number <= 5"):
+        Halved(whole=12.0)
+    assert Halved(whole=4.0).half == 2.0
+    assert Halved(whole=12.0, half=1.0).half == 1.0
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Halved:
+    whole: float = parameter(1.0, unit="m", meaning="a length")
+    half: float | None = parameter(None, unit="m", meaning="default: half of it", maximum=5)
+
+    def __post_init__(self) -> None:
+        check_parameters(self, lambda: {"half": 0.5 * self.whole})
 
 
 def test_the_nearest_name_and_where_none_is_near_all_of_them() -> None:

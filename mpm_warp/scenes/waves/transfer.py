@@ -36,14 +36,14 @@ def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> com
         time_step: length of a step [s].
     """
     near = np.exp(1j * angular_frequency * time_step)
-    matrix = _step(scene, time_step)
+    matrix = step_matrix(scene, time_step)
     # From a given vector, so that the last bit is always the same.
     start = np.ones(matrix.shape[0], dtype=complex)
     (factor,) = eigs(matrix, k=1, sigma=near, v0=start, return_eigenvectors=False)
     return complex(factor)
 
 
-def _step(scene: Scene, time_step: float) -> sparse.csc_array:
+def step_matrix(scene: Scene, time_step: float) -> sparse.csc_array:
     """The matrix of a step, of the unknowns (v_p, v_i, sigma_zz, sigma_rz)."""
     grid, material, fixed = scene.grid, scene.material, scene.fixed
     seed = seed_rows(grid, 0, grid.row_count, scene.particles_per_side)

@@ -1,4 +1,4 @@
-"""The motion of the window: ramp, approach and final speed."""
+"""The window of a cone penetration test: its way, and when it has no room left."""
 
 from __future__ import annotations
 
@@ -7,46 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.watch.health import WindowOverfull
-from mpm_warp.penetration import Penetration
-from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.errors import WindowOverfull
+from mpm_warp.parts.window import Approach
+from mpm_warp.sampling import soil_scene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
-from mpm_warp.travel import Travel
-from mpm_warp.parts.window import Approach, Window
-
-HURRIED = Window(
-    speed=1.0,
-    ramp_travel=1.0,
-    spare_fraction=0.1,
-    approach=Approach(speed=4.0, travel=8.0, slowing_travel=2.0),
-)
-
-
-def speed_at(window: Window, travel: float) -> float:
-    """By travel: the square root of it in the ramp, linear in it where the speed falls."""
-    fast = window.first_speed
-    risen = fast * min(1.0, np.sqrt(travel / window.ramp_travel))
-    if window.approach is None:
-        return float(risen)
-    left = (window.approach.travel - travel) / window.approach.slowing_travel
-    return float(min(risen, window.speed + np.clip(left, 0, 1) * (fast - window.speed)))
-
-
-@pytest.mark.parametrize("window", [HURRIED, dataclasses.replace(HURRIED, approach=None)])
-@pytest.mark.parametrize("travel", [0.5, 1.0, 3.0, 7.0, 8.0, 12.0])
-def test_time_to_a_travel_is_the_integral_of_one_over_the_speed(
-    window: Window, travel: float
-) -> None:
-    # Over the root of the travel, in which the speed of the ramp is linear.
-    roots = (np.arange(10_000) + 0.5) / 10_000
-    expected = np.mean([2 * root * travel / speed_at(window, travel * root**2) for root in roots])
-    assert window.time_to(travel) == pytest.approx(expected, rel=1e-3)
-
-
-def test_no_speed_is_above_the_highest_beyond_a_travel() -> None:
-    for travel in np.linspace(0.01, 12, 50):
-        ahead = [speed_at(HURRIED, place) for place in np.linspace(travel, 12, 100)]
-        assert max(ahead) <= HURRIED.highest_speed_from(travel)
 
 
 def test_a_run_takes_the_steps_that_its_plan_says() -> None:
@@ -67,27 +32,31 @@ def test_a_run_takes_the_steps_that_its_plan_says() -> None:
 def test_the_window_stops_at_the_first_step_beyond_a_distance(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """And takes its steps in one go wherever its speed is the final one."""
+    """And takes its steps in one go wherever its speed is the final one, but for soil and watch."""
     cone = ConePenetration(
         cells_per_radius=1.5, domain_radius=10, domain_above=4, domain_below=4, penetration=12
     )
-    simulation = Simulation(cone.build()[0])
-    window = simulation.scene.window
+    simulation = Simulation(cone.build())
+    window = soil_scene(simulation).window
     assert window is not None
     assert window.approach is not None
-    travel, goes = Travel(simulation), []
+    goes: list[int] = []
     advance = simulation.advance
-    monkeypatch.setattr(simulation, "advance", lambda count: (goes.append(count), advance(count)))
+
+    def counted(count: int) -> None:
+        goes.append(count)
+        advance(count)
+
+    monkeypatch.setattr(simulation, "advance", counted)
     radius = cone.cone_radius
     for distance in np.linspace(0.5, 11.5, 23) * radius:
         goes.clear()
-        layers = travel._layer_count
-        travel.advance_to(distance)
+        simulation.travel_to(distance)
         # Of all speeds that it may have had in its last step, the highest.
         last = window.highest_speed_from(distance - 0.1 * radius) * simulation.plan.time_step
-        assert distance <= travel.distance < distance + last
+        assert distance <= simulation.travel < distance + last
         if distance > window.approach.travel + 0.5 * radius:
-            assert len(goes) <= travel._layer_count - layers + 1
+            assert len(goes) <= 1
 
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
@@ -100,7 +69,7 @@ def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float)
 
 def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
     def approach(**changes: float) -> Approach | None:
-        window = ConePenetration(**changes).build()[0].window  # type: ignore[arg-type]
+        window = ConePenetration(**changes).build().window  # type: ignore[arg-type]
         assert window is not None
         return window.approach
 
@@ -114,15 +83,13 @@ def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves() -> None:
     cone = ConePenetration(
         cells_per_radius=2, domain_radius=10, domain_above=4, domain_below=4, penetration=5
     )
-    scene, surface = cone.build()
-    simulation = Simulation(scene)
+    simulation = Simulation(cone.build())
     spare = simulation.array("particle.cell")[:, 0] < 0
-    for name in ("cell", "position", "mass"):  # as if every place were taken
+    for name in ("cell", "position", "mass"):  # as if every slot were taken
         values = simulation.array(f"particle.{name}")
         values[spare] = values[~spare][: spare.sum()]
-    penetration = Penetration(surface=surface, greatest=5.0, unsteady=2.0, tolerance=0.0)
     with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
-        penetration.run(simulation, progress=None)
+        cone.record(simulation, lambda fraction: None)
     assert end.value.status == "diverged"
-    assert end.value.history is not None
-    assert end.value.history.sizes["penetration"] == len(penetration.forces) > 0
+    assert end.value.curves is not None
+    assert end.value.curves.sizes["penetration"] > 0

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.watch.health import SimulationDiverged
+from mpm_warp.errors import SimulationDiverged
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
-from mpm_warp.simulation import TimeLoop
+from mpm_warp.simulation import Simulation
 
 KEPT = 7
 """Samples before the run diverges."""
@@ -33,36 +33,36 @@ def test_curves_up_to_the_failure_are_those_of_the_whole_run(
     name: str, parameters: dict[str, Any], axis: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = from_mapping(scene_class(name), parameters)
-    advance = TimeLoop.advance
+    advance = Simulation.advance
     steps_taken: list[int] = []
     sampled_at: list[int] = []
 
-    def watched(loop: TimeLoop, step_count: int) -> None:
-        advance(loop, step_count)
-        steps_taken.append(loop.step_count)
+    def watched(simulation: Simulation, step_count: int) -> None:
+        advance(simulation, step_count)
+        steps_taken.append(simulation.step_count)
 
     def note(fraction: float) -> None:
         sampled_at.append(steps_taken[-1])
 
-    monkeypatch.setattr(TimeLoop, "advance", watched)
+    monkeypatch.setattr(Simulation, "advance", watched)
     whole = scene.run(note)
 
-    def diverging(loop: TimeLoop, step_count: int) -> None:
-        advance(loop, step_count)
-        if loop.step_count > sampled_at[KEPT - 1]:
+    def diverging(simulation: Simulation, step_count: int) -> None:
+        advance(simulation, step_count)
+        if simulation.step_count > sampled_at[KEPT - 1]:
             raise SimulationDiverged("on purpose")
 
-    monkeypatch.setattr(TimeLoop, "advance", diverging)
+    monkeypatch.setattr(Simulation, "advance", diverging)
     with pytest.raises(SimulationDiverged) as end:
         scene.run()
-    history = end.value.history
-    assert history is not None
-    assert history.sizes[axis] == KEPT
+    kept_curves = end.value.curves
+    assert kept_curves is not None
+    assert kept_curves.sizes[axis] == KEPT
     curves = [str(curve) for curve, values in whole.items() if values.dims == (axis,)]
-    kept = [curve for curve in curves if curve in history]
+    kept = [curve for curve in curves if curve in kept_curves]
     assert kept
-    assert set(kept) == set(history.data_vars)
+    assert set(kept) == set(kept_curves.data_vars)
     for curve in kept:
-        np.testing.assert_array_equal(history[curve], whole[curve][:KEPT])
-        assert history[curve].attrs == whole[curve].attrs
-    xr.testing.assert_identical(history[axis].variable, whole[axis][:KEPT].variable)
+        np.testing.assert_array_equal(kept_curves[curve], whole[curve][:KEPT])
+        assert kept_curves[curve].attrs == whole[curve].attrs
+    xr.testing.assert_identical(kept_curves[axis].variable, whole[axis][:KEPT].variable)

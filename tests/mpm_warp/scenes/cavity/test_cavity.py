@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.scenes.cavity_cylinder import CavityCylinder
-from mpm_warp.scenes.cavity_sphere import CavitySphere
+from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
+from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
 from mpm_warp.simulation import Simulation
 
 RADII = np.array([1.01, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0])
@@ -31,7 +31,7 @@ def test_closed_form_has_its_tabulated_values(
 
 def test_the_grid_that_followed_the_wall_is_the_grid_around_it() -> None:
     """Integrals and volumes brought up to date on the device are those of a new grid."""
-    scene = CavityCylinder(cells_per_radius=2, rigidity_index=10.0).simulated_scene()
+    scene = CavityCylinder(cells_per_radius=2, rigidity_index=10.0).build()
     simulation = Simulation(scene)
     simulation.advance(2000)
     radius = simulation.array("wall.motion")[:, 2]
@@ -67,3 +67,21 @@ def test_around_a_sphere_von_mises_yields_at_less_than_tresca() -> None:
     von_mises = CavitySphere(rigidity_index=100.0, material="von_mises").exact(RADII)
     weaker = CavitySphere(rigidity_index=100.0 / math.sqrt(0.75)).exact(RADII)
     np.testing.assert_allclose(von_mises, math.sqrt(0.75) * weaker, rtol=1e-12)
+
+
+def test_pressure_of_a_spherical_cavity() -> None:
+    """The soil's compressibility lowers the limit by 0.018, half a cell at the wall the rest."""
+    cells, index = 4, 50.0
+    result = CavitySphere(cells_per_radius=cells, rigidity_index=index, expansion=2.0).run()
+    limit = 4 / 3 * (1 + math.log(index))
+    # The wall cell stands for the soil half a cell away: 4 su times the strain over it.
+    assert float(result.error) <= (0.018 + 4 / (2 * cells) / 4) / limit
+    assert float(result.departure) <= 1 / cells**2
+
+
+def test_a_cavity_expanded_by_a_few_steps_has_a_sample_a_step() -> None:
+    result = CavityCylinder(
+        expansion=1.1, cells_per_radius=1, rigidity_index=10, poissons_ratio=0.4, speed_ratio=0.3
+    ).run()
+    assert result.sizes["expansion"] == int(result.step_count)
+    assert np.isfinite(result.cavity_pressure).all()

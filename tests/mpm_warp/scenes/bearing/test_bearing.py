@@ -1,0 +1,51 @@
+"""Limit loads at the surface of the ground against exact ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
+from mpm_warp.scenes.bearing.footings import CircularFooting, Footing, StripFooting
+
+Order = Callable[[Callable[[int], xr.Dataset], int], float]
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 0.5, 1.0])
+def test_cone_at_the_surface(adhesion_factor: float, order: Order) -> None:
+    def run(cells: int) -> xr.Dataset:
+        return ConeBearing(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()
+
+    assert order(run, 4) >= 1
+    # Where the rim is, is known to half a cell.
+    assert float(run(8).error) <= (1 + 1 / 16) ** 2 - 1
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
+@pytest.mark.parametrize("footing", [CircularFooting, StripFooting])
+def test_footing(footing: type[Footing], adhesion_factor: float, order: Order) -> None:
+    def run(cells: int) -> xr.Dataset:
+        return footing(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()
+
+    assert order(run, 4) == pytest.approx(1, abs=0.25)
+    assert float(run(8).error) <= (1 + 1 / 16) ** 2 - 1
+
+
+def test_a_load_that_still_rises_has_no_limit() -> None:
+    result = ConeBearing(cells_per_radius=4, displacement=3).run()
+    assert np.isnan(result["bearing_capacity"])
+    assert np.isnan(result["error"])
+
+
+@pytest.mark.parametrize("displacement", [1e-3, 0.1])
+def test_a_footing_pressed_by_a_few_steps_has_a_sample_a_step_and_no_plateau(
+    displacement: float,
+) -> None:
+    result = CircularFooting(cells_per_radius=4, displacement=displacement).run()
+    assert result.sizes["displacement"] == int(result.step_count)
+    assert np.isfinite(result.resistance).all()
+    assert math.isnan(float(result.bearing_capacity))

@@ -1,0 +1,22 @@
+"""The observed order of a scene's error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+import xarray as xr
+
+Order = Callable[[Callable[[int], xr.Dataset], int], float]
+
+
+@pytest.fixture
+def order() -> Order:
+    """Gives the order of `error` between a resolution and its double, from a run at a resolution."""
+
+    def observed(run: Callable[[int], xr.Dataset], resolution: int) -> float:
+        coarse, fine = (float(run(it).error) for it in (resolution, 2 * resolution))
+        return math.log2(coarse / fine)
+
+    return observed

@@ -1,0 +1,94 @@
+"""Strain paths against the closed forms of their stress."""
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+import warp as wp
+import xarray as xr
+
+from mpm_warp.errors import SimulationDiverged
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.precision import Precision
+from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
+
+Order = Callable[[Callable[[int], xr.Dataset], int], float]
+
+
+def test_stress_on_strain_paths() -> None:
+    steps = 1000
+    result = MaterialPoint(step_count=steps).run()
+    # Cayley's angle of a step t is 2 atan(t/2), short by t^3/12; the circle of the stress that is
+    # turned has the radius su/2 and is passed at twice the angle.
+    assert float(result.error) <= (2 * math.pi) ** 3 / (12 * steps**2)
+    assert float(result.yield_excess) <= 1e-9
+
+
+def test_rotation_is_of_second_order(order: Order) -> None:
+    assert order(lambda n: MaterialPoint(step_count=n).run(), 500) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("rigidity_index", [2, 50, 500])
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.499])
+def test_stress_whatever_the_stiffness(rigidity_index: float, poissons_ratio: float) -> None:
+    scene = MaterialPoint(rigidity_index=rigidity_index, poissons_ratio=poissons_ratio)
+    result = scene.run()
+    assert float(result.error) <= 1e-6
+    assert float(result.yield_excess) <= 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remembering(LinearElastic):
+    """Elastic soil that remembers its largest mean stress, with the sign of tension."""
+
+    state: ClassVar[tuple[str, ...]] = ("largest_mean_stress",)
+
+    def update(self, precision: Precision) -> Any:
+        return _make_update(precision)
+
+
+@functools.cache
+def _make_update(precision: Precision) -> Any:
+    real, vec4, vec1 = precision.real, precision.vec4, precision.vector(1)
+
+    @wp.func
+    def remember(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
+        mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
+        return trial, vec1(wp.max(state[0], mean))
+
+    return remember
+
+
+def test_points_on_strain_paths_remember() -> None:
+    """Stretched, then compressed to where they were: the mean stress in between is remembered."""
+    material = Remembering(shear_modulus=1e6, poissons_ratio=0.2, density=1.0)
+    there = StrainPaths(
+        material=material,
+        gradient=np.array([[0.01, 0.0, 0.0, 0.01, 0.01]]),
+        stress=np.zeros((1, 4)),
+        step_count=10,
+    )
+    simulation = Simulation(there)
+    simulation.advance(10)
+    simulation.assign("particle.velocity_gradient", -there.gradient)
+    simulation.advance(10)
+    largest = 3.0 * material.bulk_modulus * 0.01
+    assert simulation.array("particle.state")[0, 0] == pytest.approx(largest)
+    np.testing.assert_allclose(simulation.array("particle.stress"), 0.0, atol=1e-9 * largest)
+
+
+def test_a_stress_that_is_not_finite_ends_the_run() -> None:
+    scene = MaterialPoint(step_count=10).build()
+    stress = scene.stress.copy()
+    stress[3, 1] = np.nan
+    simulation = Simulation(dataclasses.replace(scene, stress=stress))
+    simulation.advance(10)
+    with pytest.raises(SimulationDiverged, match="the stress of path 3 is not finite"):
+        simulation.check()

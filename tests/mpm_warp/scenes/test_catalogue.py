@@ -1,0 +1,198 @@
+"""The catalogue: which scenes there are, and what every one of them gives."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint
+from typing import ClassVar
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.errors import UnknownSceneError
+from mpm_warp.parameters import Value, parameter, parameters_of
+from mpm_warp.results import ROLES, variable
+from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.simulation import Simulation
+
+SMALL: dict[str, dict[str, Value]] = {
+    "cavity_cylinder": {"expansion": 1.1, "cells_per_radius": 1, "rigidity_index": 10.0},
+    "cavity_sphere": {"expansion": 1.1, "cells_per_radius": 2, "rigidity_index": 10.0},
+    "circular_footing": {"cells_per_radius": 2, "displacement": 1.0},
+    "cone_bearing": {"cells_per_radius": 2, "displacement": 1.0},
+    "cone_penetration": {"cells_per_radius": 1.0, "penetration": 1.0, "domain_radius": 8.0},
+    "cone_self_similar": {"cells_per_radius": 4},
+    "elastic_column_wave": {"cell_count": 4, "period_count": 2},
+    "flying_block": {"step_count": 100, "travel": 1.0},
+    "full_flow_cylinder": {"cells_per_radius": 2, "displacement": 1.0},
+    "gravity_column": {"cell_count": 2},
+    "material_point": {"step_count": 10},
+    "sliding_block": {"cells_per_length": 6},
+    "step_cost": {"size": 500, "samples": 1, "sample_time": 1e-3},
+    "stretched_bar": {"stretch": 1.1},
+    "strip_footing": {"cells_per_radius": 2, "displacement": 1.0},
+    "struck_bar": {"cell_count": 20},
+    "struck_column": {"cell_count": 20},
+    "thick_cylinder": {"cell_count": 2},
+}
+"""Parameters that make a run of each scene as short as can be."""
+
+
+def test_every_scene_is_in_the_catalogue_and_those_they_are_made_of_are_not() -> None:
+    assert scene_names() == tuple(sorted(SMALL))
+    for name in scene_names():
+        assert scene_class(name).catalogue_name() == name
+
+
+@pytest.mark.parametrize("name", sorted(SMALL))
+def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
+    """Units, names, roles, one headline, and every parameter with its value."""
+    scene = scene_class(name)(**SMALL[name])
+    told: list[float] = []
+    result = scene.run(told.append)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+    headlines = [it for it, values in result.variables.items() if _role(values) == "headline"]
+    assert len(headlines) == 1
+    assert result[headlines[0]].ndim == 0
+    for label, values in result.variables.items():
+        if values.dtype.kind != "U":
+            assert values.attrs["units"], label
+            assert values.attrs["long_name"], label
+        assert _role(values) in {None, *ROLES}
+        if _role(values) == "exact":
+            assert result[values.attrs["exact_of"]].dims == values.dims
+    for key in parameters_of(type(scene)):
+        stored = result[f"{key}_parameter" if _role(result[key]) != "parameter" else key]
+        assert _role(stored.variable) == "parameter"
+        assert stored.attrs["description"]
+        given = getattr(scene, key)
+        if given is None:
+            assert np.isnan(stored)
+        else:
+            assert stored.item() == given
+
+
+def _role(values: xr.Variable | xr.DataArray) -> str | None:
+    role: str | None = values.attrs.get("role")
+    return role
+
+
+def test_a_parameter_that_shares_its_name_with_a_result_is_there_too() -> None:
+    result = scene_class("cone_penetration")(**SMALL["cone_penetration"]).run()
+    assert result.penetration.dims == ("penetration",)
+    assert float(result.penetration_parameter) == 1.0
+    assert float(result.shaft_adhesion_factor) == 0.0  # derived, and there as a number
+
+
+@pytest.mark.parametrize("penetration", [6.0, 30.0])
+def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
+    penetration: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    test = ConePenetration(
+        cells_per_radius=1, domain_radius=8, domain_above=3, domain_below=3, approach=0,
+        penetration=penetration, steady_tolerance=0.1,
+    )  # fmt: skip
+    result = test.run(progress=True)
+    assert float(result.penetration_reached) <= 6.5
+    shown = capsys.readouterr().err
+    assert shown.rstrip().split("\r")[-1].startswith("cone_penetration 100 %")
+    assert "Warp" not in shown
+
+
+def test_nothing_is_shown_unasked(capfd: pytest.CaptureFixture[str]) -> None:
+    GravityColumn(cell_count=2).run()
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_unknown_scene_is_refused_by_name() -> None:
+    with pytest.raises(UnknownSceneError, match="did you mean 'cone_penetration'"):
+        scene_class("cone_penetraton")
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfColumn(CatalogueScene):
+    """A column that is not in this package."""
+
+    summary: ClassVar[str] = "column of cells, half of them"
+    version: ClassVar[int] = 1
+
+    cell_count: int = parameter(8, unit="1", meaning="cells", minimum=4)
+
+    def build(self) -> object:
+        return GravityColumn(cell_count=self.cell_count // 2).build()
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        simulation.advance(3)
+        steps = variable(simulation.step_count, unit="1", meaning="steps", role="headline")
+        return xr.Dataset({"steps": steps})
+
+
+@pytest.fixture
+def offer(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Entry points, as if packages that offer them were installed."""
+
+    def offered(**values: str) -> None:
+        points = [EntryPoint(name, value, discovery.GROUP) for name, value in values.items()]
+        monkeypatch.setattr(discovery, "entry_points", lambda group: points)
+        monkeypatch.setattr("mpm_warp.HalfColumn", HalfColumn, raising=False)
+
+    return offered
+
+
+def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None]) -> None:
+    offer(half_column="mpm_warp:HalfColumn")
+    assert "half_column" in scene_names()
+    scene = scene_class("half_column")
+    assert scene is HalfColumn
+    result = scene(cell_count=6).run()
+    assert int(result.steps) == 3
+    assert int(result.cell_count) == 6
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("lost", "no_such_package:Scene", "cannot be loaded: ModuleNotFoundError: No module named"),
+        ("lost", "mpm_warp:Nothing", "cannot be loaded: AttributeError"),
+        ("lost", "mpm_warp.parameters:Parameter", "is not a CatalogueScene without abstract"),
+        ("lost", "mpm_warp.scenes.bearing.common:Bearing", "is not a CatalogueScene without"),
+    ],
+)
+def test_a_broken_entry_point_is_named_in_one_line(
+    name: str, value: str, said: str, offer: Callable[..., None]
+) -> None:
+    offer(**{name: value})
+    with pytest.raises(UnknownSceneError) as refusal:
+        scene_class(name)
+    message = str(refusal.value)
+    assert message.startswith(f"scene {name!r}: the entry point {value!r} of an unknown package ")
+    assert said in message
+    assert "\n" not in message
+    assert scene_class("gravity_column") is GravityColumn
+
+
+def test_two_scenes_of_one_name_are_refused(offer: Callable[..., None]) -> None:
+    offer(gravity_column="mpm_warp:HalfColumn")
+    with pytest.raises(UnknownSceneError) as refusal:
+        scene_names()
+    assert str(refusal.value) == (
+        "two scenes are called 'gravity_column': mpm_warp.scenes.elastic.gravity_column."
+        "GravityColumn and the entry point 'mpm_warp:HalfColumn' of an unknown package; rename one "
+        "of them"
+    )
+
+
+def test_a_scene_that_records_nothing_says_so() -> None:
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class Silent(CatalogueScene):
+        def build(self) -> object:
+            return GravityColumn(cell_count=2).build()
+
+    with pytest.raises(NotImplementedError, match="Silent defines neither record nor compute"):
+        Silent().run()

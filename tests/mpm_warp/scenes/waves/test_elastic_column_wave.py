@@ -1,0 +1,67 @@
+"""Waves along a column against exact solutions, and against the modal analysis of a step."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable
+
+import pytest
+import xarray as xr
+
+from mpm_warp.scenes.waves.elastic_column_wave import PERIOD, ElasticColumnWave
+from mpm_warp.scenes.waves.transfer import wave_factor
+
+Order = Callable[[Callable[[int], xr.Dataset], int], float]
+
+
+def test_sudden_load_arrives_with_the_wave() -> None:
+    cells = 50
+    # A front is as sharp as a cell, which it passes twice on its way up and down.
+    result = ElasticColumnWave(excitation="sudden_load", cell_count=cells).run()
+    assert float(result.error) <= 1 / cells
+
+
+@pytest.mark.parametrize("cells", [10, 20])
+def test_standing_wave_has_the_frequency_that_is_derived(cells: int) -> None:
+    """What it lags behind after a period, at most, is 2 pi times what its frequency is low by."""
+    scene = ElasticColumnWave(cell_count=cells, period_count=2)
+    result = scene.run()
+    frequency, time_step = 2 * math.pi / PERIOD, float(result.time_step)
+    turned = cmath.phase(wave_factor(scene.build(), frequency, time_step))
+    low = 1 - turned / (frequency * time_step)
+    assert 0 < low < (math.pi / (2 * cells)) ** 2  # of second order in k h
+    assert float(result.error) <= 2 * math.pi * low
+
+
+def test_standing_wave_is_of_second_order(order: Order) -> None:
+    assert order(lambda n: ElasticColumnWave(cell_count=n).run(), 20) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize(("cells", "cycles"), [(10, 10), (10, 100), (20, 10)])
+def test_energy_of_a_standing_wave_decays_as_is_derived(cells: int, cycles: int) -> None:
+    """Within a period energy swings by omega dt; its mean over one may lack a step of that."""
+    result = ElasticColumnWave(cell_count=cells, period_count=cycles).run()
+    steps = float(result.step_count) / cycles
+    assert float(result.energy_departure) <= 2 * math.pi / steps**2
+    # The least that nine or ninety-nine periods take is far more than that.
+    assert float(result.energy_drift) > 0.9 * (1 - (1 - float(result.energy_decay)) ** (cycles - 1))
+    assert (result.energy <= result.energy[: round(steps)].max()).all()
+
+
+def test_of_many_cycles_the_first_and_the_last_are_sampled_and_some_of_the_others() -> None:
+    cycles = 100
+    result = ElasticColumnWave(cell_count=10, period_count=cycles).run()
+    steps = float(result.step_count) / cycles
+    assert float(result.phase[0]) == 0.0
+    assert float(result.phase[-1]) == pytest.approx(cycles, rel=1e-3)
+    assert len(result.phase) < 11 * steps
+
+
+def test_the_derived_decay_is_of_third_order() -> None:
+    """What a step loses is of second order in k h and comes a step late, of first order in it."""
+    coarse, fine = (
+        float(ElasticColumnWave(cell_count=cells, period_count=2).run().energy_decay)
+        for cells in (20, 40)
+    )
+    assert math.log2(coarse / fine) == pytest.approx(3, abs=0.2)

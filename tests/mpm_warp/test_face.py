@@ -1,0 +1,71 @@
+"""What `import mpm_warp` offers, and what it costs."""
+
+from __future__ import annotations
+
+import inspect
+import subprocess
+import sys
+
+import pytest
+
+import mpm_warp
+from mpm_warp import public_names
+from mpm_warp.scenes import scene_class, scene_names
+
+
+def run(code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120
+    )
+
+
+def test_every_scene_and_what_scenes_are_made_of_is_there() -> None:
+    names = set(dir(mpm_warp))
+    assert {scene_class(name).__name__ for name in scene_names()} <= names
+    assert names >= {
+        *("Scene", "Simulation", "Execution", "Grid", "PolarGrid"),
+        *("LinearElastic", "Tresca", "VonMises"),
+        *("SurfaceContact", "FarField", "Fixed", "Window", "MovingWall"),
+        *("Gravity", "NodalLoad", "Damping"),
+        *("SceneError", "ParameterError", "SimulationDiverged", "InaccurateRun"),
+    }
+
+
+def test_each_public_name_is_typed_documented_and_that_of_its_class() -> None:
+    for name in dir(mpm_warp):
+        value = getattr(mpm_warp, name)
+        assert value.__name__ == name
+        assert getattr(public_names, name) is value
+        documented = inspect.getdoc(value)
+        assert documented, name
+        assert not documented.startswith("See "), name
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"), [("ConePenetraton", "ConePenetration"), ("scene_nams", "scene_names")]
+)
+def test_an_unknown_name_is_refused_with_the_nearest(name: str, nearest: str) -> None:
+    with pytest.raises(AttributeError, match=f"no attribute '{name}'; did you mean '{nearest}'"):
+        getattr(mpm_warp, name)
+
+
+def test_modules_are_not_names_and_import_as_they_do_everywhere() -> None:
+    assert not hasattr(mpm_warp, "_no_such_name")
+    done = run("from mpm_warp import parameters, scene; print(parameters.__name__, scene.__name__)")
+    assert done.stdout.split() == ["mpm_warp.parameters", "mpm_warp.scene"]
+
+
+def test_the_import_alone_brings_no_simulator() -> None:
+    code = "import sys, mpm_warp; print({'warp', 'numpy', 'xarray'} & set(sys.modules))"
+    assert run(code).stdout.strip() == "set()"
+
+
+def test_a_run_is_silent() -> None:
+    """Neither Warp's greeting, nor its remark where there is no GPU, nor its loading of modules."""
+    done = run("from mpm_warp import GravityColumn; GravityColumn(cell_count=2).run()")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_what_the_user_has_asked_warp_to_tell_is_kept() -> None:
+    code = "import warp; warp.config.log_level = warp.LOG_DEBUG; import mpm_warp.precision; "
+    assert run(code + "print(warp.config.log_level == warp.LOG_DEBUG)").stdout.endswith("True\n")
