@@ -24,9 +24,10 @@ from mpm_warp.materials.elasticity import (
 )
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.precision import FLOAT64, Precision
-from mpm_warp.watch.watch import Run, make_watch
+from mpm_warp.watch.watch import make_watch
 
 NOWHERE = np.full(2, np.nan)
 """Of material points that have no position."""
@@ -133,7 +134,8 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     stress_increment = make_stress_increment(precision)
     strain_increment = make_strain_increment(precision)
     elastic_trial = make_elastic_trial(precision)
-    update, yield_function, remembers = law.update, law.yield_function, law.remembers
+    update, remembers = law.update, law.remembers
+    yield_function: Any = law.yield_function
     properties_type, state_type = law.properties_type, law.state_type
     yields = yield_function is not None
 
