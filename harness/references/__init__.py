@@ -6,7 +6,7 @@ references at once.
 
 from __future__ import annotations
 
-from harness import HarnessError
+from harness.errors import HarnessError
 from harness.references.cone_factors import CONE_FACTORS, ConeFactor
 from mpm_warp.parameters import nearest_name
 

@@ -10,10 +10,10 @@ from textwrap import dedent
 
 import pytest
 
-from harness import case_files
-from harness.cases import cases_of
-from harness.cli import main
-from harness.study import Study, load_study
+from harness.archive import case_files
+from harness.cli.main import main
+from harness.study.cases import cases_of
+from harness.study.study import Study, load_study
 
 SMALL = """
     title = "A study for tests"

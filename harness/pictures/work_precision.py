@@ -1,0 +1,136 @@
+"""Work-precision pictures: error against run time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.figure import Figure
+
+from harness.archive.atomic_files import write_whole
+from harness.compare.cone_factors import varied_along
+from harness.compare.finest_error import error_name
+from harness.pictures.plot_parts import FAILED, MARKERS, png
+from harness.study.cases import COMPLETED
+from mpm_warp.scenes import scene_class, scene_names
+
+MOST_LABELS = 12
+"""Settings on the Pareto front that find room in a picture."""
+
+
+def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
+    """Write the picture, whole or not at all.
+
+    Args:
+        dataset: `error` and `run_time` over `check` and `rank`.
+        path: the PNG file.
+
+    Raises:
+        ArchiveError: it cannot be written.
+    """
+    write_whole(png(work_precision_figure(dataset)), path)
+
+
+def work_precision_figure(dataset: xr.Dataset) -> Figure:
+    """Both axes logarithmic; runs that failed are left out."""
+    figure = Figure(figsize=(6.4, 4.8), dpi=200)
+    axes = figure.add_subplot()
+    count = dataset.sizes["check"]
+    colours = colormaps["viridis"](np.linspace(0.0, 0.85, count))
+    for index, check in enumerate(dataset["check"].values):
+        curve = dataset.isel(check=index)
+        axes.loglog(
+            curve["run_time"],
+            curve["error"],
+            marker=MARKERS[index % len(MARKERS)],
+            color=colours[index],
+            label=str(check),
+        )
+    axes.set_xlabel("run time [s]")
+    axes.set_ylabel("error against the exact solution [-]")
+    axes.grid(color="0.9", lw=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
+    return figure
+
+
+def has_work_precision(dataset: xr.Dataset) -> bool:
+    """Whether a study's result holds errors and run times."""
+    return error_name(dataset) is not None and "run_time" in dataset
+
+
+def study_figure(dataset: xr.Dataset) -> Figure:
+    """Error against run time of a study's cases, and the front of those that no other beats.
+
+    Each scene of several has a front of its own. A case that did not complete has no error: it
+    stands on the upper edge, at the time it took.
+    """
+    name = error_name(dataset)
+    assert name is not None, "the dataset has no errors"
+    error = dataset[name]
+    errors = error.values.ravel()
+    seconds = dataset["run_time"].broadcast_like(error).values.ravel()
+    figure = Figure(figsize=(6.4, 4.8), dpi=200)
+    axes = figure.add_subplot()
+    sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
+    axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
+    scenes = _scenes(dataset, error)
+    names = list(dict.fromkeys(scenes.tolist()))
+    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(names)))
+    for scene, colour in zip(names, colours, strict=True):
+        front = _pareto(seconds, errors, np.flatnonzero(sound & (scenes == scene)))
+        method = scene_class(scene).method if scene in scene_names() else ()
+        varied = [it for it in varied_along(dataset, error.dims) if it in method]
+        varied = [
+            it for it in varied if _varies(dataset[it].broadcast_like(error), scenes == scene)
+        ]
+        settings = " / ".join(it.replace("_", " ") for it in varied)
+        label = f"{scene}, Pareto front: {settings}".removesuffix(": ")
+        axes.loglog(seconds[front], errors[front], "o-", color=colour, label=label)
+        for case in front[:MOST_LABELS] if varied else ():
+            values = (dataset[it].broadcast_like(error).values.ravel()[case] for it in varied)
+            text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
+            place = (float(seconds[case]), float(errors[case]))
+            axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
+    if "status" in dataset and "case_time" in dataset:
+        failed = (dataset["status"].broadcast_like(error) != COMPLETED).values.ravel()
+        times = dataset["case_time"].broadcast_like(error).values.ravel()
+        if failed.any():
+            axes.plot(
+                times[failed],
+                np.ones(failed.sum()),
+                "x",
+                color=FAILED,
+                transform=axes.get_xaxis_transform(),
+                clip_on=False,
+                label="failed",
+            )
+    axes.set_xlabel("run time [s]")
+    meaning = error.attrs.get("long_name", name) if len(names) == 1 else name
+    axes.set_ylabel(f"{meaning} [-]")
+    axes.grid(color="0.9", lw=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
+    return figure
+
+
+def _pareto(seconds: np.ndarray, errors: np.ndarray, cases: np.ndarray) -> np.ndarray:
+    """The cases that no other is both faster and better than, the fastest first."""
+    ordered = cases[np.lexsort((errors[cases], seconds[cases]))]
+    best = np.minimum.accumulate(errors[ordered]) if ordered.size else errors[ordered]
+    before = np.concatenate([[np.inf], best[:-1]])
+    front: np.ndarray = ordered[errors[ordered] < before[: ordered.size]]
+    return front
+
+
+def _scenes(dataset: xr.Dataset, error: xr.DataArray) -> np.ndarray:
+    """The scene of each case."""
+    if "scene" in dataset.coords:
+        return dataset["scene"].broadcast_like(error).values.ravel()
+    return np.full(error.size, str(dataset.attrs.get("scene", "")))
+
+
+def _varies(values: xr.DataArray, cases: np.ndarray) -> bool:
+    return len(set(values.values.ravel()[cases].tolist())) > 1
