@@ -11,9 +11,19 @@ import importlib
 import pkgutil
 
 from mpm_warp.parameters import nearest_name
-from mpm_warp.scenes.base import Progress, ReadyScene
+from mpm_warp.scenes.base import Progress, ReadyScene, Verification
 
-__all__ = ["Progress", "ReadyScene", "UnknownSceneError", "scene_class", "scene_names"]
+CatalogueScene = ReadyScene
+
+__all__ = [
+    "CatalogueScene",
+    "Progress",
+    "ReadyScene",
+    "UnknownSceneError",
+    "Verification",
+    "scene_class",
+    "scene_names",
+]
 
 
 class UnknownSceneError(LookupError):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from mpm_warp.parameters import Value, check_parameters
 
@@ -63,6 +64,11 @@ class ReadyScene(ABC):
     verifications: ClassVar[tuple[Verification, ...]] = ()
     """Comparisons with the exact solution, where there is one: its results hold `error`."""
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "run" in vars(cls):
+            cls.run = _with_roles(cls.run)  # type: ignore[method-assign]
+
     def __post_init__(self) -> None:
         check_parameters(self)
 
@@ -98,3 +104,38 @@ class ReadyScene(ABC):
             mpm_warp.watch.health.SimulationDiverged: the run became unstable; its `history` holds the
                 curves up to there, where the scene records any.
         """
+
+
+_MEASURED = {
+    *("run_time", "setup_time", "compile_time", "update_rate", "update_rate_lowest"),
+    *("update_rate_highest", "thread_gain", "core_gain", "bare_step_gain", "overhead_share"),
+    *("stage_time", "stage_bytes", "stage_operations", "stage_divisions", "streaming_rate"),
+    *("arithmetic_rate", "division_rate"),
+}
+
+
+def _with_roles(run: Any) -> Any:
+    """Stand-in for scenes whose variables carry their roles; dropped at the merge."""
+
+    @functools.wraps(run)
+    def wrapped(self: Any, *arguments: Any, **options: Any) -> Any:
+        try:
+            result = run(self, *arguments, **options)
+        except Exception as error:
+            error.curves = getattr(error, "history", None)  # type: ignore[attr-defined]
+            raise
+        for name, it in result.variables.items():
+            if name == self.headline:
+                it.attrs["role"] = "headline"
+            elif name in _MEASURED:
+                it.attrs["role"] = "measured"
+            elif name.endswith("_exact"):
+                it.attrs["role"] = "exact"
+                it.attrs["exact_of"] = name.removesuffix("_exact")
+            elif name.endswith("error") and not it.ndim:
+                it.attrs["role"] = "error"
+            if name == "energy_error" and self.headline == "cone_factor":
+                it.attrs["limit"] = 0.05
+        return result
+
+    return wrapped
