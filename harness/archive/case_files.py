@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,41 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, write_whole
-from harness.archive.provenance import provenance
-from harness.study.cases import COMPLETED, DAMAGED, MISSING, Case, Outcome
+from harness.archive.conventions import (
+    CASE_TIME,
+    COMPLETED,
+    DAMAGED,
+    FORMAT_VERSION,
+    MISSING,
+    REPEAT,
+)
+from harness.archive.provenance import SOURCES, provenance
+from harness.study.cases import Case
 from harness.study.study import Study
 
-FORMAT_VERSION = 1
-"""Version of the layout of case files and study files alike."""
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a case ended.
+
+    Attributes:
+        status: ``completed``; ``refused``, by its scene before it began; ``diverged``,
+            ``inaccurate``, ``failed``, ``crashed``, ``timed_out``; ``missing`` where there is no
+            file, ``damaged`` where the file is of no use, ``untimed`` where it completed without
+            the timed runs that its study asks for.
+        message: why it did not complete, one line.
+        headline: name and value of the scalar that the scene is run for.
+        seconds: time that the case took in all.
+        repeats: warm runs that its file has the times of.
+        sources: digest of the code that computed it, as its file says.
+    """
+
+    status: str
+    message: str = ""
+    headline: str = ""
+    seconds: float = 0.0
+    repeats: int = 0
+    sources: str = ""
 
 
 def case_folder(out: Path, study: Study) -> Path:
@@ -61,7 +91,7 @@ def write_case(
         case: the case.
         dataset: what the scene returned; empty where it did not complete. Where it was computed
             by another machine it carries that machine's provenance.
-        status: see :class:`harness.study.cases.Outcome`.
+        status: how it ended, as the status of an `Outcome`.
         message: why it did not complete, one line.
 
     Raises:
@@ -113,10 +143,13 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
         return Outcome(DAMAGED, f"{path}: cannot be read: {' '.join(str(error).split())}")
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
-    seconds = float(numbers.get("case_time", 0.0))
-    repeats = len(numbers.get("repeat", ()))
-    status, message = str(attributes["status"]), str(attributes["message"])
-    return Outcome(status, message, seconds=seconds, repeats=repeats)
+    return Outcome(
+        str(attributes["status"]),
+        str(attributes["message"]),
+        seconds=float(numbers.get(CASE_TIME, 0.0)),
+        repeats=len(numbers.get(REPEAT, ())),
+        sources=str(attributes.get(SOURCES, "")),
+    )
 
 
 def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:

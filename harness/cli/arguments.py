@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from harness.cli.exit_codes import BAD_INPUT
-from mpm_warp.execution.execution import THREAD_COUNTS
+
+THREAD_COUNTS = (1, 2, 4)
+"""Those of the simulator, for which the help is not to wait."""
 
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]

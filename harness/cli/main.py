@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import sys
 from collections.abc import Sequence
 
-from harness.cli import result_commands, scene_commands, study_commands
 from harness.cli.arguments import make_parser
 from harness.cli.exit_codes import BAD_INPUT, Terminated, complete_streams
 from harness.errors import HarnessError, tell
-from mpm_warp.scenes import UnknownSceneError
+from mpm_warp.errors import UnknownSceneError
 
 COMMANDS = {
-    "run": study_commands.run,
-    "status": study_commands.status,
-    "collect": study_commands.collect,
-    "clean": study_commands.clean,
-    "rerun": study_commands.rerun_case,
-    "list": scene_commands.list_names,
-    "describe": scene_commands.describe,
-    "schema": scene_commands.schema,
-    "plan": scene_commands.show_plan,
-    "verify": scene_commands.verify_scenes,
-    "bench": study_commands.bench,
-    "compare": result_commands.compare,
-    "plot": result_commands.plot,
-    "report": result_commands.report,
-    "recommend": result_commands.show_recommendation,
+    "run": "run_commands.run",
+    "rerun": "run_commands.rerun_case",
+    "verify": "run_commands.verify_scenes",
+    "bench": "run_commands.bench",
+    "status": "archive_commands.status",
+    "collect": "archive_commands.collect",
+    "clean": "archive_commands.clean",
+    "list": "scene_commands.list_names",
+    "describe": "scene_commands.describe",
+    "schema": "scene_commands.schema",
+    "plan": "scene_commands.show_plan",
+    "compare": "result_commands.compare",
+    "plot": "result_commands.plot",
+    "report": "result_commands.report",
+    "recommend": "result_commands.show_recommendation",
 }
-"""What each command does; it returns the exit code."""
+"""Module and function of each command; it is given the options and returns the exit code."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -52,7 +52,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return BAD_INPUT
     options = make_parser().parse_args(given)
     try:
-        code = COMMANDS[options.command](options)
+        # Imported only now: help is at once, and what a command does not need is not loaded.
+        module, function = COMMANDS[options.command].split(".")
+        command = getattr(importlib.import_module(f"harness.cli.{module}"), function)
+        code: int = command(options)
     except BrokenPipeError:
         # Whoever read the output has gone, as in `harness run ... | head`: nobody is to be told.
         null = os.open(os.devnull, os.O_WRONLY)

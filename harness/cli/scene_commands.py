@@ -1,18 +1,22 @@
-"""Commands on scenes, and on what there is.
-
-What computes is imported by the command that needs it: help is at once.
-"""
+"""Commands on scenes: which there are, their parameters, the schema of studies, their plans."""
 
 from __future__ import annotations
 
 import argparse
+import json
 
-from harness.cli.exit_codes import DONE, INCOMPLETE
+from harness.cli.exit_codes import DONE
 from harness.errors import HarnessError
-from harness.study.definition import study_names
+from harness.run.device import start_warp_in_silence
+from harness.study.files import study_names
+from harness.study.schema import study_schema
 from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
+from mpm_warp.plan.plan import Launch, StepPlan
 from mpm_warp.scenes import scene_class, scene_names
+
+UPDATE_RATE = 20e6
+"""Particle updates a second on one thread, as `harness bench` measures them."""
 
 
 def list_names(options: argparse.Namespace) -> int:
@@ -39,52 +43,44 @@ def describe(options: argparse.Namespace) -> int:
 
 def schema(options: argparse.Namespace) -> int:
     """Print the JSON schema of studies."""
-    import json
-
-    from harness.study.schema import study_schema
-
     print(json.dumps(study_schema(), indent=2))
     return DONE
 
 
 def show_plan(options: argparse.Namespace) -> int:
     """Print the kernels and arrays of a scene."""
-    from harness.cli.plan_text import plan_text
-    from harness.run.worker import start_warp_in_silence
-
     start_warp_in_silence()
     scene = scene_class(options.scene)()
     plan = scene.plan()
     if plan is None:
         raise HarnessError(f"{options.scene}: the scene runs no grid, it has no plan")
-    print(plan_text(plan, scene.step_count_bound(plan)))
+    print(_plan_text(plan, scene.step_count_bound(plan)))
     return DONE
 
 
-def verify_scenes(options: argparse.Namespace) -> int:
-    """Hold scenes against their exact solutions."""
-    from harness.archive.atomic_files import prepare, write_whole
-    from harness.archive.case_files import write_netcdf
-    from harness.archive.provenance import provenance
-    from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
-    from harness.run.worker import start_warp_in_silence
+def _plan_text(plan: StepPlan, step_count_bound: int | None) -> str:
+    """Launches of a step, arrays and their bytes, particle count, time step, steps and seconds."""
+    lines = [f"kernels of a step: {len(plan.step)}"]
+    lines += [_launch_line(launch) for launch in plan.step]
+    now_and_then = plan.launches[len(plan.step) :]
+    if now_and_then:
+        lines += ["kernels now and then:", *map(_launch_line, now_and_then)]
+    byte_count = sum(array.byte_count for array in plan.arrays.values())
+    lines += [f"arrays: {len(plan.arrays)}, {byte_count:,} bytes"]
+    lines += [
+        f"  {name:24} {array.dtype.__name__:12} {array.shape!s:14} {array.byte_count:>12,} bytes"
+        for name, array in plan.arrays.items()
+    ]
+    lines += [f"particles: {plan.particle_count:,}", f"time step: {plan.time_step:.4g} s"]
+    if step_count_bound is not None:
+        seconds = step_count_bound * plan.particle_count / UPDATE_RATE
+        lines.append(
+            f"steps: {step_count_bound:,} at most, {seconds:.2g} s at "
+            f"{UPDATE_RATE / 1e6:.0f} million particle updates a second"
+        )
+    return "\n".join(lines)
 
-    checks = checks_of(options.scene, extreme=options.extreme)
-    start_warp_in_silence()
-    if options.out is not None:
-        prepare(options.out)
-    lines, results = [heading()], []
-    print(lines[0])
-    for check in checks:
-        results.append(verify(check))
-        lines.append(table_rows(results[-1]))
-        print(lines[-1], flush=True)
-        if options.out is not None:
-            dataset = as_dataset(results).assign_attrs(provenance())
-            write_netcdf(dataset, options.out / "verify.nc")
-            write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
-    if options.out is not None:
-        from harness.pictures.work_precision import draw_work_precision
 
-        draw_work_precision(as_dataset(results), options.out / "verify.png")
-    return INCOMPLETE if any(result.shortfalls for result in results) else DONE
+def _launch_line(launch: Launch) -> str:
+    # Warp names a kernel by the functions that it was defined in, too.
+    return f"  {launch.kernel.key.split('__')[-1]:24} {launch.dim}"

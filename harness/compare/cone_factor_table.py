@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from harness.archive.conventions import DEVIATION, REFERENCE, RUN_TIME, over_cases, varied_names
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
     exact_shear,
-    over_cases,
     stored_references,
-    varied_names,
 )
 from harness.references.cone_factors import ENVELOPE, ConeFactor, envelope, envelope_applies
 
@@ -40,9 +39,9 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
     """A text table for a terminal: one row a case, and how to read it below.
 
     Raises:
-        NothingToCompareError: the dataset has no cone factor, or not its
-            parameters.
+        NothingToCompareError: the dataset has no cone factor, or not its parameters.
     """
+    cone_factor_of(dataset)
     references = stored_references(dataset)
     columns = [
         *_parameter_columns(dataset),
@@ -67,14 +66,14 @@ def _justified(row: Iterable[str], columns: Iterable[_Column]) -> list[str]:
 
 def _parameter_columns(dataset: xr.Dataset) -> list[_Column]:
     return [
-        _Column(_heading(name), [_text(value) for value in _flat(dataset, dataset[name])])
+        _Column(_heading(name), [_text(value) for value in over_cases(dataset, name)])
         for name in varied_names(dataset)
     ]
 
 
 def _cone_factor_columns(dataset: xr.Dataset) -> list[_Column]:
     parts = [
-        _Column(heading, [_number(value, ".2f") for value in _flat(dataset, dataset[name])])
+        _Column(heading, [_number(value, ".2f") for value in over_cases(dataset, name)])
         for name, heading in (
             ("cone_factor", ("cone", "factor")),
             ("cone_factor_normal", ("normal", "part")),
@@ -84,15 +83,18 @@ def _cone_factor_columns(dataset: xr.Dataset) -> list[_Column]:
     if "cone_factor_shear" not in dataset:
         return parts
     shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
+    deviations = shear / exact.where(exact > 0) - 1
     statics = [
         _with_deviation(value, deviation, digits=3)
         for value, deviation in zip(
-            _flat(dataset, exact), _flat(dataset, shear / exact.where(exact > 0) - 1), strict=True
+            over_cases(dataset, exact),
+            over_cases(dataset, deviations),
+            strict=True,
         )
     ]
     return [
         *parts,
-        _Column(("shear", "part"), [_number(value, ".3f") for value in _flat(dataset, shear)]),
+        _Column(("shear", "part"), [_number(value, ".3f") for value in over_cases(dataset, shear)]),
         _Column(("exact", "shear"), statics),
     ]
 
@@ -101,9 +103,9 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> _Column:
     texts = [
         _bracketed(_with_deviation(value, deviation), inside)
         for value, deviation, inside in zip(
-            _flat(dataset, dataset[f"reference_{reference.id}"]),
-            _flat(dataset, dataset[f"deviation_{reference.id}"]),
-            _flat(dataset, reference.applies(conditions_of(dataset))),
+            over_cases(dataset, f"{REFERENCE}_{reference.id}"),
+            over_cases(dataset, f"{DEVIATION}_{reference.id}"),
+            over_cases(dataset, reference.applies(conditions_of(dataset))),
             strict=True,
         )
     ]
@@ -112,12 +114,12 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> _Column:
 
 def _envelope_column(dataset: xr.Dataset) -> _Column:
     conditions = conditions_of(dataset)
-    bounds = (_flat(dataset, bound) for bound in envelope(conditions))
-    inside = _flat(dataset, envelope_applies(conditions))
+    bounds = (over_cases(dataset, bound) for bound in envelope(conditions))
+    inside = over_cases(dataset, envelope_applies(conditions))
     texts = [
         _bracketed(_place(value, lower, upper), applies)
         for value, lower, upper, applies in zip(
-            _flat(dataset, dataset["cone_factor"]), *bounds, inside, strict=True
+            over_cases(dataset, "cone_factor"), *bounds, inside, strict=True
         )
     ]
     return _Column(("in the", "envelope"), texts)
@@ -125,13 +127,11 @@ def _envelope_column(dataset: xr.Dataset) -> _Column:
 
 def _run_columns(dataset: xr.Dataset) -> list[_Column]:
     columns = []
-    if "run_time" in dataset:
-        seconds = _flat(dataset, dataset["run_time"])
+    if RUN_TIME in dataset:
+        seconds = over_cases(dataset, RUN_TIME)
         columns.append(_Column(("run time", "[s]"), [_number(value, ".1f") for value in seconds]))
-    if "status" in dataset:
-        status = _flat(dataset, dataset["status"])
-        columns.append(_Column(("", "status"), [_text(value) for value in status]))
-    return columns
+    status = over_cases(dataset, "status")
+    return [*columns, _Column(("", "status"), [_text(value) for value in status])]
 
 
 def _resolution_notes(dataset: xr.Dataset) -> list[str]:
@@ -156,12 +156,6 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
         *(f"  {it.id}: {it.source}; {it.criterion}; {it.validity}" for it in shown),
         f"how known: {'; '.join(dict.fromkeys(it.how_known for it in shown))}",
     ]
-
-
-def _flat(dataset: xr.Dataset, value: object) -> np.ndarray:
-    """`value` of every case, in the order of the rows."""
-    flat: np.ndarray = over_cases(cone_factor_of(dataset), value).values.ravel()
-    return flat
 
 
 def _heading(name: str) -> tuple[str, str]:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
+from harness.archive.conventions import DEVIATION, REFERENCE, ROLE, with_role
 from harness.errors import HarnessError
-from harness.references import cone_factor_reference
-from harness.references.cone_factors import Conditions, ConeFactor
+from harness.references.cone_factors import (
+    COMPARED,
+    NEEDED,
+    Conditions,
+    ConeFactor,
+    cone_factor_reference,
+)
 
 
 class NothingToCompareError(HarnessError):
@@ -19,13 +25,13 @@ class NothingToCompareError(HarnessError):
 def conditions_of(dataset: xr.Dataset) -> Conditions:
     """What the literature's formulas depend on, out of the parameters stored in `dataset`.
 
-    A shaft adhesion that is not a number means the face's; a stress anisotropy that the scene
-    does not have means isotropic.
+    A shaft adhesion that is not a number, as older results have it, means the face's; a stress
+    anisotropy that the scene does not have means isotropic.
 
     Raises:
         NothingToCompareError: the dataset has no rigidity index or no adhesion factor.
     """
-    for name in ("rigidity_index", "adhesion_factor"):
+    for name in NEEDED:
         if name not in dataset:
             raise NothingToCompareError(f"nothing to compare: the dataset has no {name}")
     face = dataset["adhesion_factor"]
@@ -45,7 +51,7 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
 
     Args:
         dataset: result of a study: `cone_factor` and all parameters of the scene, by name.
-        reference_ids: ids out of :func:`harness.references.reference_ids`.
+        reference_ids: ids out of :func:`harness.references.cone_factors.reference_ids`.
 
     Returns:
         The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
@@ -60,9 +66,11 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
     if not references:
         return dataset
     computed, conditions = cone_factor_of(dataset), conditions_of(dataset)
-    added: dict[Hashable, xr.DataArray] = {}
     for reference in references:
-        value = over_cases(computed, reference.evaluate(conditions))
+        # Values alone: arithmetic would hand on the attributes of a parameter.
+        value = xr.DataArray(reference.evaluate(conditions)).broadcast_like(computed)
+        values = value.transpose(*computed.dims).values
+        label = f"cone factor of {reference.label}"
         known = {
             "units": "1",
             "source": reference.source,
@@ -72,35 +80,27 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
             "how_known": reference.how_known,
             "validity": reference.validity,
         }
-        label = f"cone factor of {reference.label}"
-        added[f"reference_{reference.id}"] = value.assign_attrs(known, long_name=label)
-        added[f"deviation_{reference.id}"] = (computed / value - 1).assign_attrs(
-            known, long_name=f"deviation from the {label}"
+        dataset = dataset.assign(
+            {
+                f"{REFERENCE}_{reference.id}": (
+                    computed.dims,
+                    values,
+                    known | {"long_name": label, ROLE: REFERENCE},
+                ),
+                f"{DEVIATION}_{reference.id}": (
+                    computed.dims,
+                    computed.values / values - 1,
+                    known | {"long_name": f"deviation from the {label}", ROLE: DEVIATION},
+                ),
+            }
         )
-    return dataset.assign(added)
+    return dataset
 
 
 def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
     """The references that :func:`with_references` has set into `dataset`."""
-    prefix = "reference_"
-    return tuple(
-        cone_factor_reference(str(name).removeprefix(prefix))
-        for name in dataset.data_vars
-        if str(name).startswith(prefix)
-    )
-
-
-def varied_names(dataset: xr.Dataset) -> list[str]:
-    """The parameters that vary: dims of the cone factor, or coordinates along the dim `case`."""
-    return varied_along(dataset, cone_factor_of(dataset).dims)
-
-
-def varied_along(dataset: xr.Dataset, dims: Sequence[Hashable]) -> list[str]:
-    """The parameters that vary along the dims of cases."""
-    if tuple(dims) != ("case",):
-        return [str(dim) for dim in dims]
-    along = (str(name) for name, array in dataset.coords.items() if array.dims == ("case",))
-    return [name for name in along if name not in ("case", "scene_version")]
+    names = with_role(dataset, REFERENCE)
+    return tuple(cone_factor_reference(name.removeprefix(f"{REFERENCE}_")) for name in names)
 
 
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
@@ -120,13 +120,8 @@ def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
     Raises:
         NothingToCompareError: there are none.
     """
-    if "cone_factor" not in dataset:
+    if COMPARED not in dataset:
         raise NothingToCompareError(
-            "nothing to compare: no cone_factor; it is another scene's, or no case completed"
+            f"nothing to compare: no {COMPARED}; it is another scene's, or no case completed"
         )
-    return dataset["cone_factor"]
-
-
-def over_cases(computed: xr.DataArray, value: object) -> xr.DataArray:
-    """`value` over the dims of `computed`, in their order."""
-    return xr.DataArray(value).broadcast_like(computed)
+    return dataset[COMPARED]

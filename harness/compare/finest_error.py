@@ -1,43 +1,46 @@
-"""The error of each case of a result, against which its run time is to be held."""
+"""The error of each case against the costliest one, where no exact solution is known."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from mpm_warp.parameters import parameters_of
-from mpm_warp.scenes import scene_class, scene_names
-
-EXACT = "error"
-"""Error against the exact solution: a result of scenes that have one."""
-FINEST = "error_finest"
-"""Difference from the costliest case of the study that differs in the method alone."""
+from harness.archive.conventions import (
+    ERROR,
+    HEADLINE,
+    PARTICLE_UPDATES,
+    ROLE,
+    over_cases,
+    parameter_names,
+    spoken,
+    with_role,
+)
+from harness.study import study
 
 
 def error_name(dataset: xr.Dataset) -> str | None:
     """The error that a result holds, the exact one first; None where it holds neither."""
-    return next((name for name in (EXACT, FINEST) if name in dataset), None)
+    return next((name for name in (study.ERROR, study.ERROR_FINEST) if name in dataset), None)
 
 
-def with_errors(dataset: xr.Dataset) -> xr.Dataset:
+def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
     """Add the error of each case against the costliest one, where no exact error is known.
 
-    Cases are alike that differ only in parameters of the method, which the scene names. The
-    costliest of them, by particle updates, is the reference, and has itself no error.
+    Cases are alike that differ only in parameters of the method. The costliest of them, by particle
+    updates, is the reference, and has itself no error.
+
+    Args:
+        dataset: the result of a study of one scene.
+        method: the parameters of the method, which the scene names.
     """
-    name = dataset.attrs.get("scene")
-    if EXACT in dataset or name not in scene_names():
+    headlines = with_role(dataset, HEADLINE)
+    if study.ERROR in dataset or not (method and headlines and PARTICLE_UPDATES in dataset):
         return dataset
-    scene = scene_class(name)
-    if not scene.method or scene.headline not in dataset or "particle_updates" not in dataset:
-        return dataset
-    result = dataset[scene.headline]
-    values = result.values.ravel()
-    cost = dataset["particle_updates"].broadcast_like(result).values.ravel()
+    values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, PARTICLE_UPDATES)
     error = np.full(values.shape, np.nan)
-    for cases in _alike(
-        dataset, result, [p for p in parameters_of(scene) if p not in scene.method]
-    ):
+    for cases in _alike(dataset, method):
         sound = cases[np.isfinite(values[cases])]
         if len(sound) < 2:
             continue
@@ -48,20 +51,21 @@ def with_errors(dataset: xr.Dataset) -> xr.Dataset:
         return dataset
     labels = {
         "units": "1",
-        "long_name": f"error of the {scene.headline.replace('_', ' ')}",
+        "long_name": f"error of the {spoken(headlines[0])}",
         "description": "relative difference from the case with most particle updates among those "
         "that differ in the method alone; that one has none",
+        ROLE: ERROR,
     }
-    return dataset.assign({FINEST: (result.dims, error.reshape(result.shape), labels)})
+    status = dataset["status"]
+    return dataset.assign({study.ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)})
 
 
-def _alike(dataset: xr.Dataset, result: xr.DataArray, names: list[str]) -> list[np.ndarray]:
-    """Indices of the cases that agree in the parameters `names`, group by group."""
-    stored = (name if name in dataset else f"{name}_parameter" for name in names)
+def _alike(dataset: xr.Dataset, method: Sequence[str]) -> list[np.ndarray]:
+    """Indices of the cases that agree in all parameters but those of the method, by group."""
     columns = [
-        dataset[name].broadcast_like(result).values.ravel().tolist()
-        for name in stored
-        if name in dataset
+        over_cases(dataset, stored).tolist()
+        for name, stored in parameter_names(dataset).items()
+        if name not in method
     ]
     groups: dict[str, list[int]] = {}
     for case, values in enumerate(zip(*columns, strict=True)):

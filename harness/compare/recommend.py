@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,11 +11,10 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from harness.archive.collection import read_study
-from harness.compare.cone_factors import varied_along
+from harness.archive.conventions import COMPLETED, RUN_TIME, over_cases, varied_names
+from harness.archive.study_files import read_study
 from harness.compare.finest_error import error_name
 from harness.errors import HarnessError
-from harness.study.cases import COMPLETED
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class
 
@@ -62,11 +61,15 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
         HarnessError: no result of the scene has an error; the message says whether any is there.
         ArchiveError: a file is damaged.
     """
+    known = scene_class(scene)
+    # What refines an exact solution is a parameter of the method too.
+    method = list(dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)]))
     results = {file: _of_scene(scene, read_study(file)) for file in files if _has(file, scene)}
-    known = [it for file, dataset in results.items() for it in _measured(scene, dataset, file)]
-    if not known:
-        raise HarnessError(f"{scene}: {_why_nothing(scene, results.values())}")
-    good = [it for it in known if it.error <= largest_error]
+    kinds = {name: parameters_of(known)[name].kind for name in method}
+    found = [it for file, dataset in results.items() for it in _measured(kinds, dataset, file)]
+    if not found:
+        raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
+    good = [it for it in found if it.error <= largest_error]
     return min(good, key=lambda it: it.run_time, default=None)
 
 
@@ -100,48 +103,46 @@ def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
     return cases.drop_vars(alike)
 
 
-def _method(scene: str) -> list[str]:
-    """Parameters of the method alone; what refines an exact solution is one."""
-    known = scene_class(scene)
-    return list(dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)]))
+def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:
+    return [name for name in varied_names(dataset) if name in method]
 
 
-def _varied_method(scene: str, dataset: xr.Dataset) -> list[str]:
-    varied = varied_along(dataset, dataset["status"].dims)
-    return [name for name in varied if name in _method(scene)]
-
-
-def _why_nothing(scene: str, results: Collection[xr.Dataset]) -> str:
-    method = _method(scene)
+def _why_nothing(method: Collection[str], results: Collection[xr.Dataset]) -> str:
     if not method:
         return "has no errors: neither an exact solution nor parameters of the method"
-    if not results or any(_varied_method(scene, dataset) for dataset in results):
+    if not results or any(_varied(method, dataset) for dataset in results):
         return "no result with errors is at hand; run a study of it first"
     return f"no result at hand has errors, for none varies the method: {', '.join(method)}"
 
 
-def _measured(scene: str, dataset: xr.Dataset, file: Path) -> list[Recommendation]:
+def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> list[Recommendation]:
+    """What each combination of settings of the method cost and was worth.
+
+    Args:
+        kinds: types of the parameters of the method, by name.
+        dataset: the result of a study.
+        file: where it is from.
+    """
     name = error_name(dataset)
-    if name is None or "run_time" not in dataset:
+    if name is None or RUN_TIME not in dataset:
         return []
-    error = dataset[name]
-    method = _varied_method(scene, dataset)
-    columns = [_settings(scene, it, dataset[it].broadcast_like(error)) for it in method]
-    seconds = dataset["run_time"].broadcast_like(error).values.ravel()
-    done = (dataset["status"].broadcast_like(error) == COMPLETED).values.ravel()
+    error, seconds = over_cases(dataset, name), over_cases(dataset, RUN_TIME)
+    done = over_cases(dataset, "status") == COMPLETED
+    varied = _varied(kinds, dataset)
+    columns = [_settings(over_cases(dataset, it), kinds[it]) for it in varied]
     groups: dict[tuple[Value, ...], list[int]] = {}
     for case in range(error.size):
         groups.setdefault(tuple(column[case] for column in columns), []).append(case)
     found = []
     for values, cases in groups.items():
-        errors = error.values.ravel()[cases]
+        errors = error[cases]
         # The reference has no error of its own, and nothing is known of its settings by it.
         judged = np.isfinite(errors) | ~done[cases]
         if judged.any():
             worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
             found.append(
                 Recommendation(
-                    settings=dict(zip(method, values, strict=True)),
+                    settings=dict(zip(varied, values, strict=True)),
                     run_time=float(np.nanmax(seconds[cases])) if done[cases].any() else np.inf,
                     error=worst,
                     case_count=len(cases),
@@ -151,8 +152,8 @@ def _measured(scene: str, dataset: xr.Dataset, file: Path) -> list[Recommendatio
     return found
 
 
-def _settings(scene: str, name: str, values: xr.DataArray) -> list[Value]:
+def _settings(values: np.ndarray, kind: type) -> list[Value]:
     """Values of a parameter in its own type, as a file of several scenes does not keep them."""
-    kind = parameters_of(scene_class(scene))[name].kind
-    numbers = values.values.ravel().tolist()
-    return [DERIVED if isinstance(it, float) and math.isnan(it) else kind(it) for it in numbers]
+    return [
+        DERIVED if isinstance(it, float) and math.isnan(it) else kind(it) for it in values.tolist()
+    ]

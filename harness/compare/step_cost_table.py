@@ -2,44 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
 
+from harness.archive.conventions import COMPLETED, case_dims
 from harness.errors import HarnessError
-from harness.study.cases import COMPLETED
 
 SMALL = 0.01
 """Share of a step below which its stages are put together."""
-STAGE_COLUMNS = (
-    *("ns a point", "operations", "divisions", "bytes"),
-    *("by arithmetic, ns", "by memory, ns", "time over the larger"),
-)
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
     """Tables of speed, of the gain by threads, of Python's share and of memory, a column a size.
 
-    Below, for the largest case of the most physics, the stages of a step; with the times that their
-    operations, or the bytes that they move, would take at the rates of bare loops.
+    Below stand the stages of a step, with their times, of the largest case of the most physics.
 
     Raises:
         HarnessError: the dataset is of another scene.
     """
     if dataset.attrs["scene"] != "step_cost":
         raise HarnessError(f"{dataset.attrs['study']}: is not a study of the scene step_cost")
-    dims = dataset.status.dims
+    dims = case_dims(dataset)
     cases = dataset.stack(it=dims) if dims else dataset.expand_dims("it")
     completed = cases.isel(it=np.flatnonzero(cases.status.values == COMPLETED))
     each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
     rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
-    for title, name, text in (
-        ("times as fast as one thread (as many runs at once)", "thread_gain", _gain),
-        ("times as fast as a bare step", "bare_step_gain", _bare_step_gain),
-        ("Python and launches, share of the time", "overhead_share", _overhead),
-        ("arrays, bytes a point", "array_bytes", _array_bytes),
-    ):
+    for title, name, text in TABLES:
         measured = [case for case in each if name in case and np.isfinite(case[name].item())]
         if measured:
             rows += ["", *_by_size(title, measured, dims, text)]
@@ -47,10 +37,8 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
 
 
 def _speed(case: xr.Dataset) -> str:
-    rate, low, high = (
-        case[name].item() / 1e6
-        for name in ("update_rate", "update_rate_lowest", "update_rate_highest")
-    )
+    names = ("update_rate", "update_rate_lowest", "update_rate_highest")
+    rate, low, high = (case[name].item() / 1e6 for name in names)
     return f"{rate:.1f} ({low:.1f} to {high:.1f})"
 
 
@@ -58,22 +46,27 @@ def _gain(case: xr.Dataset) -> str:
     return f"{case.thread_gain.item():.2f} ({case.core_gain.item():.2f})"
 
 
-def _bare_step_gain(case: xr.Dataset) -> str:
-    return f"{case.bare_step_gain.item():.2f}"
-
-
-def _overhead(case: xr.Dataset) -> str:
-    return f"{case.overhead_share.item():.1%}"
-
-
-def _array_bytes(case: xr.Dataset) -> str:
-    return f"{case.array_bytes.item():.0f}"
+TABLES: Sequence[tuple[str, str, Callable[[xr.Dataset], str]]] = (
+    ("times as fast as one thread (as many runs at once)", "thread_gain", _gain),
+    (
+        "times as fast as a bare step",
+        "bare_step_gain",
+        lambda case: f"{case.bare_step_gain.item():.2f}",
+    ),
+    (
+        "Python and launches, share of the time",
+        "overhead_share",
+        lambda case: f"{case.overhead_share.item():.1%}",
+    ),
+    ("arrays, bytes a point", "array_bytes", lambda case: f"{case.array_bytes.item():.0f}"),
+)
+"""Title, variable and text of the tables besides the speed."""
 
 
 def _by_size(
     title: str,
     cases: Sequence[xr.Dataset],
-    dims: tuple[Hashable, ...],
+    dims: Sequence[str],
     text: Callable[[xr.Dataset], str],
 ) -> list[str]:
     """A table with a column for each size and a row for whatever else varies."""
@@ -94,33 +87,17 @@ def _stage_rows(cases: xr.Dataset) -> list[str]:
     case = cases.isel(it=int(largest)).dropna("stage", subset=["stage_time"])
     case = case.sortby("stage_time", ascending=False)
     times = case.stage_time.values
-    memory = 1e9 * case.stage_bytes.values / case.streaming_rate.item()
-    arithmetic = 1e9 * (
-        case.stage_operations.values / case.arithmetic_rate.item()
-        + case.stage_divisions.values / case.division_rate.item()
-    )
     is_small = times < SMALL * times.sum()
     table = [
-        [
-            f"`{case.stage.values[k]}`",
-            f"{times[k]:.2f}",
-            f"{case.stage_operations.values[k]:.0f}",
-            f"{case.stage_divisions.values[k]:.2f}",
-            f"{case.stage_bytes.values[k]:.0f}",
-            f"{arithmetic[k]:.2f}",
-            f"{memory[k]:.2f}",
-            f"{times[k] / max(arithmetic[k], memory[k]):.1f}",
-        ]
+        [f"`{case.stage.values[k]}`", f"{times[k]:.2f}", f"{times[k] / times.sum():.1%}"]
         for k in np.flatnonzero(~is_small)
     ]
-    others = ["all others", f"{times[is_small].sum():.2f}", *[""] * (len(STAGE_COLUMNS) - 1)]
-    rates = (case.streaming_rate, case.arithmetic_rate, case.division_rate)
-    streaming, operations, divisions = (rate.item() / 1e9 for rate in rates)
-    bare = f"{streaming:.1f} GB/s, {operations:.1f} GFlop/s, {divisions:.1f} billion divisions/s"
+    small = times[is_small].sum()
+    others = ["all others", f"{small:.2f}", f"{small / times.sum():.1%}"]
     return [
-        f"A step of {case.particle_count.item():,.0f} points on one thread; bare loops: {bare}",
+        f"A step of {case.particle_count.item():,.0f} points on one thread",
         "",
-        *_markdown(["stage", *STAGE_COLUMNS], [*table, others]),
+        *_markdown(["stage", "ns a point", "share of the step"], [*table, others]),
     ]
 
 

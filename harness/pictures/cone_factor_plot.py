@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, LogLocator, NullLocator, StrMethodFormatter
 
-from harness.compare.cone_factors import conditions_of, stored_references, varied_names
+from harness.archive.conventions import varied_names
+from harness.compare.cone_factors import conditions_of, stored_references
 from harness.pictures.plot_parts import (
     FAILED,
     MARKERS,
@@ -22,7 +23,13 @@ from harness.pictures.plot_parts import (
     series_colour,
     series_of,
 )
-from harness.references.cone_factors import CONE_FACTORS, Quantity, envelope, envelope_applies
+from harness.references.cone_factors import (
+    COMPARED,
+    CONE_FACTORS,
+    Quantity,
+    envelope,
+    envelope_applies,
+)
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
 """Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
@@ -34,6 +41,11 @@ FINE = 400
 """Points of a literature curve."""
 
 
+def shows_cone_factor(dataset: xr.Dataset) -> bool:
+    """Whether a result holds cone factors."""
+    return COMPARED in dataset
+
+
 def cone_factor_figure(dataset: xr.Dataset) -> Figure:
     """Computed cone factors over the first varied number, with the literature's beside them.
 
@@ -42,8 +54,8 @@ def cone_factor_figure(dataset: xr.Dataset) -> Figure:
     take its colour. Cases that form no grid are points without the literature's curves, each of
     which would hold for one of them.
     """
-    dataset = dataset.sortby(list(dataset["cone_factor"].dims))
-    computed = dataset["cone_factor"]
+    dataset = dataset.sortby(list(dataset[COMPARED].dims))
+    computed = dataset[COMPARED]
     abscissa = _Abscissa.of(dataset)
     figure, axes = empty_figure()
     if computed.dims == ("case",):
@@ -61,7 +73,7 @@ def cone_factor_figure(dataset: xr.Dataset) -> Figure:
         colour, marker = series_colour(index, len(series)), MARKERS[index % len(MARKERS)]
         if index == 0 or not shared:
             ends += _draw_literature(axes, one, abscissa, None if shared else colour)
-        values = np.atleast_1d(one["cone_factor"])
+        values = np.atleast_1d(one[COMPARED])
         line = "" if abscissa.categories else "-" if len(series) > 1 else ":"
         (points,) = axes.plot(abscissa.positions, values, color=colour, ls=line, lw=1, zorder=4)
         points.set(marker=marker, markersize=6, label=label)

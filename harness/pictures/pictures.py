@@ -1,10 +1,12 @@
 """Pictures of a study's result, for print and for colour-blind readers.
 
-Figures are made with matplotlib's objects alone: no display, no global state.
+Figures are made with matplotlib's objects alone: no display, no global state. Each picture has a
+file of its own, which says for which results it is meant.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import xarray as xr
@@ -12,12 +14,20 @@ from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
 from harness.errors import HarnessError
-from harness.pictures.cone_factor_plot import cone_factor_figure
+from harness.pictures.cone_factor_plot import cone_factor_figure, shows_cone_factor
 from harness.pictures.plot_parts import png
-from harness.pictures.resistance_plot import resistance_figure
+from harness.pictures.resistance_plot import resistance_figure, shows_resistance
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_figure
-from harness.pictures.work_precision import has_work_precision, study_figure
+from harness.pictures.work_precision import shows_work_precision, study_figure
+
+PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], Figure]]] = {
+    "cone_factor": (shows_cone_factor, cone_factor_figure),
+    "resistance": (shows_resistance, resistance_figure),
+    "work_precision": (shows_work_precision, study_figure),
+    "stability": (shows_stability, stability_figure),
+}
+"""By name: whether a picture is meant for a result, and the picture."""
 
 
 class NothingToDrawError(HarnessError):
@@ -34,12 +44,10 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
         folder: where the pictures go; made where it does not exist.
 
     Returns:
-        Paths of the pictures: `<study>_cone_factor.png`, `<study>_resistance.png`,
-        `<study>_work_precision.png` and `<study>_stability.png`, as far as the dataset holds what
-        they show.
+        Paths of the pictures, `<study>_<name>.png`, as far as they are meant for the result.
 
     Raises:
-        NothingToDrawError: it holds nothing of it.
+        NothingToDrawError: none is.
         NothingToCompareError: it holds cone factors, but not their parameters.
         ArchiveError: a file cannot be written.
     """
@@ -58,18 +66,9 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """The pictures of a study's result, by name, as far as it holds what they show.
+    """The pictures that are meant for a study's result, by name.
 
     Raises:
         NothingToCompareError: it holds cone factors, but not their parameters.
     """
-    shown = {}
-    if "cone_factor" in dataset:
-        shown["cone_factor"] = cone_factor_figure(dataset)
-    if "penetration_resistance" in dataset:
-        shown["resistance"] = resistance_figure(dataset)
-    if has_work_precision(dataset):
-        shown["work_precision"] = study_figure(dataset)
-    if shows_stability(dataset):
-        shown["stability"] = stability_figure(dataset)
-    return shown
+    return {name: figure(dataset) for name, (shows, figure) in PICTURES.items() if shows(dataset)}

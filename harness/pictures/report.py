@@ -12,16 +12,26 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
+from harness.archive.conventions import (
+    COMPLETED,
+    HEADLINE,
+    PARAMETER,
+    PEAK_MEMORY,
+    RUN_TIME,
+    limited,
+    over_cases,
+    spoken,
+    with_role,
+)
 from harness.archive.provenance import OF_CASE
 from harness.compare.cone_factor_table import cone_factor_table
 from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.finest_error import error_name
-from harness.compare.tolerances import ATTRIBUTE, misses
+from harness.compare.tolerances import misses
 from harness.pictures.pictures import figures
 from harness.pictures.plot_parts import FAILED, png
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_rows
-from harness.study.cases import COMPLETED
 
 STYLE = """
 body { font: 15px/1.5 sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222 }
@@ -32,8 +42,6 @@ pre { font-size: 12px; overflow-x: auto; background: #f6f6f6; padding: 1em }
 img { max-width: 48em; width: 100% }
 """
 STYLE += f".bad {{ color: {FAILED} }}\n"
-RESULTS = ("cone_factor", "bearing_capacity", "acceleration")
-"""Scalars that the list of cases shows beside the error, where a result has them."""
 
 
 def write_report(datasets: Sequence[xr.Dataset], path: Path) -> None:
@@ -62,7 +70,7 @@ def page(datasets: Sequence[xr.Dataset]) -> str:
 
 def _section(dataset: xr.Dataset) -> str:
     parts = [f"<h2>{_text(dataset.attrs.get('title', dataset.attrs['study']))}</h2>"]
-    missed = misses(dataset) if ATTRIBUTE in dataset.attrs else []
+    missed = misses(dataset)
     parts += [f'<p class="bad">{_text(line)}</p>' for line in missed]
     try:
         parts.append(f"<pre>{_text(cone_factor_table(dataset))}</pre>")
@@ -79,14 +87,19 @@ def _section(dataset: xr.Dataset) -> str:
 
 
 def _cases(dataset: xr.Dataset) -> str:
-    status = dataset["status"]
-    varied = [name for name in dataset.coords if set(dataset[name].dims) <= set(status.dims)]
-    wanted = (*RESULTS, error_name(dataset), "energy_error", "run_time", "peak_memory", "message")
-    shown = [name for name in wanted if name in dataset and dataset[name].dims == status.dims]
-    names = [str(name) for name in varied if dataset[name].dims] + ["status", *map(str, shown)]
-    columns = [dataset[name].broadcast_like(status).values.ravel() for name in names]
-    good = (status == COMPLETED).values.ravel()
-    heading = "".join(f"<th>{_text(name.replace('_', ' '))}</th>" for name in names)
+    dims = dataset["status"].dims
+    varied = [name for name, it in dataset.coords.items() if it.dims and set(it.dims) <= set(dims)]
+    wanted = (
+        *with_role(dataset, HEADLINE),
+        error_name(dataset),
+        *limited(dataset),
+        *(RUN_TIME, PEAK_MEMORY, "message"),
+    )
+    shown = [name for name in wanted if name in dataset and dataset[name].dims == dims]
+    names = list(dict.fromkeys(map(str, (*varied, "status", *shown))))
+    columns = [over_cases(dataset, name) for name in names]
+    good = over_cases(dataset, "status") == COMPLETED
+    heading = "".join(f"<th>{_text(spoken(name))}</th>" for name in names)
     rows = []
     for case, values in enumerate(zip(*columns, strict=True)):
         cells = "".join(f"<td>{_text(_shown(value))}</td>" for value in values)
@@ -95,9 +108,10 @@ def _cases(dataset: xr.Dataset) -> str:
 
 
 def _fixed(dataset: xr.Dataset) -> Iterable[tuple[str, str, str]]:
-    for name, value in dataset.data_vars.items():
-        if value.ndim == 0 and "description" in value.attrs:
-            yield str(name), _shown(value.item()), str(value.attrs.get("units", ""))
+    for name in with_role(dataset, PARAMETER):
+        if dataset[name].ndim == 0:
+            unit = str(dataset[name].attrs.get("units", ""))
+            yield name, _shown(dataset[name].item()), unit
 
 
 def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:

@@ -19,6 +19,11 @@ MOST_LABELS = 20
 """Curves whose labels find room beside a picture."""
 
 
+def shows_resistance(dataset: xr.Dataset) -> bool:
+    """Whether a result holds the resistance over the penetration."""
+    return "penetration_resistance" in dataset
+
+
 def resistance_figure(dataset: xr.Dataset) -> Figure:
     """Penetration resistance over undrained shear strength, one curve a case."""
     resistance = dataset["penetration_resistance"] / dataset["undrained_shear_strength"]

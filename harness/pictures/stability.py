@@ -9,13 +9,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from harness.compare.cone_factors import varied_along
-from harness.study.cases import COMPLETED, MISSING
+from harness.archive.conventions import (
+    COMPLETED,
+    LIMIT,
+    MISSING,
+    limited,
+    over_cases,
+    spoken,
+    varied_names,
+)
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
-from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
-
-ENERGY = "energy_error"
-"""The result that holds the error of the energy, over the work done."""
 
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
@@ -52,7 +55,7 @@ class Values:
     @property
     def label(self) -> str:
         """Name and unit."""
-        name = self.name.removesuffix("_parameter").replace("_", " ")
+        name = spoken(self.name)
         return name if self.unit == "1" else f"{name} [{self.unit}]"
 
     @property
@@ -72,24 +75,36 @@ def shows_stability(dataset: xr.Dataset) -> bool:
     """Whether a study's result tells where it is stable.
 
     It does where it varies parameters of one scene one at a time or at random, and a case that was
-    run did not complete or the energy error is there.
+    run did not complete or a result has a limit.
     """
     if dataset.attrs.get("design") not in (ONE_AT_A_TIME, LATIN_HYPERCUBE):
         return False
     several = len(str(dataset.attrs["scene"]).split()) > 1
-    if several or not varied_along(dataset, dataset["status"].dims):
+    if several or not varied_names(dataset):
         return False
     ended = set(dataset["status"].values.tolist()) - {MISSING}
-    return bool(ended) and (ENERGY in dataset or ended != {COMPLETED})
+    return bool(ended) and (limited(dataset) != [] or ended != {COMPLETED})
 
 
 def outcomes(dataset: xr.Dataset) -> tuple[Texts, Texts, Floats]:
-    """Status, reason and energy error over the largest allowed, of each case."""
-    status = dataset["status"].values.astype(str)
-    reason = np.array([short_reason(str(message)) for message in dataset["message"].values])
-    if ENERGY not in dataset:
-        return status, reason, np.full(status.shape, np.nan)
-    return status, reason, np.abs(dataset[ENERGY].values) / LARGEST_ENERGY_ERROR
+    """Status and reason of each case, and its results' size over their limit.
+
+    Of several results that have a limit the one nearest to it counts; where there is none the size
+    is not a number.
+    """
+    status = over_cases(dataset, "status").astype(str)
+    reason = np.array([short_reason(str(message)) for message in over_cases(dataset, "message")])
+    sizes = [
+        np.abs(over_cases(dataset, name)) / dataset[name].attrs[LIMIT] for name in limited(dataset)
+    ]
+    none = np.full(status.shape, np.nan)
+    return status, reason, np.fmax.reduce([none, *sizes])
+
+
+def limit_label(dataset: xr.Dataset) -> str:
+    """What is measured against a limit, and the limit, in words."""
+    told = (dataset[name] for name in limited(dataset))
+    return " or ".join(f"{spoken(it.name)} over its limit of {it.attrs[LIMIT]:g}" for it in told)
 
 
 def short_reason(message: str) -> str:

@@ -17,12 +17,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
-from harness.pictures.stability import Values
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
+from harness.pictures.stability import Values, limit_label
 from harness.pictures.stability_shares import SHARE_HEADING, Shares, share_row, shares
 from harness.pictures.stability_strips import STRIP_HEADING, Strip, strip_row, strips
-from harness.study.cases import COMPLETED, CRASHED, TIMED_OUT
 from harness.study.designs import ONE_AT_A_TIME
-from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
 
 STATUSES = {
     COMPLETED: ("o", "#009E73"),
@@ -39,9 +38,8 @@ OTHER = ("*", "black")
 WIDTH, STRIP_HEIGHT = 6.4, 0.62
 BESIDE = 64
 """Letters of a line beside a strip."""
-ENERGY_COLOURS = colormaps["viridis"]
-"""Of the energy error over its limit, 0 to 1."""
-ENERGY_LABEL = f"energy error over the {LARGEST_ENERGY_ERROR:.0%} that the cone test allows"
+LIMIT_COLOURS = colormaps["viridis"]
+"""Of a result's size over its limit, 0 to 1."""
 
 
 def stability_figure(dataset: xr.Dataset) -> Figure:
@@ -51,8 +49,8 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
         dataset: result for which :func:`harness.pictures.stability.shows_stability` holds.
     """
     if dataset.attrs["design"] == ONE_AT_A_TIME:
-        return _figure_of_strips(strips(dataset))
-    return _figure_of_shares(shares(dataset))
+        return _figure_of_strips(strips(dataset), limit_label(dataset))
+    return _figure_of_shares(shares(dataset), limit_label(dataset))
 
 
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
@@ -62,21 +60,21 @@ def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     return [SHARE_HEADING, *map(share_row, shares(dataset))]
 
 
-def _figure_of_strips(found: Sequence[Strip]) -> Figure:
+def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
     figure, rows = _rows([strip.values for strip in found])
     for axes, strip in zip(rows, found, strict=True):
         _draw_strip(axes, strip)
     shown = _in_order(name for strip in found for name in strip.status.tolist())
-    energy_known = any(np.isfinite(strip.energy).any() for strip in found)
-    handles = [_mark(it, "white" if energy_known and it == COMPLETED else None) for it in shown]
+    is_scaled = any(np.isfinite(strip.limit_share).any() for strip in found)
+    handles = [_mark(it, "white" if is_scaled and it == COMPLETED else None) for it in shown]
     handles.append(Line2D([], [], color="black", lw=1, label="default"))
     handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
     _legend(figure, handles)
-    if energy_known:
+    if is_scaled:
         axes = figure.add_axes((0.0, -0.7 / len(rows), 1.0, 0.12 / len(rows)))
-        scale = ScalarMappable(Normalize(0.0, 1.0), ENERGY_COLOURS)
+        scale = ScalarMappable(Normalize(0.0, 1.0), LIMIT_COLOURS)
         figure.colorbar(scale, cax=axes, orientation="horizontal")
-        axes.set_xlabel(f"{ENERGY_LABEL}, of completed cases", fontsize=7)
+        axes.set_xlabel(f"{limit}, of completed cases", fontsize=7)
         axes.tick_params(labelsize=6)
     return figure
 
@@ -92,10 +90,12 @@ def _draw_strip(axes: Axes, strip: Strip) -> None:
     if stable.size and not strip.values.categories:
         axes.plot(stable[[0, -1]], [0, 0], color="0.8", lw=8, solid_capstyle="round", gid="stable")
     axes.axvline(strip.default, color="black", lw=1, gid="default")
-    for number, status, energy in zip(numbers, strip.status.tolist(), strip.energy, strict=True):
+    for number, status, share in zip(
+        numbers, strip.status.tolist(), strip.limit_share, strict=True
+    ):
         marker, colour = _look(status)
-        if np.isfinite(energy):
-            colour = to_hex(ENERGY_COLOURS(energy))
+        if np.isfinite(share):
+            colour = to_hex(LIMIT_COLOURS(share))
         axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
     _scale(axes, strip.values)
     axes.set_ylim(-1, 1)
@@ -104,17 +104,15 @@ def _draw_strip(axes: Axes, strip: Strip) -> None:
     _write_beside(axes, sides)
 
 
-def _figure_of_shares(found: Sequence[Shares]) -> Figure:
+def _figure_of_shares(found: Sequence[Shares], limit: str) -> Figure:
     figure, rows = _rows([it.values for it in found])
     for axes, it in zip(rows, found, strict=True):
         _draw_shares(axes, it)
     handles: list[Artist] = [
         Patch(color=_look(name)[1], label=name) for name in _in_order(found[0].counts)
     ]
-    if any(np.isfinite(it.energy).any() for it in found):
-        handles.append(
-            Line2D([], [], color="black", lw=2, label=f"{ENERGY_LABEL}, median of completed")
-        )
+    if any(np.isfinite(it.limit_share).any() for it in found):
+        handles.append(Line2D([], [], color="black", lw=2, label=f"{limit}, median of completed"))
     _legend(figure, handles)
     return figure
 
@@ -125,7 +123,7 @@ def _draw_shares(axes: Axes, it: Shares) -> None:
         height = it.counts[status] / it.case_count
         axes.bar(places, height, 0.9, base, color=_look(status)[1], gid=status)
         base += height
-    axes.hlines(it.energy, places - 0.45, places + 0.45, color="black", lw=2)
+    axes.hlines(it.limit_share, places - 0.45, places + 0.45, color="black", lw=2)
     parts = zip(places.tolist(), it.case_count.tolist(), strict=True)
     axes.set_xticks(places, [f"{it.text(part)} ({count})" for part, count in parts])
     axes.set_xlim(-0.5, places.size - 0.5)

@@ -10,9 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from harness.compare.cone_factors import varied_along
+from harness.archive.conventions import COMPLETED, MISSING, varied_names
 from harness.pictures.stability import Floats, Texts, Values, outcomes
-from harness.study.cases import COMPLETED, MISSING
 
 PART_COUNT = 5
 """Parts of equally many cases that the range of a parameter is cut into."""
@@ -29,14 +28,15 @@ class Shares:
         counts: cases of each part by status, shape [part_count].
         reason: the first reason given in each part for the status that is most frequent there
             after ``completed``; empty where all completed.
-        energy: median error of the energy over the largest allowed, shape [part_count].
+        limit_share: median size of results over their limit, of those that completed, shape
+            [part_count]; not a number where nothing has a limit.
     """
 
     values: Values
     bounds: Floats
     counts: Mapping[str, NDArray[np.intp]]
     reason: Sequence[str]
-    energy: Floats
+    limit_share: Floats
 
     @property
     def case_count(self) -> NDArray[np.intp]:
@@ -76,12 +76,12 @@ def shares(dataset: xr.Dataset) -> list[Shares]:
     that were not run yet are left out.
     """
     ran = dataset.isel(case=dataset["status"].values != MISSING)
-    found = [_shares(ran, Values.of(ran, name)) for name in varied_along(ran, ("case",))]
+    found = [_shares(ran, Values.of(ran, name)) for name in varied_names(ran)]
     return sorted(found, key=lambda it: it.spread, reverse=True)
 
 
 def _shares(dataset: xr.Dataset, values: Values) -> Shares:
-    status, reason, energy = outcomes(dataset)
+    status, reason, limit_share = outcomes(dataset)
     numbers = values.numbers
     singles = np.unique(numbers)
     if values.categories or singles.size <= PART_COUNT:
@@ -97,7 +97,7 @@ def _shares(dataset: xr.Dataset, values: Values) -> Shares:
         bounds=np.array([[numbers[it].min(), numbers[it].max()] for it in members]),
         counts=counts,
         reason=[_first_reason(status[it], reason[it]) for it in members],
-        energy=np.array([_median(energy[it]) for it in members]),
+        limit_share=np.array([_median(limit_share[it]) for it in members]),
     )
 
 
@@ -118,6 +118,6 @@ def _first_reason(status: Texts, reason: Texts) -> str:
     return str(reason[status == failed.most_common(1)[0][0]][0])
 
 
-def _median(energy: Floats) -> float:
-    known = energy[np.isfinite(energy)]
+def _median(numbers: Floats) -> float:
+    known = numbers[np.isfinite(numbers)]
     return float(np.median(known)) if known.size else np.nan

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from harness.compare.cone_factors import varied_along
+from harness.archive.conventions import COMPLETED, MISSING, varied_names
 from harness.pictures.stability import Floats, Texts, Values, outcomes
-from harness.study.cases import COMPLETED, MISSING
 
 NO_CASE = "no case"
 STRIP_HEADING = (
@@ -18,7 +17,7 @@ STRIP_HEADING = (
     "stable",
     "first failure below",
     "first failure above",
-    "energy error",
+    "limit",
 )
 
 
@@ -31,14 +30,14 @@ class Strip:
         default: its value in the case from which all others start; the first of categories.
         status: of each case.
         reason: why it did not complete, in a few words.
-        energy: error of the energy over the largest allowed; not a number where there is none.
+        limit_share: size of results over their limit; not a number where nothing has one.
     """
 
     values: Values
     default: float
     status: Texts
     reason: Texts
-    energy: Floats
+    limit_share: Floats
 
     def failure(self, side: int) -> int | None:
         """The failed case nearest to the default, below it (-1) or above (1), itself included."""
@@ -101,9 +100,9 @@ def strips(dataset: xr.Dataset) -> list[Strip]:
     that were not run yet are left out.
     """
     ran = dataset["status"].values != MISSING
-    status, reason, energy = outcomes(dataset)
+    status, reason, limit_share = outcomes(dataset)
     found = []
-    for name in varied_along(dataset, ("case",)):
+    for name in varied_names(dataset):
         values = Values.of(dataset, name)
         own = values.numbers != values.numbers[0]
         own[0] = True
@@ -114,7 +113,7 @@ def strips(dataset: xr.Dataset) -> list[Strip]:
                 default=float(values.numbers[0]),
                 status=status[own],
                 reason=reason[own],
-                energy=energy[own],
+                limit_share=limit_share[own],
             )
         )
     return found
@@ -124,6 +123,6 @@ def strip_row(strip: Strip) -> tuple[str, ...]:
     """A strip in words, under `STRIP_HEADING`."""
     default = strip.values.text(strip.default)
     margins = (strip.margin(-1), strip.margin(1))
-    known = strip.energy[np.isfinite(strip.energy)]
+    known = strip.limit_share[np.isfinite(strip.limit_share)]
     share = f"up to {known.max():.0%} of the limit" if known.size else ""
     return strip.values.label, default, strip.stable_text, *margins, share

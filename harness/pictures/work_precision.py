@@ -10,10 +10,17 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
-from harness.compare.cone_factors import varied_along
+from harness.archive.conventions import (
+    CASE_TIME,
+    COMPLETED,
+    RUN_TIME,
+    over_cases,
+    scenes_of,
+    spoken,
+    varied_names,
+)
 from harness.compare.finest_error import error_name
 from harness.pictures.plot_parts import FAILED, MARKERS, png
-from harness.study.cases import COMPLETED
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_LABELS = 12
@@ -56,9 +63,9 @@ def work_precision_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def has_work_precision(dataset: xr.Dataset) -> bool:
+def shows_work_precision(dataset: xr.Dataset) -> bool:
     """Whether a study's result holds errors and run times."""
-    return error_name(dataset) is not None and "run_time" in dataset
+    return error_name(dataset) is not None and RUN_TIME in dataset
 
 
 def study_figure(dataset: xr.Dataset) -> Figure:
@@ -69,46 +76,40 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
-    error = dataset[name]
-    errors = error.values.ravel()
-    seconds = dataset["run_time"].broadcast_like(error).values.ravel()
+    errors, seconds = over_cases(dataset, name), over_cases(dataset, RUN_TIME)
     figure = Figure(figsize=(6.4, 4.8), dpi=200)
     axes = figure.add_subplot()
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
     axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
-    scenes = _scenes(dataset, error)
+    scenes = np.array(scenes_of(dataset))
     names = list(dict.fromkeys(scenes.tolist()))
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(names)))
     for scene, colour in zip(names, colours, strict=True):
-        front = _pareto(seconds, errors, np.flatnonzero(sound & (scenes == scene)))
+        own = scenes == scene
+        front = _pareto(seconds, errors, np.flatnonzero(sound & own))
         method = scene_class(scene).method if scene in scene_names() else ()
-        varied = [it for it in varied_along(dataset, error.dims) if it in method]
-        varied = [
-            it for it in varied if _varies(dataset[it].broadcast_like(error), scenes == scene)
-        ]
-        settings = " / ".join(it.replace("_", " ") for it in varied)
-        label = f"{scene}, Pareto front: {settings}".removesuffix(": ")
+        columns = {it: over_cases(dataset, it) for it in varied_names(dataset) if it in method}
+        varied = {it: column for it, column in columns.items() if len({*column[own].tolist()}) > 1}
+        label = f"{scene}, Pareto front: {' / '.join(map(spoken, varied))}".removesuffix(": ")
         axes.loglog(seconds[front], errors[front], "o-", color=colour, label=label)
         for case in front[:MOST_LABELS] if varied else ():
-            values = (dataset[it].broadcast_like(error).values.ravel()[case] for it in varied)
+            values = (column[case] for column in varied.values())
             text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
             place = (float(seconds[case]), float(errors[case]))
             axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
-    if "status" in dataset and "case_time" in dataset:
-        failed = (dataset["status"].broadcast_like(error) != COMPLETED).values.ravel()
-        times = dataset["case_time"].broadcast_like(error).values.ravel()
-        if failed.any():
-            axes.plot(
-                times[failed],
-                np.ones(failed.sum()),
-                "x",
-                color=FAILED,
-                transform=axes.get_xaxis_transform(),
-                clip_on=False,
-                label="failed",
-            )
+    failed = over_cases(dataset, "status") != COMPLETED
+    if CASE_TIME in dataset and failed.any():
+        axes.plot(
+            over_cases(dataset, CASE_TIME)[failed],
+            np.ones(failed.sum()),
+            "x",
+            color=FAILED,
+            transform=axes.get_xaxis_transform(),
+            clip_on=False,
+            label="failed",
+        )
     axes.set_xlabel("run time [s]")
-    meaning = error.attrs.get("long_name", name) if len(names) == 1 else name
+    meaning = dataset[name].attrs.get("long_name", name) if len(names) == 1 else name
     axes.set_ylabel(f"{meaning} [-]")
     axes.grid(color="0.9", lw=0.6)
     axes.spines[["top", "right"]].set_visible(False)
@@ -123,14 +124,3 @@ def _pareto(seconds: np.ndarray, errors: np.ndarray, cases: np.ndarray) -> np.nd
     before = np.concatenate([[np.inf], best[:-1]])
     front: np.ndarray = ordered[errors[ordered] < before[: ordered.size]]
     return front
-
-
-def _scenes(dataset: xr.Dataset, error: xr.DataArray) -> np.ndarray:
-    """The scene of each case."""
-    if "scene" in dataset.coords:
-        return dataset["scene"].broadcast_like(error).values.ravel()
-    return np.full(error.size, str(dataset.attrs.get("scene", "")))
-
-
-def _varies(values: xr.DataArray, cases: np.ndarray) -> bool:
-    return len(set(values.values.ravel()[cases].tolist())) > 1

@@ -11,12 +11,13 @@ import xarray as xr
 from distributed import Client, KilledWorker, as_completed
 from distributed.comm.addressing import get_address_host_port
 
-from harness.archive.case_files import is_complete, write_case
+from harness.archive.case_files import Outcome, is_complete, write_case
+from harness.archive.conventions import COMPLETED, CRASHED
 from harness.archive.provenance import provenance
 from harness.errors import HarnessError, in_one_line
 from harness.run.pool import Watcher
 from harness.run.worker import Result, compute
-from harness.study.cases import COMPLETED, CRASHED, Case, Outcome
+from harness.study.cases import Case
 
 PATIENCE = 10.0
 """Seconds to wait for the scheduler's answer."""

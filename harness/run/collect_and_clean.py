@@ -1,4 +1,4 @@
-"""Looking after the results of a study: how its cases stand, one dataset of them, what is left."""
+"""The results of a study looked after: how its cases stand, one dataset of them, what is left."""
 
 from __future__ import annotations
 
@@ -9,61 +9,62 @@ from dataclasses import replace
 from pathlib import Path
 
 import netCDF4
+import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, abandoned
-from harness.archive.case_files import case_file, case_folder, read_outcome
-from harness.archive.collection import collect, write_study
+from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
+from harness.archive.collection import collect
+from harness.archive.conventions import CASE_TIME, COMPLETED, DAMAGED, UNTIMED, over_cases
+from harness.archive.provenance import SOURCES, sources_digest
+from harness.archive.study_files import study_file, write_study
 from harness.compare.cone_factors import NothingToCompareError, with_references
-from harness.compare.finest_error import with_errors
+from harness.compare.finest_error import with_finest_error
 from harness.compare.tolerances import with_tolerances
 from harness.errors import tell
-from harness.study.cases import COMPLETED, DAMAGED, UNTIMED, Case, Outcome
+from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.parameters import Value
 
 Parameters = Mapping[str, Value | None]
 
 
-def result_file(out: Path, study: Study) -> Path:
-    """The collected dataset of a study."""
-    return out / f"{study.name}.nc"
-
-
-def check_begun(study: Study, cases: Sequence[Case], out: Path) -> None:
+def check_begun(study: Study, out: Path) -> None:
     """Refuse a study of which no case has a file: there is nothing to collect.
 
     Raises:
         ArchiveError: none has.
     """
     folder = case_folder(out, study)
-    if not any(case_file(folder, case).exists() for case in cases):
+    if not any(case_file(folder, case).exists() for case in study.cases):
         raise ArchiveError(
             f"{folder}: has no case of this study; "
             "run it first, or give each --set that it was run with"
         )
 
 
-def collect_and_write(study: Study, cases: Sequence[Case], out: Path) -> xr.Dataset:
+def collect_and_write(study: Study, out: Path) -> xr.Dataset:
     """Collect a study, compare it with its references, and write its dataset.
 
     Raises:
         ArchiveError: the dataset cannot be written.
     """
-    dataset = with_errors(collect(study, cases, case_folder(out, study)))
+    dataset = collect(study, case_folder(out, study))
+    if len(study.parts) == 1:
+        dataset = with_finest_error(dataset, study.parts[0].scene.method)
     dataset = with_tolerances(dataset, study.tolerances)
     try:
         dataset = with_references(dataset, study.references)
     except NothingToCompareError as error:
         tell(str(error))
-    write_study(result_file(out, study), dataset)
+    write_study(study_file(out, study), dataset)
     return dataset
 
 
-def outcomes(study: Study, cases: Sequence[Case], out: Path) -> list[Outcome]:
+def outcomes(study: Study, out: Path) -> list[Outcome]:
     """How the cases of a study stand, in their order."""
     folder = case_folder(out, study)
-    read = [read_outcome(folder, case) for case in cases]
+    read = [read_outcome(folder, case) for case in study.cases]
     return [
         replace(outcome, status=UNTIMED)
         if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats
@@ -74,10 +75,39 @@ def outcomes(study: Study, cases: Sequence[Case], out: Path) -> list[Outcome]:
 
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     """How the cases of a collected dataset stand; times are of completed ones."""
-    statuses = dataset.status
-    times = dataset["case_time"] if "case_time" in dataset else xr.zeros_like(statuses, float)
-    pairs = zip(statuses.values.flat, times.fillna(0.0).values.flat, strict=True)
-    return [Outcome(str(status), seconds=float(seconds)) for status, seconds in pairs]
+    seconds = np.nan_to_num(over_cases(dataset, CASE_TIME)).tolist()
+    sources = over_cases(dataset, dataset.get(SOURCES, dataset.attrs.get(SOURCES, "")))
+    return [
+        Outcome(str(status), seconds=time, sources=str(digest))
+        for status, time, digest in zip(
+            over_cases(dataset, "status"), seconds, sources, strict=True
+        )
+    ]
+
+
+def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
+    """Say in one line how many results were computed by other sources of the simulator.
+
+    A result belongs to a case of the same scene, of the same version, with the same parameters; so
+    a raised version of a scene has all its cases run anew. Sources may also change while the
+    version stays: a kernel is edited, or a comment. What that does to the numbers nobody can tell,
+    so nothing is computed again unasked, and nothing is handed on in silence: results are kept, and
+    this line says so until ``run --fresh`` has computed them anew. A result whose file does not say
+    by which sources it was computed counts among these.
+    """
+    digests = {part.name: sources_digest(part.scene) for part in study.parts}
+    completed = [
+        (case, outcome)
+        for case, outcome in zip(study.cases, outcomes, strict=True)
+        if outcome.status == COMPLETED
+    ]
+    count = sum(outcome.sources != digests[case.scene] for case, outcome in completed)
+    if count:
+        tell(
+            f"{study.name}: {count} of {counted(len(completed), 'result')} computed by other "
+            "sources of the simulator, of the same version; kept: `harness run --fresh` computes "
+            "them anew"
+        )
 
 
 def status_rows(cases: Sequence[Case], outcomes: Sequence[Outcome]) -> list[str]:
@@ -103,7 +133,7 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def leftovers(study: Study, cases: Sequence[Case], out: Path) -> dict[Path, str]:
+def leftovers(study: Study, out: Path) -> dict[Path, str]:
     """Files that are no results of the study as it is now, and what they are.
 
     These are damaged files, results of cases that the study does not have (with other parameters,
@@ -111,8 +141,8 @@ def leftovers(study: Study, cases: Sequence[Case], out: Path) -> dict[Path, str]
     """
     folder = case_folder(out, study)
     found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
-    present = {case_file(folder, case): case for case in cases}
-    keys, shared = {path.stem for path in present}, _shared_parameters(cases)
+    present = {case_file(folder, case): case for case in study.cases}
+    keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
     for path in sorted(folder.glob("*.nc")):
         if path not in present:
             found[path] = _stranger(path, keys, shared)

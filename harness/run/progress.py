@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from datetime import timedelta
 from types import TracebackType
 from typing import TextIO
 
-from harness.study.cases import Case, Outcome
+from tqdm import tqdm
 
-BAR_WIDTH = 24
-
-
-def tell(message: str) -> None:
-    """Say one line on standard error, where it does not mix with results."""
-    print("harness:", " ".join(message.split()), file=sys.stderr)
+from harness.archive.case_files import Outcome
+from harness.study.cases import Case
 
 
 class Display:
@@ -23,7 +16,7 @@ class Display:
 
     Args:
         total: number of cases to run.
-        stream: where to write, a terminal or not.
+        stream: where to write; the bar is drawn where that is a terminal.
     """
 
     def __init__(self, total: int, stream: TextIO) -> None:
@@ -31,8 +24,15 @@ class Display:
         self.stream = stream
         self.done = 0
         self.running: dict[str, float] = {}
-        self.started = time.monotonic()
-        self.on_terminal = stream.isatty()
+        self.bar = tqdm(
+            total=total,
+            file=stream,
+            disable=not stream.isatty(),
+            leave=False,
+            miniters=0,
+            smoothing=0,  # the time left follows from the mean speed so far
+            bar_format="{bar:24} {desc}{remaining} left",
+        )
 
     def __enter__(self) -> Display:
         return self
@@ -43,12 +43,12 @@ class Display:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._write_over("")
+        self.bar.close()
 
     def advanced(self, case: Case, fraction: float) -> None:
         """A running case has come to `fraction`, 0 to 1."""
         self.running[case.key] = fraction
-        self._write_over(self.bar())
+        self._update()
 
     def finished(self, case: Case, outcome: Outcome) -> None:
         """A case has ended, well or not."""
@@ -56,25 +56,15 @@ class Display:
         self.running.pop(case.key, None)
         told = ", ".join(filter(None, (outcome.status, outcome.headline, outcome.message)))
         line = f"[{self.done}/{self.total}] {case.label}: {told}, {outcome.seconds:.1f} s"
-        self._write_over("")
-        print(line, file=self.stream, flush=True)
-        self._write_over(self.bar())
+        tqdm.write(line, file=self.stream)
+        self.stream.flush()
+        self._update()
 
-    def bar(self) -> str:
-        """The bar with cases done, mean progress of those running, and time left."""
-        share = (self.done + sum(self.running.values())) / self.total
-        filled = round(share * BAR_WIDTH)
-        texts = [f"{'█' * filled:░<{BAR_WIDTH}} {self.done}/{self.total} cases"]
+    def _update(self) -> None:
+        """Bring the bar to the cases done, and the mean progress of those running."""
+        told = [f"{self.done}/{self.total} cases"]
         if self.running:
             mean = sum(self.running.values()) / len(self.running)
-            texts.append(f"{len(self.running)} running, at {mean:.0%}")
-        if share > 0:
-            left = (time.monotonic() - self.started) * (1 - share) / share
-            texts.append(f"{timedelta(seconds=round(left))} left")
-        return ", ".join(texts)
-
-    def _write_over(self, text: str) -> None:
-        """Replace the terminal's line; elsewhere there is none to replace."""
-        if self.on_terminal:
-            self.stream.write(f"\r\x1b[K{text}")
-            self.stream.flush()
+            told.append(f"{len(self.running)} running, at {mean:.0%}")
+        self.bar.set_description_str(", ".join([*told, ""]), refresh=False)
+        self.bar.update(self.done + sum(self.running.values()) - self.bar.n)

@@ -13,16 +13,18 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import read_case
-from harness.archive.collection import check_study, read_result
-from harness.archive.provenance import OF_CASE
-from harness.run.measuring import differing
+from harness.archive.conventions import COMPLETED, parameter_names
+from harness.archive.provenance import OF_CASE, SOURCES
+from harness.archive.study_files import read_result
+from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
-from harness.study.cases import COMPLETED, Case
-from mpm_warp.parameters import Value, did_you_mean, parameters_of
+from harness.study.cases import Case
+from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
 PROVENANCE = (
     "commit",
+    SOURCES,
     "mpm_warp_version",
     "warp_lang_version",
     "numpy_version",
@@ -48,7 +50,6 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
     """
     dataset = read_result(path)
     if "study" in dataset.attrs:
-        check_study(path, dataset)
         dataset = _cell(path, dataset, key)
     elif "case_key" not in dataset.attrs:
         raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
@@ -70,27 +71,20 @@ def _case(path: Path, dataset: xr.Dataset) -> Case:
         _status(dataset)
     except (KeyError, TypeError, ValueError):
         raise _incomplete(path, "scene, scene_version or status") from None
-    known = scene_class(scene).version
-    if version != known:  # whose parameters may be others
+    known = scene_class(scene)
+    if version != known.version:  # whose parameters may be others
         raise ArchiveError(
             f"{path}: was computed by version {version} of {scene}, "
-            f"this simulator has version {known}"
+            f"this simulator has version {known.version}"
         )
-    parameters = _parameters(path, dataset)
-    return Case(scene=scene, scene_version=version, parameters=parameters, label=key)
-
-
-def _parameters(path: Path, dataset: xr.Dataset) -> Mapping[str, Value | None]:
-    """All parameters of a case."""
     try:
         if "study" in dataset.attrs:
-            return _parameters_of_cell(dataset)
-        stored = json.loads(dataset.attrs["parameters"])
+            parameters = _parameters_of_cell(dataset, parameters_of(known))
+        else:
+            parameters = dict(json.loads(dataset.attrs["parameters"]))
     except (KeyError, TypeError, ValueError):
         raise _incomplete(path, "a parameter") from None
-    if not isinstance(stored, dict):
-        raise _incomplete(path, "a parameter")
-    return stored
+    return Case(scene=scene, scene_version=version, parameters=parameters, label=key)
 
 
 def _incomplete(path: Path, what: str) -> ArchiveError:
@@ -117,7 +111,11 @@ def verdict(before: xr.Dataset, again: xr.Dataset) -> tuple[bool, str]:
     if statuses != [COMPLETED, COMPLETED]:
         return False, f"not to be compared: {statuses[0]} before, {statuses[1]} again"
     is_cell = "status" in before.variables
-    names = differing(_as_before(before, again) if is_cell else before, again)
+    names = differing(
+        _as_before(before, again) if is_cell else before,
+        again,
+        measures_machine=scene_class(again.attrs["scene"]).runs_alone,
+    )
     if not names:
         return True, "bit-identical"
     return False, f"differs in {', '.join(names)}{_changes(before.attrs, again.attrs)}"
@@ -142,11 +140,14 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
     return cell.assign_attrs({name: cell[name].item() for name in own if name in cell})
 
 
-def _parameters_of_cell(cell: xr.Dataset) -> dict[str, Value | None]:
+def _parameters_of_cell(
+    cell: xr.Dataset, definitions: Mapping[str, Parameter]
+) -> dict[str, Value | None]:
     """All parameters of a case of a collected dataset; not a number is what the scene derives."""
+    names = parameter_names(cell)
     parameters: dict[str, Value | None] = {}
-    for name, definition in parameters_of(scene_class(cell.attrs["scene"])).items():
-        stored = cell[f"{name}_parameter" if f"{name}_parameter" in cell else name].item()
+    for name, definition in definitions.items():
+        stored = cell[names[name]].item()
         derived = isinstance(stored, float) and np.isnan(stored)
         parameters[name] = None if derived else definition.kind(stored)
     return parameters

@@ -10,14 +10,21 @@ from pathlib import Path
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, abandoned, prepare
-from harness.archive.case_files import case_folder, discard, read_outcome
+from harness.archive.case_files import Outcome, case_folder, discard
+from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.errors import HarnessError, tell
-from harness.run.collect_and_clean import collect_and_write, counted, outcomes, summary
+from harness.run.collect_and_clean import (
+    collect_and_write,
+    counted,
+    outcomes,
+    summary,
+    tell_of_other_sources,
+)
+from harness.run.device import check_device
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.progress import Display
-from harness.study.cases import COMPLETED, DAMAGED, Case, cases_of
+from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.scenes import scene_class
 
 RunCases = Callable[[Sequence[Case], Path, Watcher], None]
 """Runs cases, keeps their results in a folder, and tells a watcher."""
@@ -48,7 +55,7 @@ def on_this_machine(
     """
     check_device(device)
     repeats = study.timing_repeats
-    alone = repeats > 0 or any(scene_class(part.scene).runs_alone for part in study.parts)
+    alone = repeats > 0 or any(part.scene.runs_alone for part in study.parts)
     for option, count in (("--batch", batch), ("--workers", worker_count or 1)):
         if alone and count > 1:
             raise HarnessError(f"{study.name}: cases are timed one at a time, without {option}")
@@ -68,24 +75,6 @@ def on_this_machine(
     )
 
 
-def check_device(device: str) -> None:
-    """Check that a device is there.
-
-    Raises:
-        HarnessError: it is not.
-    """
-    if device == "cpu":
-        return
-    from harness.run.worker import start_warp_in_silence
-
-    start_warp_in_silence()
-    import warp as wp
-
-    known = [it.alias for it in wp.get_devices()]
-    if device not in known:
-        raise HarnessError(f"--device {device}: there is none here; known: {', '.join(known)}")
-
-
 def on_cluster(study: Study, address: str) -> RunCases:
     """How to run the cases of a study on a Dask cluster.
 
@@ -96,6 +85,7 @@ def on_cluster(study: Study, address: str) -> RunCases:
     if study.timing_repeats:
         raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
     try:
+        # Dask is an optional dependency.
         from harness.run.cluster import connect, run_on_cluster
     except ModuleNotFoundError as error:
         raise HarnessError(f"--dask: {error}: pip install 'mpm-warp[cluster]'") from None
@@ -111,38 +101,51 @@ def on_cluster(study: Study, address: str) -> RunCases:
 def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Dataset:
     """Run the cases of a study that are not done, or all of them if `fresh`, and collect it.
 
-    However it ends, what is done is in the archive, and collected.
+    A case is done when it has completed, and been timed as often as its study asks for. Done cases
+    that were computed by other sources of the simulator are kept, and one line says so. However
+    the run ends, what is done is in the archive, and collected.
+
+    Args:
+        study: what to run.
+        out: folder of results.
+        run: how the cases are run.
+        fresh: whether what is done already is run again.
 
     Raises:
         HarnessError: results cannot be written, or a cluster is lost.
         KeyboardInterrupt: Ctrl-C.
     """
-    cases = cases_of(study)
     folder = case_folder(out, study)
     prepare(folder)
     for partial in (*abandoned(out), *abandoned(folder)):
         partial.unlink(missing_ok=True)
     if fresh:
-        discard(folder, cases)
-    pending = [case for case in cases if not _is_done(folder, case, study.timing_repeats)]
-    tell(f"{study.name}: {counted(len(cases), 'case')}, {len(cases) - len(pending)} done already")
+        discard(folder, study.cases)
+    stand = outcomes(study, out)
+    pending = _pending(study, stand, folder)
+    done_count = len(study.cases) - len(pending)
+    tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
+    tell_of_other_sources(study, stand)
     try:
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError, OSError) as error:
-        stand = outcomes(study, cases, out)
+        stand = outcomes(study, out)
         can_write = not isinstance(error, ArchiveError)
         if can_write and any(outcome.status == COMPLETED for outcome in stand):
-            collect_and_write(study, cases, out)
+            collect_and_write(study, out)
         tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
         raise
-    return collect_and_write(study, cases, out)
+    return collect_and_write(study, out)
 
 
-def _is_done(folder: Path, case: Case, repeats: int) -> bool:
-    """Whether a case has completed, and been timed as often as its study asks for."""
-    outcome = read_outcome(folder, case)
-    if outcome.status == DAMAGED:
-        tell(f"{outcome.message}; the case is run again")
-        discard(folder, [case])
-    return outcome.status == COMPLETED and outcome.repeats >= repeats
+def _pending(study: Study, stand: Sequence[Outcome], folder: Path) -> list[Case]:
+    """The cases that are to be run; damaged files of theirs are removed."""
+    pending = []
+    for case, outcome in zip(study.cases, stand, strict=True):
+        if outcome.status == DAMAGED:
+            tell(f"{outcome.message}; the case is run again")
+            discard(folder, [case])
+        if outcome.status != COMPLETED:
+            pending.append(case)
+    return pending

@@ -10,8 +10,7 @@ import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
 from mpm_warp.parameters import Value
-from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.base import Verification
+from mpm_warp.scenes import Verification, scene_class, scene_names
 
 
 class NotVerifiableError(HarnessError):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import signal
 import sys
 import time
@@ -11,20 +10,25 @@ from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import Outcome, write_case
+from harness.archive.conventions import COMPLETED, HEADLINE, MISSING, RUN_TIME, spoken, with_role
+from harness.archive.provenance import SOURCES, provenance, sources_digest
+from harness.compare.differences import differing
 from harness.errors import in_one_line
-from harness.study.cases import COMPLETED, MISSING, Case, Outcome
+from harness.run.device import start_warp_in_silence
+from harness.run.measuring import Measurement, with_samples, without_idle_time
+from harness.study.cases import Case
+from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 REPORT_INTERVAL = 0.1
 """Seconds between two reports of progress."""
-SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -57,25 +61,18 @@ def compute(
         execution: where it is computed, and on how many threads; default: one of the processor.
         repeats: times to run it again to measure its run time warm.
     """
-    import xarray as xr
-
-    from harness.archive.provenance import provenance
-    from harness.run.measuring import Measurement, without_idle_time
-
     execution = execution or Execution()
     measurement = Measurement()
     status, message = COMPLETED, ""
     try:
         dataset = _run(case, progress, execution, repeats)
     except Exception as error:
-        history = getattr(error, "history", None)
-        dataset = xr.Dataset() if history is None else history
+        curves = getattr(error, "curves", None)
+        dataset = xr.Dataset() if curves is None else curves
         status = getattr(error, "status", "failed")
         message = in_one_line(error)
-    scalars = ((name, array) for name, array in dataset.data_vars.items() if array.ndim == 0)
-    headline = next(
-        (f"{str(name).replace('_', ' ')} {array.item():.4g}" for name, array in scalars), ""
-    )
+    headlines = [name for name in with_role(dataset, HEADLINE) if dataset[name].ndim == 0]
+    headline = ", ".join(f"{spoken(name)} {dataset[name].item():.4g}" for name in headlines)
     idle_time = execution.idle_time
     dataset = without_idle_time(dataset, idle_time)
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
@@ -91,13 +88,13 @@ def run_case(
     execution: Execution | None = None,
     repeats: int = 0,
 ) -> Outcome:
-    """Run a case in this process and write its file, whatever becomes of it; see :func:`compute`.
+    """Run a case in this process and write its file, whatever becomes of it.
+
+    The arguments are those of :func:`compute`, and the folder of the study's cases.
 
     Raises:
         ArchiveError: the result cannot be written.
     """
-    from harness.archive.case_files import write_case
-
     result = compute(case, progress, execution, repeats)
     write_case(folder, case, result.dataset, result.outcome.status, result.outcome.message)
     return result.outcome
@@ -109,16 +106,13 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     A tuple of cases is run together. A number that comes instead, before cases or during them, is
     that of the threads to use from then on. Sent back are pairs of the number of a case in its
     tuple and a fraction done, 0 as the cases begin, or in the end an :class:`Outcome`. To be called
-    first thing in a fresh process, which it makes its own: signals, threads of libraries.
+    first thing in a fresh process, whose signals it makes its own.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
-    os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
     start_warp_in_silence()
-    from harness.archive.atomic_files import ArchiveError
-    from mpm_warp.execution.batch import Batch
 
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)
@@ -145,23 +139,8 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
             threads = execution.threads
 
 
-def start_warp_in_silence() -> None:
-    """Keep Warp's greeting, and its remark where there is no GPU, out of the progress display."""
-    import warp
-
-    warp.config.log_level = warp.LOG_WARNING
-    kept = os.dup(2)
-    with Path(os.devnull).open("w") as nowhere:
-        os.dup2(nowhere.fileno(), 2)  # the remark does not come from Python
-        warp.init()
-        os.dup2(kept, 2)
-    os.close(kept)
-
-
 def _run(case: Case, progress: Progress | None, execution: Execution, repeats: int) -> xr.Dataset:
-    """The dataset of the scene, with the run times of `repeats` more runs."""
-    from harness.run.measuring import differing, with_samples
-
+    """The dataset of the scene and its sources, with the run times of `repeats` more runs."""
     scene = scene_class(case.scene)
     if scene.version != case.scene_version:  # as on a cluster with another installation
         raise RuntimeError(
@@ -176,13 +155,13 @@ def _run(case: Case, progress: Progress | None, execution: Execution, repeats: i
 
         return from_mapping(scene, case.parameters).run(report, execution)
 
-    dataset = run(0)
+    dataset = run(0).assign_attrs({SOURCES: sources_digest(scene)})
     samples = []
     for number in range(1, run_count):
         again = run(number)
-        if names := differing(dataset, again):
+        if names := differing(dataset, again, measures_machine=scene.runs_alone):
             raise ArithmeticError(f"run {number + 1} gave another {', '.join(names)}")
-        samples.append(float(again.run_time))
+        samples.append(float(again[RUN_TIME]))
     return with_samples(dataset, samples) if samples else dataset
 
 

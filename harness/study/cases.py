@@ -5,29 +5,22 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from harness.study.definition import StudyError
 from harness.study.designs import (
     LATIN_HYPERCUBE,
     Combination,
+    Design,
     combination_count,
     combinations,
     rounded,
 )
 from harness.study.expressions import ExpressionError
 from harness.study.scene_part import LARGEST_STUDY, ScenePart
-from harness.study.study import Study
-from mpm_warp.parameters import ParameterError, Value, from_mapping, parameters_of
-from mpm_warp.scenes import ReadyScene, scene_class
-
-COMPLETED = "completed"
-MISSING = "missing"
-CRASHED = "crashed"
-TIMED_OUT = "timed_out"
-DAMAGED = "damaged"
-UNTIMED = "untimed"
+from harness.study.tables import StudyError
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Value, from_mapping
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +30,8 @@ class Case:
     Attributes:
         scene: name of the scene.
         scene_version: version of the scene that the parameters are meant for.
-        parameters: all parameters of the scene; None is what the scene derives.
+        parameters: all parameters of the scene, derived defaults filled in; None is one that the
+            scene derives only when it runs.
         label: the varied values, for people.
     """
 
@@ -54,93 +48,66 @@ class Case:
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How a case ended.
+def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Case, ...]:
+    """All cases of a study, each once, scene by scene in the order of the design.
 
-    Attributes:
-        status: ``completed``; ``refused``, by its scene before it began; ``diverged``,
-            ``inaccurate``, ``failed``, ``crashed``, ``timed_out``; ``missing`` where there is no
-            file, ``damaged`` where the file is of no use, ``untimed`` where it completed without
-            the timed runs that its study asks for.
-        message: why it did not complete, one line.
-        headline: name and value of the first scalar that the scene returned.
-        seconds: time that the case took in all.
-        repeats: warm runs that its file has the times of.
-    """
+    A combination that a scene does not allow is an error in every design but the Latin hypercube,
+    where chance has chosen it: there it is a case that its scene will refuse.
 
-    status: str
-    message: str = ""
-    headline: str = ""
-    seconds: float = 0.0
-    repeats: int = 0
-
-
-def cases_of(study: Study) -> list[Case]:
-    """All cases of a study, each once, scene by scene in the order of its design.
-
-    A combination that the scene does not allow is a case all the same where nobody has chosen it,
-    but chance: one that its scene will refuse.
+    Args:
+        parts: what the study does with each scene.
+        design: how the varied values are combined.
+        where: the study's file, for messages.
 
     Raises:
-        StudyError: the scene does not allow a combination, or none that chance has chosen; or there
-            are too many, or none.
+        StudyError: a scene does not allow a combination, or none of a Latin hypercube; or there are
+            too many cases, or none.
     """
-    counts = [combination_count(study.design, it.varied, it.listed) for it in study.parts]
-    if sum(counts) > LARGEST_STUDY:
-        raise StudyError(
-            f"{study.source}: gives {sum(counts)} cases; a study has at most {LARGEST_STUDY}"
-        )
+    count = sum(combination_count(design, it.varied, it.listed) for it in parts)
+    if count > LARGEST_STUDY:
+        raise StudyError(f"{where}: gives {count} cases; a study has at most {LARGEST_STUDY}")
     cases: dict[str, Case] = {}
     refusals: dict[str, StudyError] = {}
-    for part in study.parts:
-        definitions = parameters_of(scene_class(part.scene))
-        for values in combinations(study.design, part.varied, part.listed, definitions):
-            case, refusal = _case(study, part, values)
-            if case is not None:
-                cases.setdefault(case.key, case)
-                if refusal is not None:
-                    refusals[case.key] = refusal
+    for part in parts:
+        of_many = [part.name] if len(parts) > 1 else []
+        for values in combinations(design, part.varied, part.listed, part.parameters):
+            text = [f"{name}={value}" for name, value in values.items()]
+            label = ", ".join([*of_many, *text]) or part.name
+            try:
+                complete, refusal = _complete(part, values)
+                if refusal is not None and design.kind != LATIN_HYPERCUBE:
+                    raise StudyError(f"{where}: {label}: {refusal}")
+                is_excluded = any(condition.is_true(complete) for condition in part.excluded)
+            except ExpressionError as error:
+                raise StudyError(f"{where}: {label}: {error}") from None
+            if is_excluded:
+                continue
+            case = Case(
+                scene=part.name,
+                scene_version=part.scene.version,
+                parameters=complete,
+                label=label,
+            )
+            cases.setdefault(case.key, case)
+            if refusal is not None:
+                refusals[case.key] = StudyError(f"{where}: {label}: {refusal}")
     if not cases:
-        raise StudyError(f"{study.source}: exclude: leaves no case")
+        raise StudyError(f"{where}: exclude: leaves no case")
     if len(refusals) == len(cases):
         raise next(iter(refusals.values()))
-    return list(cases.values())
-
-
-def _case(
-    study: Study, part: ScenePart, values: Combination
-) -> tuple[Case | None, StudyError | None]:
-    """The case of one combination, None where the study excludes it; why its scene refuses it."""
-    scene = scene_class(part.scene)
-    text = ", ".join(f"{name}={value}" for name, value in values.items())
-    of_many = [part.scene] if len(study.parts) > 1 else []
-    label = ", ".join([*of_many, *([text] if text else [])]) or part.scene
-    given: dict[str, Value] = {**part.fixed, **values}
-    refusal = None
-    try:
-        try:
-            complete = _complete(scene, part, given)
-        except ParameterError as error:
-            refusal = StudyError(f"{study.source}: {label}: {error}")
-            if study.design.kind != LATIN_HYPERCUBE:
-                raise refusal from None
-            defaults = {name: it.default for name, it in parameters_of(scene).items()}
-            complete = {**defaults, **given}
-        excluded = any(condition.is_true(complete) for condition in part.excluded)
-    except ExpressionError as error:
-        raise StudyError(f"{study.source}: {label}: {error}") from None
-    if excluded:
-        return None, None
-    case = Case(scene=part.scene, scene_version=scene.version, parameters=complete, label=label)
-    return case, refusal
+    return tuple(cases.values())
 
 
 def _complete(
-    scene: type[ReadyScene], part: ScenePart, given: dict[str, Value]
-) -> dict[str, Value | None]:
-    """All parameters of a scene, those that the study derives too, which are added to `given`."""
-    for name, expression in part.derived.items():
-        value = expression.value(dataclasses.asdict(scene(**given)))
-        given[name] = rounded(value) if isinstance(value, float) else value
-    return dataclasses.asdict(from_mapping(scene, given))
+    part: ScenePart, values: Combination
+) -> tuple[dict[str, Value | None], ParameterError | None]:
+    """All parameters of the scene with these values, and why the scene refuses them, if it does."""
+    given: dict[str, Value] = {**part.fixed, **values}
+    try:
+        for name, expression in part.derived.items():
+            value = expression.value(dataclasses.asdict(part.scene(**given)))
+            given[name] = rounded(value) if isinstance(value, float) else value
+        return dataclasses.asdict(from_mapping(part.scene, given)), None
+    except ParameterError as error:
+        defaults = {name: it.default for name, it in part.parameters.items()}
+        return {**defaults, **given}, error

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.study.definition import StudyError, Table, shown
 from harness.study.designs import (
     EITHER_FIXED_OR_VARIED,
     LATIN_HYPERCUBE,
@@ -15,14 +14,17 @@ from harness.study.designs import (
     Combination,
     Design,
     Range,
+    Variations,
 )
 from harness.study.expressions import Expression, ExpressionError
-from harness.study.known_parameters import KnownParameters
+from harness.study.tables import Assignments, StudyError, Table, shown
 from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
-from mpm_warp.scenes import scene_class
+from mpm_warp.scenes import CatalogueScene
 
 LARGEST_STUDY = 100_000
-"""Cases that a study may have; one with more is a slip in a list, not a plan."""
+"""Cases that a study may have; more than that is a slip in a list."""
+
+Scene = type[CatalogueScene]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +32,9 @@ class ScenePart:
     """What a study does with one scene; every name and value is valid.
 
     Attributes:
-        scene: name of the scene.
+        name: of the scene.
+        scene: its class.
+        parameters: definitions of its parameters, by name.
         fixed: parameters that are the same in every case, or where nothing varies them.
         varied: values of the parameters that vary; a range in a Latin hypercube alone.
         listed: the cases of the design ``list``.
@@ -38,91 +42,94 @@ class ScenePart:
         excluded: conditions on cases that are not run.
     """
 
-    scene: str
+    name: str
+    scene: Scene
+    parameters: Mapping[str, Parameter]
     fixed: Mapping[str, Value]
-    varied: Mapping[str, tuple[Value, ...] | Range]
+    varied: Variations
     listed: tuple[Combination, ...]
     derived: Mapping[str, Expression]
     excluded: tuple[Expression, ...]
 
+    @property
+    def assigned(self) -> set[str]:
+        """The parameters that the study gives values to; all others are left to the scene."""
+        return {
+            *self.fixed,
+            *self.varied,
+            *self.derived,
+            *(name for it in self.listed for name in it),
+        }
 
-def read_part(scene: str, table: Table, design: Design, settings: Mapping[str, Any]) -> ScenePart:
+
+def read_part(
+    name: str, scene: Scene, table: Table, design: Design, settings: Mapping[str, Any]
+) -> ScenePart:
     """Read what a study does with a scene, and apply settings.
 
     Args:
-        scene: its name.
+        name: of the scene.
+        scene: its class.
         table: all that the definition says of it.
         design: how varied values are combined.
-        settings: parameters and their values, which hold whatever the definition says; one that
-            varies leaves alone what the design `one_at_a_time` begins with.
+        settings: parameters and their values, which hold whatever the definition says; those of
+            parameters that the scene does not have are left out. In the design `one_at_a_time` a
+            parameter that a setting varies keeps its fixed value in the first case.
 
     Raises:
         StudyError: something in it is not allowed.
     """
-    known = parameters_of(scene_class(scene))
-    vary_table = table.table("vary")
-    fixed = _fixed(known, table.table("fixed"))
-    varied = _varied(known, vary_table, design)
-    derived = _derived(known, table.table("derived"))
+    known = parameters_of(scene)
+    settings = {key: value for key, value in settings.items() if key in known}
+
+    def assignments(key: str) -> Assignments:
+        inner = table.table(key)
+        return Assignments(inner.where, inner.values, known)
+
+    fixed = _fixed(assignments("fixed"))
+    vary = assignments("vary")
+    varied = {key: _variation(vary, key, design) for key in vary.values}
+    derived = _derived(assignments("derived"))
     listed = _listed(known, table, design)
-    _check_varied(vary_table, design, fixed)
-    parameters = KnownParameters(known, "--set")
+    _check_varied(vary, design, fixed)
+    given = Assignments("--set", settings, known)
     for key, value in settings.items():
         derived.pop(key, None)
         if not isinstance(value, (list, dict)):
-            fixed[key] = parameters.value(key, value)
+            fixed[key] = given.value(key)
             varied.pop(key, None)
             continue
-        varied[key] = _set_variation(parameters, key, value, design)
+        if design.kind == LIST:
+            allowed = given.definition(key).allowed
+            raise given.refuse(key, f'design = "{LIST}" does not vary it; must be {allowed}')
+        varied[key] = _variation(given, key, design)
         if design.kind in EITHER_FIXED_OR_VARIED:
             fixed.pop(key, None)
     if design.kind == LATIN_HYPERCUBE and not varied:
-        raise StudyError(f"{vary_table.where}: nothing varies, there is nothing to sample")
+        raise StudyError(f"{vary.where}: nothing varies, there is nothing to sample")
     return ScenePart(
+        name=name,
         scene=scene,
+        parameters=known,
         fixed=fixed,
         varied=varied,
-        listed=tuple(_without(case, settings) for case in listed),
+        listed=tuple(
+            {key: value for key, value in case.items() if key not in settings} for case in listed
+        ),
         derived=derived,
-        excluded=_excluded(known, table),
+        excluded=tuple(
+            _expression(known, f"{table.where} exclude = {shown(text)}", text, [])
+            for text in table.list("exclude")
+        ),
     )
 
 
-def _fixed(known: Mapping[str, Parameter], table: Table) -> dict[str, Value]:
+def _fixed(table: Assignments) -> dict[str, Value]:
     for key, value in table.values.items():
-        KnownParameters(known, table.where).definition(key, value)
+        table.definition(key)
         if isinstance(value, list):
             raise table.refuse(key, "is a list; what varies belongs under [vary]")
-    return _values(known, table)
-
-
-def _values(known: Mapping[str, Parameter], table: Table) -> dict[str, Value]:
-    parameters = KnownParameters(known, table.where)
-    return {key: parameters.value(key, value) for key, value in table.values.items()}
-
-
-def _without(case: Combination, settings: Mapping[str, Any]) -> Combination:
-    return {key: value for key, value in case.items() if key not in settings}
-
-
-def _set_variation(
-    parameters: KnownParameters, key: str, value: object, design: Design
-) -> tuple[Value, ...] | Range:
-    """What a setting varies, which in a list of cases none can."""
-    if design.kind == LIST:
-        allowed = parameters.definition(key, value).allowed
-        raise StudyError(
-            f'{parameters.where} {key} = {shown(value)}: design = "{LIST}" does not vary it; '
-            f"must be {allowed}"
-        )
-    return _variation(parameters, key, value, design)
-
-
-def _varied(
-    known: Mapping[str, Parameter], table: Table, design: Design
-) -> dict[str, tuple[Value, ...] | Range]:
-    parameters = KnownParameters(known, table.where)
-    return {key: _variation(parameters, key, value, design) for key, value in table.values.items()}
+    return table.all_values()
 
 
 def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> None:
@@ -133,52 +140,43 @@ def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> N
             raise table.refuse(key, "is under [fixed] as well; keep one of them")
 
 
-def _variation(
-    parameters: KnownParameters, key: str, value: object, design: Design
-) -> tuple[Value, ...] | Range:
+def _variation(table: Assignments, key: str, design: Design) -> tuple[Value, ...] | Range:
     """A list of values, or a range such as ``{from = 1, to = 100, count = 5}``."""
+    value = table.values[key]
     if not isinstance(value, dict):
-        return parameters.values(key, value)
-    definition = parameters.definition(key, value)
-    table = Table(f"{parameters.where} {key}:", value)
+        return table.several(key)
+    definition = table.definition(key)
+    ends = Table(f"{table.where} {key}:", value)
     if definition.kind not in (int, float) or definition.choices is not None:
-        raise StudyError(
-            f"{parameters.where} {key} = {shown(value)}: has no ranges; must be a list of values, "
-            f"each {definition.allowed}"
+        raise table.refuse(
+            key, f"has no ranges; must be a list of values, each {definition.allowed}"
         )
     sampled = design.kind == LATIN_HYPERCUBE
-    table.allow("from", "to", "spacing", *([] if sampled else ["count"]))
+    ends.allow("from", "to", "spacing", *([] if sampled else ["count"]))
     for end in ("from", "to"):
         if end not in value:
-            raise StudyError(f"{table.where} {end}: is missing; a range has from and to")
-        KnownParameters({end: replace(definition, name=end)}, table.where).value(end, value[end])
+            raise StudyError(f"{ends.where} {end}: is missing; a range has from and to")
+        Assignments(ends.where, value, {end: replace(definition, name=end)}).value(end)
     start, stop = float(value["from"]), float(value["to"])
-    logarithmic = table.word("spacing", SPACINGS) == "logarithmic"
+    logarithmic = ends.word("spacing", SPACINGS) == "logarithmic"
     if logarithmic and min(start, stop) <= 0:
-        raise table.refuse("spacing", "from and to must be > 0")
+        raise ends.refuse("spacing", "from and to must be > 0")
     span = Range(start=start, stop=stop, logarithmic=logarithmic)
     if sampled:
         if start >= stop:
-            raise table.refuse("to", f"must be > {start:g}")
+            raise ends.refuse("to", f"must be > {start:g}")
         return span
-    numbers = span.values(table.integer("count", 2, LARGEST_STUDY))
-    return parameters.values(key, list(numbers))
+    numbers = span.values(ends.integer("count", 2, LARGEST_STUDY))
+    return Assignments(table.where, {key: list(numbers)}, table.known).several(key)
 
 
-def _derived(known: Mapping[str, Parameter], table: Table) -> dict[str, Expression]:
+def _derived(table: Assignments) -> dict[str, Expression]:
     derived: dict[str, Expression] = {}
     for key, value in table.values.items():
-        KnownParameters(known, table.where).definition(key, value)
+        table.definition(key)
         later = [name for name in table.values if name not in derived]
-        derived[key] = _expression(known, f"{table.where} {key} = {shown(value)}", value, later)
+        derived[key] = _expression(table.known, table.place(key), value, later)
     return derived
-
-
-def _excluded(known: Mapping[str, Parameter], table: Table) -> tuple[Expression, ...]:
-    return tuple(
-        _expression(known, f"{table.where} exclude = {shown(text)}", text, [])
-        for text in table.list("exclude")
-    )
 
 
 def _expression(
@@ -210,6 +208,6 @@ def _listed(
         if not isinstance(case, dict):
             raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
     return tuple(
-        _values(known, Table(f"{table.where} [[case]] {number}:", case))
+        Assignments(f"{table.where} [[case]] {number}:", case, known).all_values()
         for number, case in enumerate(cases, 1)
     )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from harness.references import reference_ids
+from harness.references.cone_factors import reference_ids
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
 from harness.study.scene_part import LARGEST_STUDY

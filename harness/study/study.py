@@ -17,39 +17,34 @@ A definition is data, nothing in it is executed::
     [timing]
     repeats = 5
 
-The README has all keys.
+harness/README.md has all keys.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.references import reference_ids
-from harness.study.definition import (
-    StudyError,
-    Table,
-    find_study,
-    joined,
-    lineage,
-    parse_setting,
-    shown,
-)
+from harness.references.cone_factors import COMPARED, NEEDED, reference_ids
+from harness.study.cases import Case, cases_of
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
-from harness.study.known_parameters import KnownParameters
-from harness.study.scene_part import LARGEST_STUDY, ScenePart, read_part
+from harness.study.files import find_study, joined, lineage
+from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart, read_part
+from harness.study.tables import Assignments, StudyError, Table, parse_setting, shown
+from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
-from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
+from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
 LARGEST_SEED = 2**32 - 1
-COMPARED = "cone_factor"
-"""The result that the references are of."""
-ERRORS = ("error", "error_finest")
-"""Results that :mod:`harness.compare.finest_error` tells of."""
+ERROR = "error"
+"""Result with the error against the exact solution, of scenes that have one."""
+ERROR_FINEST = "error_finest"
+"""Result with the error against the finest case of the study, of scenes without an exact one."""
 MISSPELT = 0.85
 """Likeness from which on a name is a slip; two results of a scene are less alike."""
 
@@ -82,6 +77,16 @@ class Study:
     tolerances: Mapping[str, float]
     timing_repeats: int
     source: Path
+
+    @functools.cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """All cases, each once, scene by scene in the order of the design; worked out once.
+
+        Raises:
+            StudyError: a scene does not allow a combination of values; or there are too many
+                cases, or none.
+        """
+        return cases_of(self.parts, self.design, str(self.source))
 
     @property
     def is_grid(self) -> bool:
@@ -120,42 +125,48 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     scenes = _scenes(document)
     own = document.table("scenes")
     own.allow(*scenes)
-    _check_settings(settings, scenes)
+    _check_settings(settings, scenes.values())
     shared = {key: value for key, value in values.items() if key in OF_SCENE}
     parts = []
-    for scene in scenes:
-        of_scene = own.table(scene)
+    for name, scene in scenes.items():
+        of_scene = own.table(name)
         of_scene.allow(*OF_SCENE)
         where = of_scene.where if of_scene.values else document.where
         _check_assignments(document, of_scene)
         table = Table(where, joined(shared, of_scene.values, design.kind))
-        parts.append(read_part(scene, table, design, _settings_of(scene, settings)))
+        parts.append(read_part(name, scene, table, design, settings))
+    compare = document.table("compare")
+    compare.allow("references", "tolerance")
+    references = _references(compare, parts)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
-        references=_references(document, scenes),
-        tolerances=_tolerances(document, scenes),
+        references=references,
+        tolerances=_tolerances(compare.table("tolerance"), references, parts),
         timing_repeats=_timing_repeats(document),
         source=path,
     )
 
 
-def _scenes(document: Table) -> tuple[str, ...]:
+def _scenes(document: Table) -> dict[str, Scene]:
+    """The classes of the scenes, by name."""
     given = document.values.get("scene")
     if isinstance(given, list) and given:
         names = given
     else:
         names = [document.text("scene", known_names(scene_names()))]
+    scenes = {}
     for name in names:
         try:
-            scene_class(name if isinstance(name, str) else shown(name))
+            scene = scene_class(name if isinstance(name, str) else shown(name))
         except UnknownSceneError as error:
             raise StudyError(f"{document.where} scene = {shown(given)}: {error}") from None
-    if len(set(names)) < len(names):
-        raise document.refuse("scene", "names a scene twice")
-    return tuple(names)
+        if name in scenes:
+            raise document.refuse("scene", "names a scene twice")
+        scenes[name] = scene
+    return scenes
 
 
 def _design(document: Table) -> Design:
@@ -172,16 +183,12 @@ def _design(document: Table) -> Design:
     )
 
 
-def _check_settings(settings: Mapping[str, Any], scenes: Iterable[str]) -> None:
+def _check_settings(settings: Mapping[str, Any], scenes: Iterable[Scene]) -> None:
     """Refuse a setting of what is a parameter of none of the scenes."""
-    known = {name: it for scene in scenes for name, it in parameters_of(scene_class(scene)).items()}
-    for key, value in settings.items():
-        KnownParameters(known, "--set").definition(key, value)
-
-
-def _settings_of(scene: str, settings: Mapping[str, Any]) -> dict[str, Any]:
-    known = parameters_of(scene_class(scene))
-    return {key: value for key, value in settings.items() if key in known}
+    known = {name: it for scene in scenes for name, it in parameters_of(scene).items()}
+    table = Assignments("--set", settings, known)
+    for key in settings:
+        table.definition(key)
 
 
 def _check_assignments(*tables: Table) -> None:
@@ -200,9 +207,7 @@ def _timing_repeats(document: Table) -> int:
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
 
 
-def _references(document: Table, scenes: Sequence[str]) -> tuple[str, ...]:
-    table = document.table("compare")
-    table.allow("references", "tolerance")
+def _references(table: Table, parts: Sequence[ScenePart]) -> tuple[str, ...]:
     ids = table.list("references")
     for reference in ids:
         if not isinstance(reference, str) or reference not in reference_ids():
@@ -210,28 +215,19 @@ def _references(document: Table, scenes: Sequence[str]) -> tuple[str, ...]:
             raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
     if len(set(ids)) < len(ids):
         raise table.refuse("references", "names a reference twice")
-    if ids and not _compared(scenes):
-        able = ", ".join(_compared(scene_names()))
-        raise table.refuse("references", f"no scene here gives a {COMPARED}, as {able} does")
+    if ids and not any(it.parameters.keys() >= set(NEEDED) for it in parts):
+        needed = " and ".join(NEEDED)
+        raise table.refuse("references", f"no scene here has the {needed} that they depend on")
     return tuple(ids)
 
 
-def _compared(scenes: Iterable[str]) -> list[str]:
-    return [name for name in scenes if scene_class(name).headline == COMPARED]
-
-
-def _known_results(scene: str) -> set[str]:
-    """Results that a scene is known to have before it has run."""
-    known = scene_class(scene)
-    return {known.headline, *ERRORS, *(name for it in known.verifications for name in it.bounds)}
-
-
-def _tolerances(document: Table, scenes: Sequence[str]) -> dict[str, float]:
+def _tolerances(
+    table: Table, references: Sequence[str], parts: Sequence[ScenePart]
+) -> dict[str, float]:
     """Tolerances by name, which may be that of any result: slips in known names are refused."""
-    table = document.table("compare").table("tolerance")
-    references = _references(document, scenes)
     unused = set(reference_ids()) - set(references)
-    known = {*references, *(name for scene in scenes for name in _known_results(scene))}
+    verified = {name for it in parts for check in it.scene.verifications for name in check.bounds}
+    known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")

@@ -1,37 +1,23 @@
-"""The text of a study definition: found, read, joined with its base, and asked for its keys.
-
-What is wrong is told in one line: where, key, value, what is allowed, the nearest valid name.
-"""
+"""The files of studies: found by name or path, read from TOML, joined with those they build on."""
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from harness.errors import HarnessError
 from harness.study.designs import EITHER_FIXED_OR_VARIED
-from mpm_warp.parameters import did_you_mean, nearest_name
+from harness.study.tables import StudyError, Table
+from mpm_warp.parameters import nearest_name
 
 LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
-LONGEST_MESSAGE = 400
 LONGEST_LINEAGE = 8
 """Studies that may stand one on the other by ``base``."""
 ASSIGNING = ("fixed", "vary", "derived")
 """Tables that say what a parameter is; what a study says takes the place of what its base says."""
-
-
-class StudyError(HarnessError):
-    """A study definition is wrong; the message is one printable line of bounded length."""
-
-    def __init__(self, message: str) -> None:
-        line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message[:10_000])
-        half = LONGEST_MESSAGE // 2
-        # The end names the remedy, so what is cut from a long message is its middle.
-        super().__init__(line if len(line) <= 2 * half else f"{line[:half]} ... {line[-half:]}")
 
 
 def studies_folder() -> Path:
@@ -166,98 +152,3 @@ def _joined_scenes(
         if isinstance(base.get(name), dict) and isinstance(definition, dict):
             result[name] = joined(base[name], definition, design)
     return result
-
-
-class Table:
-    """A TOML table with the place it stands at, for messages."""
-
-    def __init__(self, where: str, values: Mapping[str, Any]) -> None:
-        self.where = where
-        self.values = values
-
-    def refuse(self, key: str, problem: str) -> StudyError:
-        """The error for a key of this table: where, key, value, problem."""
-        return StudyError(f"{self.where} {key} = {shown(self.values.get(key))}: {problem}")
-
-    def allow(self, *keys: str) -> None:
-        """Refuse every key that is not among `keys`."""
-        for key in self.values:
-            if key not in keys:
-                raise self.refuse(key, f"unknown key{nearest_name(key, keys)}")
-
-    def table(self, key: str) -> Table:
-        """The table [key], empty where there is none."""
-        value = self.values.get(key, {})
-        if not isinstance(value, dict):
-            raise self.refuse(key, f"must be a table [{key}]")
-        return Table(f"{self.where} [{key}]", value)
-
-    def text(self, key: str, remedy: str) -> str:
-        """A text of one line that must be there; `remedy` is told where it is not."""
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing{remedy}")
-        value = self.values[key]
-        if not (isinstance(value, str) and value.strip() and value.isprintable()):
-            raise self.refuse(key, "must be a text of one line")
-        return value
-
-    def word(self, key: str, choices: Sequence[str]) -> str:
-        """One of `choices`; the first where the key is not there."""
-        value = self.values.get(key, choices[0])
-        if not isinstance(value, str) or value not in choices:
-            near = did_you_mean(value, choices) if isinstance(value, str) else ""
-            raise self.refuse(key, f"must be one of {', '.join(choices)}{near}")
-        return value
-
-    def integer(self, key: str, least: int, most: int) -> int:
-        """An integer that must be there."""
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing; an integer, {least} to {most}")
-        value = self.values[key]
-        if type(value) is not int or not least <= value <= most:
-            raise self.refuse(key, f"must be an integer, {least} to {most}")
-        return value
-
-    def positive(self, key: str) -> float:
-        """A finite number above 0 that must be there."""
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing; a number > 0")
-        value = self.values[key]
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e300:
-            raise self.refuse(key, "must be a number > 0")
-        return float(value)
-
-    def list(self, key: str) -> list[Any]:
-        """A list, empty where there is none."""
-        value = self.values.get(key, [])
-        if not isinstance(value, list):
-            raise self.refuse(key, "must be a list")
-        return value
-
-
-def parse_setting(setting: str) -> tuple[str, Any]:
-    """Key and TOML value of a ``key=value`` from the command line; a bare word is a text.
-
-    Raises:
-        StudyError: it is none.
-    """
-    key, equals, text = (part.strip() for part in setting.partition("="))
-    if not (key and equals and text):
-        raise StudyError(f"--set {setting}: must be key=value")
-    if re.fullmatch(r"[A-Za-z_]\w*", text) and text not in ("true", "false", "inf", "nan"):
-        return key, text
-    try:
-        parsed = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        parsed = {}
-    if parsed.keys() != {"value"}:
-        raise StudyError(f"--set {setting}: {text} is not a TOML value: a number, a text or a list")
-    return key, parsed["value"]
-
-
-def shown(value: object) -> str:
-    """A value for a message; huge integers and deeply dotted tables have no text."""
-    try:
-        return repr(value)
-    except (ValueError, RecursionError):
-        return "(too long to show)"
