@@ -16,7 +16,7 @@ from harness.archive.conventions import (
     DAMAGED,
     FORMAT_VERSION,
     MISSING,
-    PARAMETER,
+    Role,
     parameter_attributes,
     spoken,
     stored_name,
@@ -141,7 +141,7 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
     dims: dict[Hashable, tuple[Hashable, ...]] = {}
     own = []
     for result in completed.values():
-        variables = result.drop_vars(with_role(result, PARAMETER)).reset_coords()
+        variables = result.drop_vars(with_role(result, Role.PARAMETER)).reset_coords()
         others = {
             name: f"{result.attrs['scene']}_{name}"
             for name, array in variables.data_vars.items()

@@ -21,6 +21,7 @@ The attribute ``limit`` is the largest size that a variable may have; beyond it 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
+from enum import StrEnum
 
 import numpy as np
 import xarray as xr
@@ -39,8 +40,15 @@ DAMAGED = "damaged"
 UNTIMED = "untimed"
 
 ROLE, LIMIT = "role", "limit"
-HEADLINE, EXACT, ERROR, MEASURED, PARAMETER = "headline", "exact", "error", "measured", "parameter"
-REFERENCE, DEVIATION = "reference", "deviation"
+
+
+class Role(StrEnum):
+    """What a variable is to the harness."""
+
+    HEADLINE, EXACT, ERROR = "headline", "exact", "error"
+    MEASURED, PARAMETER = "measured", "parameter"
+    REFERENCE, DEVIATION = "reference", "deviation"
+
 
 CASE = "case"
 """The dim of cases where the varied parameters are no dims."""
@@ -78,7 +86,7 @@ def stored_name(parameter: str, taken: Iterable[Hashable]) -> str:
 
 def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
     """The parameters in a dataset: by their own names, what they are called there."""
-    return {name.removesuffix(_SUFFIX): name for name in with_role(dataset, PARAMETER)}
+    return {name.removesuffix(_SUFFIX): name for name in with_role(dataset, Role.PARAMETER)}
 
 
 def parameter_attributes(definition: Parameter) -> dict[str, str]:
@@ -87,7 +95,7 @@ def parameter_attributes(definition: Parameter) -> dict[str, str]:
         # The long name labels an axis, for which most meanings are too long.
         "long_name": spoken(definition.name),
         "description": f"{definition.meaning}; {definition.allowed}",
-        ROLE: PARAMETER,
+        ROLE: Role.PARAMETER,
     }
     return attributes if definition.kind is str else {"units": definition.unit} | attributes
 
@@ -158,7 +166,7 @@ def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
     """A result from before variables had roles, with those of parameters and measurements."""
     if any(ROLE in it.attrs for it in dataset.variables.values()):
         return dataset
-    roles = dict.fromkeys(_MEASURED_BEFORE, MEASURED)
+    roles = dict.fromkeys(_MEASURED_BEFORE, Role.MEASURED)
     if "status" in dataset.variables:
         varied = [name for name in varied_names(dataset) if name != "scene"]
         # Over no dim of cases but one case alone are results, and what is the same in all cases.
@@ -167,11 +175,11 @@ def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
             for name, it in dataset.data_vars.items()
             if case_dims(dataset) and it.ndim == 0 and "description" in it.attrs
         ]
-        roles |= dict.fromkeys([*varied, *fixed, *_called_now(dataset)], PARAMETER)
+        roles |= dict.fromkeys([*varied, *fixed, *_called_now(dataset)], Role.PARAMETER)
     roles |= {
         str(name): role
         for name in dataset.data_vars
-        for role in (REFERENCE, DEVIATION)
+        for role in (Role.REFERENCE, Role.DEVIATION)
         if str(name).startswith(f"{role}_")
     }
     told = dataset.copy()

@@ -30,10 +30,9 @@ class _Parser(argparse.ArgumentParser):
 def make_parser() -> argparse.ArgumentParser:
     """The parser; the attribute `command` of what it parses is the name of the command."""
     parser = _Parser(prog="harness", description="Parametric studies of the material point method.")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
 
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
-    run.set_defaults(command="run")
     _add_study(run)
     where = run.add_mutually_exclusive_group()
     where.add_argument(
@@ -64,39 +63,31 @@ def make_parser() -> argparse.ArgumentParser:
     )
 
     status = commands.add_parser("status", help="list how the cases of a study stand")
-    status.set_defaults(command="status")
     _add_study(status)
 
     collect = commands.add_parser("collect", help="write the dataset of what is done of a study")
-    collect.set_defaults(command="collect")
     _add_study(collect)
 
     clean = commands.add_parser("clean", help="remove files that are no results of a study")
-    clean.set_defaults(command="clean")
     _add_study(clean)
     clean.add_argument("--yes", action="store_true", help="remove without asking")
 
     rerun = commands.add_parser("rerun", help="run a case again and compare every bit")
-    rerun.set_defaults(command="rerun")
     rerun.add_argument("file", type=Path, metavar="FILE", help="of a case, or result of a study")
     rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
     _add_execution(rerun)
 
-    commands.add_parser("list", help="list studies and scenes").set_defaults(command="list")
+    commands.add_parser("list", help="list studies and scenes")
 
     describe = commands.add_parser("describe", help="list the parameters of a scene")
-    describe.set_defaults(command="describe")
     describe.add_argument("scene", metavar="SCENE")
 
-    schema = commands.add_parser("schema", help="print a JSON schema of studies, for editors")
-    schema.set_defaults(command="schema")
+    commands.add_parser("schema", help="print a JSON schema of studies, for editors")
 
     plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")
-    plan.set_defaults(command="plan")
     plan.add_argument("scene", metavar="SCENE")
 
     verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
-    verify.set_defaults(command="verify")
     verify.add_argument(
         "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
     )
@@ -106,7 +97,6 @@ def make_parser() -> argparse.ArgumentParser:
     )
 
     bench = commands.add_parser("bench", help="measure what a step costs on this machine")
-    bench.set_defaults(command="bench")
     _add_settings(bench)
     _add_device(bench)
 
@@ -117,7 +107,6 @@ def make_parser() -> argparse.ArgumentParser:
 def _add_results(commands: _Commands) -> None:
     """The commands that take results of studies."""
     compare = commands.add_parser("compare", help="compare a result with the references")
-    compare.set_defaults(command="compare")
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     compare.add_argument(
         "other", type=Path, nargs="?", metavar="OTHER", help="a result to set beside it"
@@ -130,17 +119,14 @@ def _add_results(commands: _Commands) -> None:
     )
 
     plot = commands.add_parser("plot", help="draw the pictures of a result")
-    plot.set_defaults(command="plot")
     plot.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     plot.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
 
     report = commands.add_parser("report", help="write one page of HTML on results")
-    report.set_defaults(command="report")
     report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
     report.add_argument("-o", "--out", type=_page, default=Path("report.html"), metavar="HTML")
 
     recommend = commands.add_parser("recommend", help="name the cheapest settings for an error")
-    recommend.set_defaults(command="recommend")
     recommend.add_argument("scene", metavar="SCENE")
     recommend.add_argument(
         "--error", type=_share, required=True, metavar="X", help="largest error, as 1%% or 0.01"

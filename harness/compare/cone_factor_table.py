@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import DEVIATION, REFERENCE, RUN_TIME, over_cases, varied_names
+from harness.archive.conventions import RUN_TIME, Role, over_cases, varied_names
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
@@ -103,8 +103,8 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> _Column:
     texts = [
         _bracketed(_with_deviation(value, deviation), inside)
         for value, deviation, inside in zip(
-            over_cases(dataset, f"{REFERENCE}_{reference.id}"),
-            over_cases(dataset, f"{DEVIATION}_{reference.id}"),
+            over_cases(dataset, f"{Role.REFERENCE}_{reference.id}"),
+            over_cases(dataset, f"{Role.DEVIATION}_{reference.id}"),
             over_cases(dataset, reference.applies(conditions_of(dataset))),
             strict=True,
         )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import DEVIATION, REFERENCE, ROLE, with_role
+from harness.archive.conventions import ROLE, Role, with_role
 from harness.errors import HarnessError
 from harness.references.cone_factors import (
     COMPARED,
@@ -82,15 +82,15 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
         }
         dataset = dataset.assign(
             {
-                f"{REFERENCE}_{reference.id}": (
+                f"{Role.REFERENCE}_{reference.id}": (
                     computed.dims,
                     values,
-                    known | {"long_name": label, ROLE: REFERENCE},
+                    known | {"long_name": label, ROLE: Role.REFERENCE},
                 ),
-                f"{DEVIATION}_{reference.id}": (
+                f"{Role.DEVIATION}_{reference.id}": (
                     computed.dims,
                     computed.values / values - 1,
-                    known | {"long_name": f"deviation from the {label}", ROLE: DEVIATION},
+                    known | {"long_name": f"deviation from the {label}", ROLE: Role.DEVIATION},
                 ),
             }
         )
@@ -99,8 +99,8 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
 
 def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
     """The references that :func:`with_references` has set into `dataset`."""
-    names = with_role(dataset, REFERENCE)
-    return tuple(cone_factor_reference(name.removeprefix(f"{REFERENCE}_")) for name in names)
+    names = with_role(dataset, Role.REFERENCE)
+    return tuple(cone_factor_reference(name.removeprefix(f"{Role.REFERENCE}_")) for name in names)
 
 
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:

@@ -12,11 +12,7 @@ import xarray as xr
 
 from harness.archive.conventions import (
     COMPLETED,
-    DEVIATION,
-    HEADLINE,
-    MEASURED,
-    PARAMETER,
-    REFERENCE,
+    Role,
     case_dims,
     is_there,
     labels_of,
@@ -95,7 +91,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         )
         if (before == COMPLETED) != (after == COMPLETED)
     ]
-    measured = {*with_role(first, MEASURED), *with_role(second, MEASURED)}
+    measured = {*with_role(first, Role.MEASURED), *with_role(second, Role.MEASURED)}
     found = []
     is_compared = False
     for name in sorted((_scalar_results(first) | _scalar_results(second)) - measured):
@@ -139,7 +135,7 @@ def differing(one: xr.Dataset, other: xr.Dataset, *, measures_machine: bool = Fa
         other: another.
         measures_machine: whether what the scene is run for is a measurement too.
     """
-    roles = [MEASURED, PARAMETER, *([HEADLINE] if measures_machine else [])]
+    roles = [Role.MEASURED, Role.PARAMETER, *([Role.HEADLINE] if measures_machine else [])]
     aside = {*OF_CASE, *with_role(one, *roles), *with_role(other, *roles)}
     names = sorted({*map(str, one.variables), *map(str, other.variables)} - aside)
     return [
@@ -172,7 +168,7 @@ def _scalar_results(dataset: xr.Dataset) -> set[str]:
         str(name)
         for name, array in dataset.data_vars.items()
         if array.dims == case_dims(dataset) and array.dtype.kind in "iuf"
-    } - set(with_role(dataset, PARAMETER, REFERENCE, DEVIATION))
+    } - set(with_role(dataset, Role.PARAMETER, Role.REFERENCE, Role.DEVIATION))
 
 
 def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity, int]:

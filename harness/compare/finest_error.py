@@ -8,10 +8,9 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import (
-    ERROR,
-    HEADLINE,
     PARTICLE_UPDATES,
     ROLE,
+    Role,
     over_cases,
     parameter_names,
     spoken,
@@ -35,7 +34,7 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
         dataset: the result of a study of one scene.
         method: the parameters of the method, which the scene names.
     """
-    headlines = with_role(dataset, HEADLINE)
+    headlines = with_role(dataset, Role.HEADLINE)
     if study.ERROR in dataset or not (method and headlines and PARTICLE_UPDATES in dataset):
         return dataset
     values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, PARTICLE_UPDATES)
@@ -54,7 +53,7 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
         "long_name": f"error of the {spoken(headlines[0])}",
         "description": "relative difference from the case with most particle updates among those "
         "that differ in the method alone; that one has none",
-        ROLE: ERROR,
+        ROLE: Role.ERROR,
     }
     status = dataset["status"]
     return dataset.assign({study.ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)})

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import xarray as xr
 
-from harness.archive.conventions import DEVIATION, TOLERANCES, case_dims, labels_of, over_cases
+from harness.archive.conventions import TOLERANCES, Role, case_dims, labels_of, over_cases
 from harness.compare.cone_factors import conditions_of
 from harness.references.cone_factors import cone_factor_reference
 from mpm_warp.parameters import did_you_mean
@@ -35,7 +35,7 @@ def misses(dataset: xr.Dataset) -> list[str]:
 
 
 def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
-    if (deviation := f"{DEVIATION}_{name}") in dataset:
+    if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
         value = dataset[deviation]
         applies = xr.DataArray(cone_factor_reference(name).applies(conditions_of(dataset)))
     elif name in dataset and dataset[name].dtype.kind in "iuf":

@@ -14,10 +14,9 @@ from matplotlib.figure import Figure
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import (
     COMPLETED,
-    HEADLINE,
-    PARAMETER,
     PEAK_MEMORY,
     RUN_TIME,
+    Role,
     limited,
     over_cases,
     spoken,
@@ -90,7 +89,7 @@ def _cases(dataset: xr.Dataset) -> str:
     dims = dataset["status"].dims
     varied = [name for name, it in dataset.coords.items() if it.dims and set(it.dims) <= set(dims)]
     wanted = (
-        *with_role(dataset, HEADLINE),
+        *with_role(dataset, Role.HEADLINE),
         error_name(dataset),
         *limited(dataset),
         *(RUN_TIME, PEAK_MEMORY, "message"),
@@ -108,7 +107,7 @@ def _cases(dataset: xr.Dataset) -> str:
 
 
 def _fixed(dataset: xr.Dataset) -> Iterable[tuple[str, str, str]]:
-    for name in with_role(dataset, PARAMETER):
+    for name in with_role(dataset, Role.PARAMETER):
         if dataset[name].ndim == 0:
             unit = str(dataset[name].attrs.get("units", ""))
             yield name, _shown(dataset[name].item()), unit

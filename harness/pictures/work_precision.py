@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
@@ -20,7 +21,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.compare.finest_error import error_name
-from harness.pictures.plot_parts import FAILED, MARKERS, png
+from harness.pictures.plot_parts import FAILED, MARKERS, empty_figure, png
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_LABELS = 12
@@ -42,24 +43,13 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
 
 def work_precision_figure(dataset: xr.Dataset) -> Figure:
     """Both axes logarithmic; runs that failed are left out."""
-    figure = Figure(figsize=(6.4, 4.8), dpi=200)
-    axes = figure.add_subplot()
-    count = dataset.sizes["check"]
-    colours = colormaps["viridis"](np.linspace(0.0, 0.85, count))
-    for index, check in enumerate(dataset["check"].values):
+    figure, axes = empty_figure()
+    checks = dataset["check"].values
+    for index, (check, colour) in enumerate(zip(checks, _colours(checks.size), strict=True)):
         curve = dataset.isel(check=index)
-        axes.loglog(
-            curve["run_time"],
-            curve["error"],
-            marker=MARKERS[index % len(MARKERS)],
-            color=colours[index],
-            label=str(check),
-        )
-    axes.set_xlabel("run time [s]")
-    axes.set_ylabel("error against the exact solution [-]")
-    axes.grid(color="0.9", lw=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
+        marker = MARKERS[index % len(MARKERS)]
+        axes.loglog(curve[RUN_TIME], curve["error"], marker=marker, color=colour, label=str(check))
+    _dress(axes, "error against the exact solution")
     return figure
 
 
@@ -77,14 +67,12 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
     errors, seconds = over_cases(dataset, name), over_cases(dataset, RUN_TIME)
-    figure = Figure(figsize=(6.4, 4.8), dpi=200)
-    axes = figure.add_subplot()
+    figure, axes = empty_figure()
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
     axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
     scenes = np.array(scenes_of(dataset))
     names = list(dict.fromkeys(scenes.tolist()))
-    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(names)))
-    for scene, colour in zip(names, colours, strict=True):
+    for scene, colour in zip(names, _colours(len(names)), strict=True):
         own = scenes == scene
         front = _pareto(seconds, errors, np.flatnonzero(sound & own))
         method = scene_class(scene).method if scene in scene_names() else ()
@@ -108,13 +96,18 @@ def study_figure(dataset: xr.Dataset) -> Figure:
             clip_on=False,
             label="failed",
         )
-    axes.set_xlabel("run time [s]")
-    meaning = dataset[name].attrs.get("long_name", name) if len(names) == 1 else name
-    axes.set_ylabel(f"{meaning} [-]")
-    axes.grid(color="0.9", lw=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
+    _dress(axes, dataset[name].attrs.get("long_name", name) if len(names) == 1 else name)
     return figure
+
+
+def _colours(count: int) -> np.ndarray:
+    return colormaps["viridis"](np.linspace(0.0, 0.85, count))
+
+
+def _dress(axes: Axes, meaning: str) -> None:
+    axes.set_xlabel("run time [s]")
+    axes.set_ylabel(f"{meaning} [-]")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
 
 
 def _pareto(seconds: np.ndarray, errors: np.ndarray, cases: np.ndarray) -> np.ndarray:

@@ -76,7 +76,8 @@ def outcomes(study: Study, out: Path) -> list[Outcome]:
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     """How the cases of a collected dataset stand; times are of completed ones."""
     seconds = np.nan_to_num(over_cases(dataset, CASE_TIME)).tolist()
-    sources = over_cases(dataset, dataset.get(SOURCES, dataset.attrs.get(SOURCES, "")))
+    of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
+    sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
     return [
         Outcome(str(status), seconds=time, sources=str(digest))
         for status, time, digest in zip(

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import CASE_TIME, MEASURED, PEAK_MEMORY, REPEAT, ROLE, RUN_TIME
+from harness.archive.conventions import CASE_TIME, PEAK_MEMORY, REPEAT, ROLE, RUN_TIME, Role
 
 _RESET = Path("/proc/self/clear_refs")
 _STATUS = Path("/proc/self/status")
@@ -39,7 +39,7 @@ class Measurement:
                 {
                     "units": "byte",
                     "long_name": "peak resident memory",
-                    ROLE: MEASURED,
+                    ROLE: Role.MEASURED,
                     "description": f"highest resident memory of the process since {since}",
                 },
             ),
@@ -48,7 +48,7 @@ class Measurement:
 
 def case_time(seconds: float) -> xr.Variable:
     """The time of a whole case [s] as a variable of its dataset."""
-    labels = {"units": "s", "long_name": "wall-clock time of the case", ROLE: MEASURED}
+    labels = {"units": "s", "long_name": "wall-clock time of the case", ROLE: Role.MEASURED}
     return xr.Variable((), seconds, labels)
 
 
@@ -65,8 +65,8 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
 
     Set-up and compilation stay those of the run that is in `dataset`, the first of its process.
     """
-    labels = {"units": "s", "long_name": "wall-clock time of the time loop", ROLE: MEASURED}
-    repeat = {"units": "1", "long_name": "timed run", ROLE: MEASURED}
+    labels = {"units": "s", "long_name": "wall-clock time of the time loop", ROLE: Role.MEASURED}
+    repeat = {"units": "1", "long_name": "timed run", ROLE: Role.MEASURED}
     times = np.array(samples)
     return dataset.assign(
         {

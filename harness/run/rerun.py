@@ -114,7 +114,7 @@ def verdict(before: xr.Dataset, again: xr.Dataset) -> tuple[bool, str]:
     names = differing(
         _as_before(before, again) if is_cell else before,
         again,
-        measures_machine=scene_class(again.attrs["scene"]).runs_alone,
+        measures_machine=scene_class(before.attrs["scene"]).runs_alone,
     )
     if not names:
         return True, "bit-identical"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import xarray as xr
@@ -185,38 +185,38 @@ def _line(*texts: str) -> str:
 
 def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
     """Errors, run times and observed orders, over checks and the ranks of their resolutions."""
-    labels = [verified.check.label for verified in all_verified]
     most = max(len(verified.results) for verified in all_verified)
 
     def padded(values: Sequence[float]) -> list[float]:
         return [*values, *[math.nan] * (most - len(values))]
 
-    dims = ("check", "rank")
-    quantities = {
-        "error": ("1", "error against the exact solution"),
-        "run_time": ("s", "wall-clock time of the run"),
-    }
-    variables = {
-        name: xr.Variable(
-            dims,
-            [padded(verified.values(name)) for verified in all_verified],
-            {"units": unit, "long_name": meaning},
-        )
-        for name, (unit, meaning) in quantities.items()
-    }
-    variables["resolution"] = xr.Variable(
-        dims,
-        [padded(verified.check.verification.resolutions) for verified in all_verified],
-        {"units": "1", "long_name": "resolution, in the scene's own parameter"},
+    def over_ranks(values: Iterable[Sequence[float]], unit: str, meaning: str) -> xr.Variable:
+        labels = {"units": unit, "long_name": meaning}
+        return xr.Variable(("check", "rank"), [padded(it) for it in values], labels)
+
+    def over_checks(values: Iterable[float], meaning: str) -> xr.Variable:
+        return xr.Variable("check", list(values), {"units": "1", "long_name": meaning})
+
+    return xr.Dataset(
+        {
+            "error": over_ranks(
+                (it.values("error") for it in all_verified), "1", "error against the exact solution"
+            ),
+            "run_time": over_ranks(
+                (it.values("run_time") for it in all_verified), "s", "wall-clock time of the run"
+            ),
+            "resolution": over_ranks(
+                (it.check.verification.resolutions for it in all_verified),
+                "1",
+                "resolution, in the scene's own parameter",
+            ),
+            "order": over_checks(
+                (it.order for it in all_verified),
+                "observed order between the two finest resolutions",
+            ),
+            "passed": over_checks(
+                (int(not it.shortfalls) for it in all_verified), "1 where every bound is reached"
+            ),
+        },
+        coords={"check": [verified.check.label for verified in all_verified]},
     )
-    variables["order"] = xr.Variable(
-        ("check",),
-        [verified.order for verified in all_verified],
-        {"units": "1", "long_name": "observed order between the two finest resolutions"},
-    )
-    variables["passed"] = xr.Variable(
-        ("check",),
-        [int(not verified.shortfalls) for verified in all_verified],
-        {"units": "1", "long_name": "1 where every bound is reached"},
-    )
-    return xr.Dataset(variables, coords={"check": labels})

@@ -15,7 +15,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
-from harness.archive.conventions import COMPLETED, HEADLINE, MISSING, RUN_TIME, spoken, with_role
+from harness.archive.conventions import COMPLETED, MISSING, RUN_TIME, Role, spoken, with_role
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
@@ -71,7 +71,7 @@ def compute(
         dataset = xr.Dataset() if curves is None else curves
         status = getattr(error, "status", "failed")
         message = in_one_line(error)
-    headlines = [name for name in with_role(dataset, HEADLINE) if dataset[name].ndim == 0]
+    headlines = [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
     headline = ", ".join(f"{spoken(name)} {dataset[name].item():.4g}" for name in headlines)
     idle_time = execution.idle_time
     dataset = without_idle_time(dataset, idle_time)

@@ -8,7 +8,7 @@ import multiprocessing
 import os
 import signal
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -46,8 +46,9 @@ class WorkerProcess:
         self.process = _PROCESSES.Process(
             target=serve, args=(theirs, folder, device, repeats), daemon=True
         )
-        # The worker inherits both: it never sees a SIGINT, and its libraries load with one thread.
-        with _interrupts_held(), _environment(dict.fromkeys(SINGLE_THREADED, "1")):
+        # Inherited by the worker, whose libraries load with one thread; those here have loaded.
+        os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
+        with _interrupts_held():  # the worker inherits that and never sees a SIGINT
             self.process.start()
         # With this copy closed, the death of the worker reads as an end of file.
         theirs.close()
@@ -135,19 +136,6 @@ def end_all(workers: Sequence[WorkerProcess]) -> None:
             worker.connection.close()
             assert worker.process.pid is not None  # it was started
             discard_partial(worker.folder, worker.process.pid)
-
-
-@contextlib.contextmanager
-def _environment(variables: Mapping[str, str]) -> Iterator[None]:
-    """Set variables of the environment until the block is over."""
-    before = dict(os.environ)
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name in variables:
-            os.environ.pop(name)
-        os.environ.update(before)
 
 
 @contextlib.contextmanager

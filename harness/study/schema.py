@@ -25,6 +25,12 @@ def study_schema() -> Schema:
     """The schema of a study's definition."""
     texts = {"type": "array", "items": _expression("condition on cases that are not run")}
     line = {"type": "string", "pattern": "\\S"}
+    references = {"type": "array", "items": {"enum": list(reference_ids())}, "uniqueItems": True}
+    tolerance = {
+        "type": "object",
+        "description": "largest deviation from a reference, or size of a result",
+        "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
+    }
     properties: Schema = {
         "title": line | {"description": "one line on what the study shows"},
         "base": line | {"description": "study that holds where this one says nothing"},
@@ -40,36 +46,17 @@ def study_schema() -> Schema:
         "derived": {"type": "object", "additionalProperties": _expression("from the others")},
         "exclude": texts,
         "case": {"type": "array", "items": {"type": "object"}},
-        "scenes": {
-            "description": "what holds for one scene of several",
-            "properties": {name: _of_scene(name) for name in scene_names()},
-            **_closed(),
-        },
-        "compare": {
-            "properties": {
-                "references": {
-                    "type": "array",
-                    "items": {"enum": list(reference_ids())},
-                    "uniqueItems": True,
-                },
-                "tolerance": {
-                    "type": "object",
-                    "description": "largest deviation from a reference, or size of a result",
-                    "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
-                },
-            },
-            **_closed(),
-        },
-        "timing": {
-            "properties": {"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)},
-            **_closed(),
-        },
+        "scenes": _table(
+            {name: _of_scene(name) for name in scene_names()},
+            description="what holds for one scene of several",
+        ),
+        "compare": _table({"references": references, "tolerance": tolerance}),
+        "timing": _table({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
     }
     return {
         "$schema": DIALECT,
         "title": "Study of the harness",
-        "properties": properties,
-        **_closed(),
+        **_table(properties),
         "anyOf": [{"required": ["base"]}, {"required": ["title", "scene"]}],
         "allOf": [
             *(_if("scene", name, _open(_of_scene(name))) for name in scene_names()),
@@ -83,19 +70,16 @@ def _of_scene(name: str) -> Schema:
     """The tables that depend on the scene."""
     parameters = parameters_of(scene_class(name)).values()
     values = {it.name: value_schema(it) for it in parameters}
-    fixed = {"properties": values, **_closed()}
-    varied = {it.name: _variation(it) for it in parameters}
-    names = {it.name: _expression(it.meaning) for it in parameters}
-    return {
-        "properties": {
+    fixed = _table(values)
+    return _table(
+        {
             "fixed": fixed,
-            "vary": {"properties": varied, **_closed()},
-            "derived": {"properties": names, **_closed()},
+            "vary": _table({it.name: _variation(it) for it in parameters}),
+            "derived": _table({it.name: _expression(it.meaning) for it in parameters}),
             "exclude": {"type": "array", "items": _expression("condition")},
             "case": {"type": "array", "items": fixed},
-        },
-        **_closed(),
-    }
+        }
+    )
 
 
 def value_schema(parameter: Parameter) -> Schema:
@@ -119,16 +103,9 @@ def _variation(parameter: Parameter) -> Schema:
     several = {"type": "array", "items": value, "minItems": 1, "uniqueItems": True}
     if parameter.kind not in (int, float) or parameter.choices is not None:
         return several
-    span = {
-        "properties": {
-            "from": value,
-            "to": value,
-            "count": _integer("numbers from one end to the other", 2, LARGEST_STUDY),
-            "spacing": {"enum": list(SPACINGS)},
-        },
-        "required": ["from", "to"],
-        **_closed(),
-    }
+    count = _integer("numbers from one end to the other", 2, LARGEST_STUDY)
+    ends = {"from": value, "to": value, "count": count, "spacing": {"enum": list(SPACINGS)}}
+    span = _table(ends, required=["from", "to"])
     return {"description": value["description"], "anyOf": [several, span]}
 
 
@@ -144,8 +121,9 @@ def _scene_name() -> Schema:
     return {"enum": list(scene_names())}
 
 
-def _closed() -> Schema:
-    return {"type": "object", "additionalProperties": False}
+def _table(properties: Schema, **more: object) -> Schema:
+    """A table with these keys and no others."""
+    return {"type": "object", "properties": properties, "additionalProperties": False, **more}
 
 
 def _open(schema: Schema) -> Schema:

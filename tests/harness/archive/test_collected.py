@@ -11,11 +11,13 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_file, case_folder, write_case, write_netcdf
-from harness.archive.collection import collect, read_study, write_study
-from harness.archive.provenance import provenance
+from harness.archive.collection import collect
+from harness.archive.conventions import COMPLETED, CRASHED
+from harness.archive.provenance import SOURCES, provenance, sources_digest
+from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
-from harness.study.cases import COMPLETED, CRASHED, Case, cases_of
+from harness.study.cases import Case
 from harness.study.study import Study
 
 EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
@@ -24,18 +26,19 @@ EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "tim
 @pytest.fixture
 def cases(small: Study, tmp_path: Path) -> list[Case]:
     """The cases of a study, which all completed at another time and place."""
+    now = {SOURCES: sources_digest(small.parts[0].scene)}
     folder = case_folder(tmp_path, small)
     prepare(folder)
-    cases = cases_of(small)
+    cases = small.cases
     for case in cases:
-        write_case(folder, case, xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER), COMPLETED)
+        write_case(folder, case, xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER | now), COMPLETED)
     return cases
 
 
 @pytest.fixture
 def result(small: Study, cases: list[Case], tmp_path: Path) -> Path:
     """The file of the collected study."""
-    collect_and_write(small, cases, tmp_path)
+    collect_and_write(small, tmp_path)
     return tmp_path / "small.nc"
 
 
@@ -55,7 +58,7 @@ def test_what_differs_between_the_cases_is_told_of_each(
     later = xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER | {"commit": "later"})
     write_case(folder, cases[1], later, COMPLETED)
     case_file(folder, cases[2]).unlink()
-    dataset = collect(small, cases, folder)
+    dataset = collect(small, folder)
     assert dataset["commit"].dims == ("adhesion_factor",)
     assert dataset["commit"].values.tolist() == ["earlier", "later", ""]
     assert "commit" not in dataset.attrs
@@ -69,7 +72,7 @@ def test_a_case_that_never_reached_a_device_has_none(
 ) -> None:
     folder = case_folder(tmp_path, small)
     write_case(folder, cases[0], xr.Dataset(), CRASHED, "worker killed")
-    dataset = collect(small, cases, folder)
+    dataset = collect(small, folder)
     assert dataset.attrs["device"] == "cuda:0"
     assert dataset["commit"].values.tolist() == [provenance()["commit"], "earlier", "earlier"]
 

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files, provenance
-from harness.archive import collection as archive
+from harness.archive import case_files, provenance, study_files
+from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
+from harness.compare.differences import differing
 from harness.run import run_study
-from harness.run.measuring import differing
 from harness.run.worker import run_case
-from harness.study.cases import COMPLETED, Case, cases_of
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
 LIMIT = 120
@@ -57,7 +57,7 @@ def harness(
 def completed(out: Path, study: Study) -> list[Case]:
     """Cases whose files are whole; there are no other files."""
     folder = case_files.case_folder(out, study)
-    done = [case for case in cases_of(study) if case_files.read_case(folder, case) is not None]
+    done = [case for case in study.cases if case_files.read_case(folder, case) is not None]
     assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in done}
     return done
 
@@ -82,7 +82,7 @@ def test_a_full_disk_ends_the_run_and_loses_nothing(
 ) -> None:
     filler = full_disk / "filler"
     assert main([*arguments(small_file, full_disk), "--set", "adhesion_factor=[0]"]) == 0
-    before = archive.read_study(full_disk / "small.nc")
+    before = study_files.read_study(full_disk / "small.nc")
     first = written(small, full_disk)
     room = os.statvfs(full_disk)
     filler.write_bytes(bytes(room.f_bavail * room.f_frsize - 8192))
@@ -92,7 +92,7 @@ def test_a_full_disk_ends_the_run_and_loses_nothing(
     assert told[-1].endswith(".nc: cannot be written: No space left on device")
     assert "interrupted; 3 cases: 2 missing, 1 completed; " in told[-2]
     assert len(completed(full_disk, small)) == 1
-    assert archive.read_study(full_disk / "small.nc").identical(before)
+    assert study_files.read_study(full_disk / "small.nc").identical(before)
 
     with filler.open("ab") as file:
         room = os.statvfs(full_disk)
@@ -173,7 +173,7 @@ def test_a_case_file_of_no_use_is_named_and_the_case_run_again(
 ) -> None:
     out = tmp_path / "out"
     assert main(arguments(small_file, out)) == 0
-    path = case_files.case_file(case_files.case_folder(out, small), cases_of(small)[1])
+    path = case_files.case_file(case_files.case_folder(out, small), small.cases[1])
     damage(path)
     capsys.readouterr()
     assert main(arguments(small_file, out)) == 0
@@ -219,12 +219,14 @@ def test_a_clock_set_back_changes_nothing_but_the_times_that_are_kept(
     assert before.items() <= written(small, out).items()
     monkeypatch.undo()
 
-    results = [case_files.read_case(folder, case) for case in cases_of(small)]
+    results = [case_files.read_case(folder, case) for case in small.cases]
     times = [result.attrs["time_written"] for result in results if result is not None]
     assert times[0] > times[1]
     assert times[1:] == ["1970-01-02T00:00:00+00:00"] * 2
     assert main(arguments(small_file, tmp_path / "undisturbed")) == 0
-    collected = [archive.read_study(tmp_path / it / "small.nc") for it in ("out", "undisturbed")]
+    collected = [
+        study_files.read_study(tmp_path / it / "small.nc") for it in ("out", "undisturbed")
+    ]
     assert collected[0].time_written.values.tolist() == times
     assert differing(*collected) == []
 
@@ -249,5 +251,5 @@ def test_two_runs_in_one_folder_do_not_harm_each_other(small_file: Path, tmp_pat
     assert [run.returncode for run in runs] == [0, 0], told
     study = load_study(str(small_file), setting[1:])
     assert len(completed(out, study)) == 18
-    assert set(archive.read_study(out / "small.nc").status.values.flat) == {COMPLETED}
+    assert set(study_files.read_study(out / "small.nc").status.values.flat) == {COMPLETED}
     assert not list(out.rglob(".*"))

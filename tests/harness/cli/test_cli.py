@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli.main import main
-from harness.study.definition import study_names
+from harness.study.files import study_names
 from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.run import pool as runner
-from harness.study.cases import COMPLETED
 
 
 @pytest.mark.parametrize(

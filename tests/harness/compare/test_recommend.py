@@ -10,11 +10,12 @@ import pytest
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import FORMAT_VERSION, write_netcdf
-from harness.archive.collection import write_study
+from harness.archive.case_files import write_netcdf
+from harness.archive.conventions import COMPLETED, FORMAT_VERSION
+from harness.archive.study_files import write_study
+from harness.cli.main import main
 from harness.compare.recommend import DERIVED, recommend
 from harness.errors import HarnessError
-from harness.study.cases import COMPLETED
 
 CELLS = [5.0, 10.0, np.nan, np.nan]
 
@@ -60,6 +61,43 @@ def test_cases_of_one_scene_of_several(tmp_path: Path) -> None:
     other = recommend("sliding_block", 0.5, [file])
     assert other is not None
     assert other.settings == {"cells_per_length": 10}
+
+
+def test_recommended_are_the_cheapest_settings_good_for_every_soil(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    file = written(tmp_path, two_soils)
+    found = recommend("cone_penetration", 0.05, [file])
+    assert found is not None
+    assert found.settings == {"cells_per_radius": 2.0}
+    assert (found.error, found.run_time) == (pytest.approx(0.02), 2.5)
+    cheap = recommend("cone_penetration", 0.5, [file])
+    assert cheap is not None
+    assert cheap.settings == {"cells_per_radius": 1.5}
+
+
+def test_settings_that_failed_once_are_not_recommended(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    dataset = two_soils
+    dataset["status"].loc[{"rigidity_index": 100.0, "cells_per_radius": 2.0}] = "diverged"
+    assert recommend("cone_penetration", 0.05, [written(tmp_path, dataset)]) is None
+
+
+def test_nothing_is_recommended_from_nothing(tmp_path: Path, two_soils: xr.Dataset) -> None:
+    file = written(tmp_path, two_soils.drop_vars("error_finest"))
+    with pytest.raises(HarnessError, match="no result with errors"):
+        recommend("cone_penetration", 0.05, [file])
+
+
+@pytest.mark.parametrize(("error", "code"), [("5%", 0), ("0.0001", 1)])
+def test_recommend_from_the_command_line(
+    error: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str], two_soils: xr.Dataset
+) -> None:
+    written(tmp_path, two_soils)
+    arguments = ["recommend", "cone_penetration", "--error", error, "--results", str(tmp_path)]
+    assert main(arguments) == code
+    assert ("cells_per_radius = 2.0" in capsys.readouterr().out) == (code == 0)
 
 
 def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.case_files import FORMAT_VERSION
-from harness.archive.collection import write_study
+from harness.archive.conventions import FORMAT_VERSION
+from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.pictures import figures
 from harness.pictures.stability_map import stability_figure, stability_rows

@@ -11,11 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files
-from harness.archive import collection as archive
+from harness.archive import case_files, study_files
 from harness.cli.main import main
-from harness.run.measuring import differing
-from harness.study.cases import Case, cases_of
+from harness.compare.differences import differing
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
 LIMIT = 120
@@ -138,9 +137,9 @@ def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
     assert len(written(twenty, out)) == CASE_COUNT
 
     assert main(["run", str(twenty.source), "--out", str(local)]) == 0
-    results = [archive.read_study(folder / "twenty.nc") for folder in (out, local)]
+    results = [study_files.read_study(folder / "twenty.nc") for folder in (out, local)]
     assert differing(*results) == []
-    case_file = case_files.case_file(case_files.case_folder(out, twenty), cases_of(twenty)[0])
+    case_file = case_files.case_file(case_files.case_folder(out, twenty), twenty.cases[0])
     result = case_files.read_netcdf(case_file)
     assert "--dask" in result.attrs["command_line"]
     assert result.peak_memory > 0
@@ -163,7 +162,7 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     assert [line for line in told if not line.startswith(("harness: ", "["))] == []
     kept = written(twenty, out)
     assert 5 <= len(kept) < CASE_COUNT
-    statuses = archive.read_study(out / "twenty.nc").status.values.tolist()
+    statuses = study_files.read_study(out / "twenty.nc").status.values.tolist()
     assert statuses.count("completed") == len(kept)
 
     assert main(["run", str(twenty.source), "--out", str(out)]) == 0
@@ -271,7 +270,7 @@ def test_timed_runs_do_not_go_with_a_cluster(
 def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Study) -> None:
     from harness.run.worker import compute
 
-    case = cases_of(twenty)[0]
+    case = twenty.cases[0]
     older = Case(**{**vars(case), "scene_version": case.scene_version - 1})
     outcome = compute(older).outcome
     assert outcome.status == "failed"

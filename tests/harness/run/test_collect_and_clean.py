@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import case_files
-from harness.archive import collection as archive
+from harness.archive import case_files, study_files
 from harness.archive.atomic_files import partial_ending, prepare
+from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
 from harness.run.measuring import case_time
-from harness.study.cases import COMPLETED, CRASHED, Case, cases_of
+from harness.study.cases import Case
 from harness.study.study import Study
 
 
@@ -30,7 +30,7 @@ def folder(tmp_path: Path, small: Study) -> Path:
 @pytest.fixture
 def half_done(folder: Path, small: Study) -> list[Case]:
     """A study of which one case is done, one has crashed and one has not run."""
-    cases = cases_of(small)
+    cases = small.cases
     done = xr.Dataset({"cone_factor": ((), 10.0), "case_time": case_time(12.25)})
     case_files.write_case(folder, cases[0], done, COMPLETED)
     case_files.write_case(folder, cases[1], xr.Dataset(), CRASHED, "worker killed by SIGKILL")
@@ -72,7 +72,7 @@ def test_collect_writes_what_there_is(
     path = small_file.parent / "out" / "small.nc"
     assert captured.out == f"{path}\n"
     assert "3 cases: 1 completed, 1 crashed, 1 missing" in captured.err
-    dataset = archive.read_study(path)
+    dataset = study_files.read_study(path)
     assert dataset.status.values.tolist() == [COMPLETED, CRASHED, "missing"]
     assert dataset.cone_factor.values[0] == 10
 

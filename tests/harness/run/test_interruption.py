@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import collection as archive
-from harness.study.cases import COMPLETED
+from harness.archive import study_files
+from harness.archive.conventions import COMPLETED
 
 INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
@@ -82,7 +82,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
     assert "Traceback" not in told
     wait_for_end(process.pid)
     assert statuses_left(out) == [COMPLETED]
-    dataset = archive.read_study(out / "small.nc")
+    dataset = study_files.read_study(out / "small.nc")
     assert dataset.status.values.tolist() == [COMPLETED, "missing"]
     assert dataset.cone_factor.notnull().values.tolist() == [True, False]
 

@@ -14,10 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files
-from harness.archive import collection as archive
-from harness.run.measuring import differing
-from harness.study.cases import cases_of
+from harness.archive import case_files, study_files
+from harness.compare.differences import differing
 from harness.study.study import Study, load_study
 
 LIMIT = 600
@@ -91,10 +89,10 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     subprocess.run(command(study_file, out), check=True, capture_output=True, timeout=LIMIT)
 
     assert seen.items() <= written(study, out).items()
-    assert {path.name for path in folder.iterdir()} == {
-        f"{case.key}.nc" for case in cases_of(study)
-    }
+    assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in study.cases}
     assert not list(out.rglob(".*"))
-    killed, whole = (archive.read_study(folder / "many.nc") for folder in (out, tmp_path / "whole"))
+    killed, whole = (
+        study_files.read_study(folder / "many.nc") for folder in (out, tmp_path / "whole")
+    )
     assert set(killed.status.values.tolist()) == {"completed"}
     assert differing(killed, whole) == []

@@ -11,12 +11,14 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
+from harness.archive.conventions import COMPLETED
+from harness.compare.differences import differing
 from harness.run import measuring
-from harness.run.measuring import Measurement, differing, with_samples
+from harness.run.measuring import Measurement, with_samples
 from harness.run.pool import run_cases
 from harness.run.progress import Display
 from harness.run.worker import compute, run_case
-from harness.study.cases import COMPLETED, Case
+from harness.study.cases import Case
 from mpm_warp.parameters import Value
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class

@@ -17,12 +17,14 @@ import xarray as xr
 from harness.archive import case_files
 from harness.archive import collection as archive
 from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.case_files import Outcome
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
+from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_rows
 from harness.run import pool as runner
-from harness.run.measuring import differing
 from harness.run.pool import Watcher, cases_at_once, run_cases, share_of_cores
-from harness.study.cases import COMPLETED, CRASHED, TIMED_OUT, Case, Outcome, cases_of
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
 
@@ -54,19 +56,19 @@ def prepared(study: Study, out: Path) -> Path:
 def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
     """Run a study in `out` and collect it."""
     folder = prepared(study, out)
-    run_cases(cases_of(study), folder, workers, watcher)
+    run_cases(study.cases, folder, workers, watcher)
     return collected(study, folder)
 
 
 def collected(study: Study, folder: Path) -> xr.Dataset:
     """What was computed."""
-    return archive.collect(study, cases_of(study), folder)
+    return archive.collect(study, folder)
 
 
 def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
     record = Record()
     dataset = run(small, tmp_path, 2, record)
-    assert record.statuses(cases_of(small)) == [COMPLETED] * 3
+    assert record.statuses(small.cases) == [COMPLETED] * 3
     assert dataset.status.values.tolist() == [COMPLETED] * 3
     assert dataset.cone_factor.notnull().all()
     assert not multiprocessing.active_children()
@@ -80,7 +82,7 @@ def test_the_number_of_workers_does_not_change_a_bit(tmp_path: Path, small: Stud
 
 
 def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study) -> None:
-    cases = cases_of(small)
+    cases = small.cases
     datasets = []
     for threads in (1, 2, None):
         folder = prepared(small, tmp_path / str(threads))
@@ -101,7 +103,7 @@ def test_a_case_has_its_threads_from_the_first_step_on(
         send(worker, message)
 
     monkeypatch.setattr(runner._Worker, "_send", noted)
-    cases = cases_of(small)
+    cases = small.cases
     run_cases(cases, prepared(small, tmp_path), 1, Record(), threads=2)
     assert sent == [2, *((case,) for case in cases)]
 
@@ -135,7 +137,7 @@ def test_the_death_of_a_worker_takes_one_case(
     message = dataset.message.values[0]
     assert re.fullmatch(rf"worker killed by {number.name}, at \d+% of the case", message)
     assert dataset.cone_factor.isnull().values.tolist() == [True, False]
-    assert record.outcomes[cases_of(study)[0].key].status == CRASHED
+    assert record.outcomes[study.cases[0].key].status == CRASHED
 
 
 @pytest.fixture
@@ -146,7 +148,7 @@ def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
     """
     settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03, 0.04]"]
     study = load_study(str(small_file), settings)
-    long, *warm = cases_of(study)
+    long, *warm = study.cases
     folder = prepared(study, tmp_path)
     for batch in (1, 2):
         run_cases(warm, folder, 1, Record(), batch=batch)
@@ -180,7 +182,7 @@ def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
     tmp_path: Path, small: Study
 ) -> None:
     folder = prepared(small, tmp_path)
-    case = cases_of(small)[0]
+    case = small.cases[0]
 
     class Killer(Record):
         """Kills the worker as it begins, after another has written the result."""
@@ -201,7 +203,7 @@ def test_what_another_run_has_completed_meanwhile_is_not_run_again(
     tmp_path: Path, small: Study
 ) -> None:
     folder = prepared(small, tmp_path)
-    first, *others = cases_of(small)
+    first, *others = small.cases
 
     class Other(Record):
         """Another run in the same folder, that has done the rest before the first case ends."""
@@ -249,7 +251,7 @@ def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: P
 
 def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
     record = Record()
-    cases = cases_of(small)
+    cases = small.cases
     with pytest.raises(ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
         run_cases(cases, tmp_path / "not there", 1, record)
     assert record.outcomes == {}
@@ -266,18 +268,18 @@ def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: S
     alone = run(small, tmp_path / "alone", 1, Record())
     folder = prepared(small, tmp_path / "together")
     record = Record()
-    run_cases(cases_of(small), folder, 1, record, batch=10)
+    run_cases(small.cases, folder, 1, record, batch=10)
     together = collected(small, folder)
     assert differing(alone, together) == []
-    assert record.statuses(cases_of(small)) == [COMPLETED] * 3
-    assert run_together(folder, cases_of(small)) == [3, 3, 3]
+    assert record.statuses(small.cases) == [COMPLETED] * 3
+    assert run_together(folder, small.cases) == [3, 3, 3]
     assert (together.case_time >= together.run_time).all()
 
 
 def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
     folder = prepared(small, tmp_path)
-    run_cases(cases_of(small), folder, 2, Record(), batch=10)
-    assert run_together(folder, cases_of(small)) == [2, 2, 1]
+    run_cases(small.cases, folder, 2, Record(), batch=10)
+    assert run_together(folder, small.cases) == [2, 2, 1]
 
 
 def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run_alone(
@@ -296,9 +298,9 @@ def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run
                 worker.kill()
 
     record = Killer()
-    run_cases(cases_of(study), folder, 1, record, batch=4)
-    assert record.statuses(cases_of(study)) == [COMPLETED] * 4
-    assert set(run_together(folder, cases_of(study))) == {1, 4}
+    run_cases(study.cases, folder, 1, record, batch=4)
+    assert record.statuses(study.cases) == [COMPLETED] * 4
+    assert set(run_together(folder, study.cases)) == {1, 4}
 
 
 def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
@@ -325,5 +327,5 @@ def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
                     worker.kill()
 
     record = Killer()
-    run_cases(cases_of(study), folder, 1, record, batch=3)
-    assert record.statuses(cases_of(study)) == [CRASHED, COMPLETED, COMPLETED]
+    run_cases(study.cases, folder, 1, record, batch=3)
+    assert record.statuses(study.cases) == [CRASHED, COMPLETED, COMPLETED]

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
+from harness.archive.case_files import Outcome
 from harness.run.progress import Display
-from harness.study.cases import Outcome, cases_of
 from harness.study.study import Study
 
 
@@ -16,7 +16,7 @@ class Terminal(io.StringIO):
 
 
 def test_elsewhere_than_on_a_terminal_there_is_a_line_a_case(small: Study) -> None:
-    case = cases_of(small)[1]
+    case = small.cases[1]
     stream = io.StringIO()
     with Display(3, stream) as display:
         display.advanced(case, 0.5)
@@ -30,7 +30,7 @@ def test_the_bar_shows_cases_done_running_and_time_left(
     clock = [100.0]
     monkeypatch.setattr("time.monotonic", lambda: clock[0])
     display = Display(4, Terminal())
-    first, second, third = cases_of(small)
+    first, second, third = small.cases
     display.finished(first, Outcome("completed"))
     display.advanced(second, 0.75)
     display.advanced(third, 0.25)
@@ -42,5 +42,5 @@ def test_the_bar_shows_cases_done_running_and_time_left(
 def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
     stream = Terminal()
     with Display(3, stream) as display:
-        display.advanced(cases_of(small)[0], 0.5)
+        display.advanced(small.cases[0], 0.5)
     assert re.search(r"0/3 cases.*\r\x1b\[K$", stream.getvalue())

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import case_files
+from harness.archive import case_files, study_files
 from harness.archive import collection as archive
+from harness.archive.conventions import CRASHED
 from harness.cli.main import main
-from harness.study.cases import CRASHED, cases_of
 from harness.study.study import Study, load_study
 
 SETTINGS = ["material=['von_mises']", "rigidity_index=[50, 100]", "adhesion_factor=0.5"]
@@ -29,7 +29,7 @@ def done(small_file: Path, tmp_path: Path) -> Study:
 def test_a_case_file_gives_the_same_bits_again(
     done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    case = cases_of(done)[1]
+    case = done.cases[1]
     path = case_files.case_file(case_files.case_folder(tmp_path, done), case)
     elsewhere = path.rename(tmp_path / "alone.nc")
     files = set(tmp_path.rglob("*"))
@@ -42,7 +42,7 @@ def test_a_case_file_gives_the_same_bits_again(
 def test_a_case_of_a_collected_file_gives_the_same_bits_again(
     done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for case in cases_of(done):
+    for case in done.cases:
         capsys.readouterr()
         assert main(["rerun", str(tmp_path / "small.nc"), case.key]) == 0
         assert capsys.readouterr().out == f"{case.key}: bit-identical\n"
@@ -52,7 +52,7 @@ def test_a_case_of_a_collected_file_gives_the_same_bits_again(
 def test_another_bit_is_noticed(
     done: Study, tmp_path: Path, collected: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    case = cases_of(done)[1]
+    case = done.cases[1]
     folder = case_files.case_folder(tmp_path, done)
     result = case_files.read_case(folder, case)
     assert result is not None
@@ -62,7 +62,7 @@ def test_another_bit_is_noticed(
     path = case_files.case_file(folder, case)
     if collected:
         path = tmp_path / "changed.nc"
-        archive.write_study(path, archive.collect(done, cases_of(done), folder))
+        study_files.write_study(path, archive.collect(done, folder))
     capsys.readouterr()
     assert main(["rerun", str(path), case.key]) == 1
     told = capsys.readouterr().out
@@ -74,7 +74,7 @@ def test_another_bit_is_noticed(
 def test_a_case_that_had_crashed_is_run_but_not_compared(
     small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    case = cases_of(small)[0]
+    case = small.cases[0]
     case_files.write_case(tmp_path, case, xr.Dataset(), CRASHED, "why")
     assert main(["rerun", str(case_files.case_file(tmp_path, case))]) == 1
     assert "not to be compared: crashed before, completed again" in capsys.readouterr().out
@@ -83,7 +83,7 @@ def test_a_case_that_had_crashed_is_run_but_not_compared(
 def test_what_cannot_be_run_again_is_one_line(
     done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    one, other = cases_of(done)
+    one, other = done.cases
     folder = case_files.case_folder(tmp_path, done)
     path = case_files.case_file(folder, one)
     changed = case_files.read_netcdf(path)
@@ -130,7 +130,7 @@ def test_what_cannot_be_run_again_is_one_line(
 @pytest.fixture
 def collected(small: Study, tmp_path: Path) -> xr.Dataset:
     """A result of which no case has been run."""
-    return archive.collect(small, cases_of(small), tmp_path)
+    return archive.collect(small, tmp_path)
 
 
 def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
@@ -138,7 +138,7 @@ def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
 ) -> None:
     path = tmp_path / "older.nc"
     older = collected.drop_vars("friction_coefficient").assign_attrs(scene_version=0)
-    archive.write_study(path, older)
+    study_files.write_study(path, older)
     line = refusal(["rerun", str(path), str(older.case_key.values[1])])
     assert "was computed by version 0 of cone_penetration, this simulator has version" in line
 
@@ -152,6 +152,6 @@ def test_a_result_without_a_parameter_is_told(
         "missing": collected.drop_vars(name),
         "text": collected.assign({name: "rough"}),
     }[change]
-    archive.write_study(path, changed)
+    study_files.write_study(path, changed)
     line = refusal(["rerun", str(path), str(collected.case_key.values[1])])
     assert line.endswith(": a parameter is missing or malformed; it cannot be run again")

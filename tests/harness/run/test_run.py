@@ -10,12 +10,11 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import case_files
-from harness.archive import collection as archive
+from harness.archive import case_files, study_files
+from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.run import run_study
 from harness.run.pool import run_cases
-from harness.study.cases import COMPLETED, cases_of
 from harness.study.study import Study, load_study
 
 TIMED = "[timing]\nrepeats = 3\n"
@@ -181,7 +180,7 @@ def test_running_again_goes_on_where_it_stopped(
     assert main(command) == 0
     assert written(study, out) == first
 
-    damaged, failed, kept = cases_of(study)
+    damaged, failed, kept = study.cases
     case_files.case_file(folder, damaged).write_bytes(b"noise")
     case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
     assert written(study, out) == {kept.key: first[kept.key]}
@@ -191,8 +190,8 @@ def test_running_again_goes_on_where_it_stopped(
     assert f"{damaged.key}.nc: cannot be read: " in told
     assert "1 done already" in told
     again = written(study, out)
-    assert [again[case.key] == first[case.key] for case in cases_of(study)] == [False, False, True]
-    assert archive.read_study(out / "small.nc").status.values.tolist() == [COMPLETED] * 3
+    assert [again[case.key] == first[case.key] for case in study.cases] == [False, False, True]
+    assert study_files.read_study(out / "small.nc").status.values.tolist() == [COMPLETED] * 3
 
     assert main([*command, "--fresh"]) == 0
     assert "0 done already" in capsys.readouterr().err
@@ -214,9 +213,9 @@ def test_a_study_may_ask_for_timed_runs(
         return capsys.readouterr().err
 
     assert "0 done already" in told_after(untimed)
-    keys = [case.key for case in cases_of(load_study(str(small_file)))]
+    keys = [case.key for case in load_study(str(small_file)).cases]
     small_file.write_text(untimed + TIMED)
-    assert [case.key for case in cases_of(load_study(str(small_file)))] == keys
+    assert [case.key for case in load_study(str(small_file)).cases] == keys
     assert main(status) == 1
     assert "3 cases: 3 untimed" in capsys.readouterr().out
 
@@ -224,7 +223,7 @@ def test_a_study_may_ask_for_timed_runs(
     assert "0 done already" in told
     assert "timed alone, 3 warm runs a case; load now " in told
     assert main(status) == 0
-    dataset = archive.read_study(out / "small.nc")
+    dataset = study_files.read_study(out / "small.nc")
     assert dataset.run_time_sample.dims == ("adhesion_factor", "repeat")
     assert dataset.run_time_sample.notnull().all()
     assert (dataset.run_time == dataset.run_time_sample.median("repeat")).all()

@@ -9,7 +9,6 @@ import pytest
 
 from harness.archive import case_files
 from harness.run.worker import run_case
-from harness.study.cases import cases_of
 from harness.study.study import Study
 from mpm_warp.scene import SceneError
 from mpm_warp.scenes.cone_penetration import ConePenetration
@@ -22,7 +21,7 @@ def test_an_exception_of_the_scene_is_the_outcome(
         raise ArithmeticError("on\ntwo lines")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
-    case = cases_of(small)[0]
+    case = small.cases[0]
     outcome = run_case(case, tmp_path)
     assert (outcome.status, outcome.message) == ("failed", "ArithmeticError: on two lines")
     result = case_files.read_case(tmp_path, case)
@@ -40,7 +39,7 @@ def test_an_exception_may_name_the_status(
         raise DivergedError("too fast")
 
     monkeypatch.setattr(ConePenetration, "run", diverge)
-    assert run_case(cases_of(small)[0], tmp_path).status == "diverged"
+    assert run_case(small.cases[0], tmp_path).status == "diverged"
 
 
 def test_a_scene_that_can_not_be_made_is_refused(
@@ -50,5 +49,5 @@ def test_a_scene_that_can_not_be_made_is_refused(
         raise SceneError("bodies 0 and 1 overlap")
 
     monkeypatch.setattr(ConePenetration, "run", refuse)
-    outcome = run_case(cases_of(small)[0], tmp_path)
+    outcome = run_case(small.cases[0], tmp_path)
     assert (outcome.status, outcome.message) == ("refused", "SceneError: bodies 0 and 1 overlap")

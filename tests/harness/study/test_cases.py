@@ -5,30 +5,30 @@ from pathlib import Path
 
 import pytest
 
-from harness.study.cases import Case, cases_of
-from harness.study.definition import StudyError
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from harness.study.tables import StudyError
 
 
 def test_all_combinations_in_the_order_of_the_study(small_file: Path) -> None:
-    cases = cases_of(load_study(str(small_file), ["rigidity_index=[200, 100]"]))
+    cases = load_study(str(small_file), ["rigidity_index=[200, 100]"]).cases
     values = [(c.parameters["adhesion_factor"], c.parameters["rigidity_index"]) for c in cases]
     assert values == [(0, 200), (0, 100), (0.5, 200), (0.5, 100), (1, 200), (1, 100)]
 
 
 def test_a_study_that_varies_nothing_is_one_case(small_file: Path) -> None:
-    (case,) = cases_of(load_study(str(small_file), ["adhesion_factor=0"]))
+    (case,) = load_study(str(small_file), ["adhesion_factor=0"]).cases
     assert case.label == "cone_penetration"
 
 
 def test_parameters_are_complete(small: Study) -> None:
-    parameters = cases_of(small)[0].parameters
+    parameters = small.cases[0].parameters
     assert parameters["poissons_ratio"] == 0.49
     assert parameters["material"] == "tresca"
 
 
 def test_the_key_tells_parameters_scene_and_version_apart(small: Study) -> None:
-    case = cases_of(small)[0]
+    case = small.cases[0]
     others = [
         dataclasses.replace(case, scene="other"),
         dataclasses.replace(case, scene_version=case.scene_version + 1),
@@ -38,7 +38,7 @@ def test_the_key_tells_parameters_scene_and_version_apart(small: Study) -> None:
 
 
 def test_the_key_depends_on_nothing_else(small: Study) -> None:
-    case = cases_of(small)[0]
+    case = small.cases[0]
     order = dict(reversed(case.parameters.items()))
     assert dataclasses.replace(case, label="", parameters=order).key == case.key
 
@@ -53,4 +53,4 @@ def test_a_study_of_too_many_cases_is_refused(small_file: Path) -> None:
     values = [i / 1000 for i in range(1000)]
     settings = [f"adhesion_factor={values}", f"friction_coefficient={values}"]
     with pytest.raises(StudyError, match="gives 1000000 cases"):
-        cases_of(load_study(str(small_file), settings))
+        _ = load_study(str(small_file), settings).cases

@@ -11,13 +11,15 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
-from harness.archive.collection import collect, read_study, write_study
+from harness.archive.collection import collect
+from harness.archive.conventions import COMPLETED
+from harness.archive.study_files import read_study, write_study
 from harness.compare.cone_factor_table import cone_factor_table
 from harness.pictures.pictures import draw
 from harness.run.rerun import read_for_rerun, verdict
-from harness.study.cases import COMPLETED, Case, cases_of
-from harness.study.definition import StudyError
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from harness.study.tables import StudyError
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 
@@ -45,18 +47,18 @@ def test_ranges(tmp_path: Path) -> None:
 def test_one_at_a_time_begins_with_the_fixed_values(tmp_path: Path) -> None:
     text = 'design = "one_at_a_time"\n[fixed]\nrigidity_index = 50\n[vary]\n'
     text += "adhesion_factor = [0, 1]\nrigidity_index = [50, 200]\n"
-    cases = cases_of(study(tmp_path, HEAD + text))
+    cases = study(tmp_path, HEAD + text).cases
     # 0 and 50 are the fixed values themselves: such a case is there once.
     expected = [(0, 50), (1, 50), (0, 200)]
     assert values(cases, "adhesion_factor", "rigidity_index") == expected
-    others = cases_of(study(tmp_path, HEAD + text.replace("[0, 1]", "[1]").replace("[50, ", "[")))
+    others = study(tmp_path, HEAD + text.replace("[0, 1]", "[1]").replace("[50, ", "[")).cases
     assert values(others, "adhesion_factor", "rigidity_index") == expected
 
 
 def test_a_list_of_cases(tmp_path: Path) -> None:
     text = 'design = "list"\n[fixed]\nadhesion_factor = 0.5\n[[case]]\nrigidity_index = 50\n'
     text += "[[case]]\nrigidity_index = 70\nadhesion_factor = 1\n"
-    cases = cases_of(study(tmp_path, HEAD + text))
+    cases = study(tmp_path, HEAD + text).cases
     assert values(cases, "rigidity_index", "adhesion_factor") == [(50, 0.5), (70, 1)]
 
 
@@ -71,7 +73,7 @@ material = ["tresca", "von_mises"]
 
 
 def test_a_latin_hypercube_samples_every_share_once(tmp_path: Path) -> None:
-    cases = cases_of(study(tmp_path, HEAD + HYPERCUBE))
+    cases = study(tmp_path, HEAD + HYPERCUBE).cases
     adhesion, rigidity, material = zip(
         *values(cases, "adhesion_factor", "rigidity_index", "material"), strict=True
     )
@@ -82,7 +84,7 @@ def test_a_latin_hypercube_samples_every_share_once(tmp_path: Path) -> None:
 
 def test_the_seed_decides_the_samples(tmp_path: Path) -> None:
     one, again, other = (
-        [case.key for case in cases_of(study(tmp_path, HEAD + text))]
+        [case.key for case in study(tmp_path, HEAD + text).cases]
         for text in (HYPERCUBE, HYPERCUBE, HYPERCUBE.replace("seed = 3", "seed = 4"))
     )
     assert one == again
@@ -104,11 +106,11 @@ friction = { from = 0, to = 0.5 }
 
 
 def test_what_chance_chose_and_the_scene_refuses_is_a_case_all_the_same(tmp_path: Path) -> None:
-    cells = [it for (it,) in values(cases_of(study(tmp_path, BLOCKS)), "cells_per_length")]
+    cells = [it for (it,) in values(study(tmp_path, BLOCKS).cases, "cells_per_length")]
     assert len(cells) == 10
     assert min(cells) < 10
     excluding = 'exclude = ["cells_per_length < 10"]\n' + BLOCKS
-    assert len(cases_of(study(tmp_path, excluding))) == sum(it >= 10 for it in cells)
+    assert len(study(tmp_path, excluding).cases) == sum(it >= 10 for it in cells)
 
 
 @pytest.mark.parametrize(
@@ -123,28 +125,28 @@ def test_what_chance_chose_and_the_scene_refuses_is_a_case_all_the_same(tmp_path
 )
 def test_what_the_scene_refuses_is_an_error_of_the_study(tmp_path: Path, text: str) -> None:
     with pytest.raises(StudyError, match=r"cells_per_length=.* the block must be 3 cells high"):
-        cases_of(study(tmp_path, text))
+        _ = study(tmp_path, text).cases
 
 
 def test_integers_are_sampled_evenly(tmp_path: Path) -> None:
     text = 'title = "t"\nscene = "material_point"\ndesign = "latin_hypercube"\nsamples = 30\n'
     text += "seed = 1\n[vary]\nstep_count = { from = 11, to = 13 }\n"
     text += "rigidity_index = { from = 10, to = 100 }\n"
-    steps = [case.parameters["step_count"] for case in cases_of(study(tmp_path, text))]
+    steps = [case.parameters["step_count"] for case in study(tmp_path, text).cases]
     assert [steps.count(n) for n in (11, 12, 13)] == [10, 10, 10]
 
 
 def test_derived_parameters_in_their_order(tmp_path: Path) -> None:
     text = '[derived]\ndomain_radius = "6 * sqrt(rigidity_index)"\n'
     text += 'domain_above = "domain_radius / 3"\n[vary]\nrigidity_index = [25, 100]\n'
-    cases = cases_of(study(tmp_path, HEAD + text))
+    cases = study(tmp_path, HEAD + text).cases
     assert values(cases, "domain_radius", "domain_above") == [(30, 10), (60, 20)]
 
 
 def test_exclusions(tmp_path: Path) -> None:
     text = 'exclude = ["rigidity_index > 100 and adhesion_factor == 1"]\n[vary]\n'
     text += "adhesion_factor = [0, 1]\nrigidity_index = [50, 500]\n"
-    cases = cases_of(study(tmp_path, HEAD + text))
+    cases = study(tmp_path, HEAD + text).cases
     assert values(cases, "adhesion_factor", "rigidity_index") == [(0, 50), (0, 500), (1, 50)]
 
 
@@ -152,7 +154,7 @@ def test_several_scenes(tmp_path: Path) -> None:
     text = 'title = "t"\nscene = ["strip_footing", "material_point"]\n[fixed]\n'
     text += "rigidity_index = 200\n[scenes.strip_footing.vary]\ncells_per_radius = [4, 8]\n"
     text += "[scenes.material_point.fixed]\nrigidity_index = 100\n"
-    cases = cases_of(study(tmp_path, text))
+    cases = study(tmp_path, text).cases
     assert [case.scene for case in cases] == ["strip_footing", "strip_footing", "material_point"]
     assert values(cases, "rigidity_index") == [(200,), (200,), (100,)]
 
@@ -163,7 +165,7 @@ def test_a_study_stands_on_another(tmp_path: Path) -> None:
     (part,) = study(tmp_path, text).parts
     assert part.fixed == {"penetration": 3, "rigidity_index": 70}
     assert part.varied == {"adhesion_factor": (0, 1)}
-    assert cases_of(study(tmp_path, 'base = "adhesion_factor"\ntitle = "mine"'))
+    assert study(tmp_path, 'base = "adhesion_factor"\ntitle = "mine"').cases
 
 
 MISTAKES = {
@@ -224,7 +226,7 @@ MISTAKES = {
 def test_a_mistake_is_told_with_its_place(tmp_path: Path, mistake: str) -> None:
     text, told = MISTAKES[mistake]
     with pytest.raises(StudyError) as caught:
-        cases_of(study(tmp_path, text))
+        _ = study(tmp_path, text).cases
     assert told in str(caught.value)
     assert str(caught.value).startswith(f"{tmp_path / 's.toml'}:")
 
@@ -234,11 +236,11 @@ def collected(tmp_path: Path, text: str) -> xr.Dataset:
     made = study(tmp_path, text)
     folder = case_folder(tmp_path, made)
     prepare(folder)
-    cases = cases_of(made)
+    cases = made.cases
     for place, case in enumerate(cases):
         result = xr.Dataset({"cone_factor": 10.0 + place, "run_time": 1.0})
         write_case(folder, case, result, COMPLETED)
-    return collect(made, cases, folder)
+    return collect(made, folder)
 
 
 def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
@@ -268,14 +270,14 @@ def test_results_of_one_name_over_other_dims_are_told_apart(tmp_path: Path) -> N
     made = study(tmp_path, text)
     folder = case_folder(tmp_path, made)
     prepare(folder)
-    cases = cases_of(made)
+    cases = made.cases
     results = [
         xr.Dataset({"stress": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]}),
         xr.Dataset({"stress": (("x", "y"), [[3.0], [4.0]])}, {"x": [0.0, 1.0], "y": [0.0]}),
     ]
     for case, result in zip(cases, results, strict=True):
         write_case(folder, case, result, COMPLETED)
-    write_study(tmp_path / "s.nc", collect(made, cases, folder))
+    write_study(tmp_path / "s.nc", collect(made, folder))
     for case, result in zip(cases, results, strict=True):
         _, before = read_for_rerun(tmp_path / "s.nc", case.key)
         again = result.assign_attrs(status=COMPLETED)
@@ -287,7 +289,7 @@ def test_a_case_of_several_scenes_is_found_again(tmp_path: Path) -> None:
     dataset = collected(tmp_path, text)
     assert dataset["scene"].values.tolist() == ["strip_footing", "material_point"]
     write_study(tmp_path / "s.nc", dataset)
-    for case in cases_of(study(tmp_path, text)):
+    for case in study(tmp_path, text).cases:
         found, _ = read_for_rerun(tmp_path / "s.nc", case.key)
         assert found.scene == case.scene
         assert found.parameters == case.parameters

@@ -16,7 +16,6 @@ from pathlib import Path
 import pytest
 
 from harness.cli.main import main
-from harness.study.cases import cases_of
 from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes.cone_penetration import ConePenetration
@@ -219,7 +218,7 @@ def outcome_of_run(path: Path) -> tuple[object, str, str]:
 def test_the_study_that_is_broken_is_a_valid_one(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(HEAD)
-    assert len(cases_of(load_study(str(path)))) == 1
+    assert len(load_study(str(path)).cases) == 1
 
 
 def test_malformed_files_are_refused_in_a_line_each(

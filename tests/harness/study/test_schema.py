@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from harness.cli.main import main
-from harness.study.definition import studies_folder, study_names
+from harness.study.files import studies_folder, study_names
 from harness.study.schema import study_schema, value_schema
 from mpm_warp.parameters import Parameter
 from mpm_warp.scenes import scene_names

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.study.cases import Case, cases_of
-from harness.study.definition import StudyError
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from harness.study.tables import StudyError
 
 LISTED = """title = "t"
 scene = "cone_penetration"
@@ -52,13 +52,13 @@ def values(cases: list[Case], *names: str) -> list[tuple[object, ...]]:
 
 def test_a_setting_holds_in_every_case_of_a_list(tmp_path: Path) -> None:
     names = "rigidity_index", "adhesion_factor", "cells_per_radius"
-    cases = cases_of(study(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0"))
+    cases = study(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0").cases
     assert values(cases, *names) == [(50, 0, 1), (70, 0, 1)]
     assert [case.label for case in cases] == ["rigidity_index=50.0", "rigidity_index=70.0"]
 
 
 def test_cases_of_a_list_that_a_setting_makes_alike_are_one() -> None:
-    cases = cases_of(load_study("contact_surface", ["cells_per_radius=1"]))
+    cases = load_study("contact_surface", ["cells_per_radius=1"]).cases
     assert values(cases, "contact_surface", "cells_per_radius") == [("fitted", 1), ("points", 1)]
 
 
@@ -74,7 +74,7 @@ def test_what_is_varied_beside_a_list_is_told_of_the_file(tmp_path: Path) -> Non
 
 
 def test_a_setting_that_varies_leaves_what_one_at_a_time_begins_with(tmp_path: Path) -> None:
-    cases = cases_of(study(tmp_path, IN_TURN, "cells_per_radius=[1, 3]"))
+    cases = study(tmp_path, IN_TURN, "cells_per_radius=[1, 3]").cases
     expected = [(0, 2), (0.5, 2), (1, 2), (0, 1), (0, 3)]
     assert values(cases, "adhesion_factor", "cells_per_radius") == expected
 
@@ -82,7 +82,7 @@ def test_a_setting_that_varies_leaves_what_one_at_a_time_begins_with(tmp_path: P
 def test_a_study_that_varies_leaves_what_its_base_begins_with(tmp_path: Path) -> None:
     study(tmp_path, IN_TURN, name="base")
     text = 'base = "base.toml"\n[vary]\ncells_per_radius = [1, 3]\n'
-    cases = cases_of(study(tmp_path, text))
+    cases = study(tmp_path, text).cases
     expected = [(0, 2), (0.5, 2), (1, 2), (0, 1), (0, 3)]
     assert values(cases, "adhesion_factor", "cells_per_radius") == expected
     (part,) = study(tmp_path, 'design = "full"\n' + text).parts
@@ -105,7 +105,7 @@ def test_what_stands_under_a_scene_is_joined_key_by_key(tmp_path: Path) -> None:
 
 
 def test_a_setting_is_for_the_scenes_that_have_the_parameter(tmp_path: Path) -> None:
-    cases = cases_of(study(tmp_path, TWO_SCENES, "cell_count=5", "grid_angle=[0, 20]"))
+    cases = study(tmp_path, TWO_SCENES, "cell_count=5", "grid_angle=[0, 20]").cases
     assert [case.scene for case in cases] == ["thick_cylinder", "sliding_block", "sliding_block"]
     assert values(cases, "cell_count", "grid_angle") == [(5, None), (None, 0), (None, 20)]
 

@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.study.cases import cases_of
-from harness.study.definition import LONGEST_MESSAGE, StudyError, study_names
+from harness.study.files import study_names
 from harness.study.study import Study, load_study
+from harness.study.tables import LONGEST_MESSAGE, StudyError
 
 
 @pytest.mark.parametrize("name", study_names())
 def test_a_study_that_ships_is_valid(name: str) -> None:
     study = load_study(name)
     assert study.name == name
-    assert len(cases_of(study)) > 1
+    assert len(study.cases) > 1
 
 
 def test_studies_that_ship() -> None:
