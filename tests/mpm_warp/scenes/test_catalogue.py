@@ -32,7 +32,7 @@ SMALL: dict[str, dict[str, Value]] = {
     "full_flow_cylinder": {"cells_per_radius": 2, "displacement": 1.0},
     "gravity_column": {"cell_count": 2},
     "material_point": {"step_count": 10},
-    "sliding_block": {"cells_per_length": 6},
+    "sliding_block": {"cells_per_length": 6, "height_ratio": 0.5},
     "step_cost": {"size": 500, "samples": 1, "sample_time": 1e-3},
     "stretched_bar": {"stretch": 1.1},
     "strip_footing": {"cells_per_radius": 2, "displacement": 1.0},
