@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.penetrometer import Penetrometer, PenetrometerSurface
 
 
 @pytest.fixture

@@ -6,13 +6,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-
-from mpm_warp.watch.health import WindowOverfull
 from mpm_warp.penetration import Penetration
 from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.simulation import Simulation
 from mpm_warp.travel import Travel
+from mpm_warp.watch.health import WindowOverfull
+
 from mpm_warp.parts.window import Approach, Window
+from mpm_warp.simulation import Simulation
 
 HURRIED = Window(
     speed=1.0,

@@ -126,7 +126,8 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     one = wp.constant(real(1.0))
     stress_increment = make_stress_increment(precision)
     stress_update = make_stress_update(law, precision)
-    yield_function, remembers = law.yield_function, law.remembers
+    yield_function: Any = law.yield_function
+    remembers = law.remembers
     properties_type, state_type = law.properties_type, law.state_type
     yields = yield_function is not None
 
