@@ -8,15 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-<<<<<<< HEAD:harness/arguments.py
-from harness.endings import BAD_INPUT
-from mpm_warp.execution import THREAD_COUNTS
-=======
 from harness.cli.exit_codes import BAD_INPUT
 
 THREAD_COUNTS = (1, 2, 4)
 """Those of the simulator, for which the help is not to wait."""
->>>>>>> w-harness:harness/cli/arguments.py
 
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]

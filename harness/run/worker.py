@@ -11,18 +11,6 @@ from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-<<<<<<< HEAD:harness/worker.py
-from harness import in_one_line
-from harness.cases import COMPLETED, MISSING, Case, Outcome
-from mpm_warp.parameters import from_mapping
-from mpm_warp.scenes import Progress, scene_class
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from mpm_warp.execution.execution import Execution
-
-=======
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
@@ -39,7 +27,6 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
 
->>>>>>> w-harness:harness/run/worker.py
 REPORT_INTERVAL = 0.1
 """Seconds between two reports of progress."""
 
@@ -74,15 +61,6 @@ def compute(
         execution: where it is computed, and on how many threads; default: one of the processor.
         repeats: times to run it again to measure its run time warm.
     """
-<<<<<<< HEAD:harness/worker.py
-    import xarray as xr
-
-    from harness.measuring import Measurement, without_idle_time
-    from harness.provenance import provenance
-    from mpm_warp.execution.execution import Execution
-
-=======
->>>>>>> w-harness:harness/run/worker.py
     execution = execution or Execution()
     measurement = Measurement()
     status, message = COMPLETED, ""
@@ -135,12 +113,6 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     start_warp_in_silence()
-<<<<<<< HEAD:harness/worker.py
-    from harness.whole_files import ArchiveError
-    from mpm_warp.execution.batch import Batch
-    from mpm_warp.execution.execution import Execution
-=======
->>>>>>> w-harness:harness/run/worker.py
 
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)

@@ -37,19 +37,10 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_body_to_grid(grid.axisymmetric, damped, loaded, surface is not None, plan.precision),
         plan.particle_count,
-        body="particle.body",
-        position="particle.position",
-        velocity="particle.velocity",
-        affine="particle.affine",
-        stress="particle.stress",
-        mass="particle.mass",
-        volume="particle.volume",
-        viscous_stress=plan.find("particle.viscous_stress"),
-        load=plan.find("particle.load"),
+        particle_viscous_stress=plan.find("particle.viscous_stress"),
+        particle_load=plan.find("particle.load"),
         **grid.kernel_arguments(plan.precision),
-        time_step=plan.time_step,
-        momentum="field.momentum",
-        surface=surface,
+        field_surface=surface,
     )
     held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
     plan.add_array("field.held", "int", held)
@@ -58,10 +49,6 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_body_prediction(plan.precision),
         scene.field_shape,
-        held="field.held",
-        momentum="field.momentum",
-        inverse_mass="field.inverse_mass",
-        velocity="field.velocity",
     )
 
 
@@ -100,25 +87,25 @@ def make_body_to_grid(
 
     @wp.kernel(module=f"mpm_warp.body_to_grid.{key}.{precision.numpy_name}", enable_backward=False)
     def body_to_grid(
-        body: wp.array(dtype=int),
-        position: wp.array(dtype=vec2),
-        velocity: wp.array(dtype=vec2),
-        affine: wp.array(dtype=mat22),
-        stress: wp.array(dtype=vec4),
-        mass: wp.array(dtype=real),
-        volume: wp.array(dtype=real),
-        viscous_stress: wp.array(dtype=vec4),
-        load: wp.array(dtype=vec2),
+        particle_body: wp.array(dtype=int),
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_affine: wp.array(dtype=mat22),
+        particle_stress: wp.array(dtype=vec4),
+        particle_mass: wp.array(dtype=real),
+        particle_volume: wp.array(dtype=real),
+        particle_viscous_stress: wp.array(dtype=vec4),
+        particle_load: wp.array(dtype=vec2),
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
-        momentum: wp.array2d(dtype=vec3),
-        surface: wp.array2d(dtype=vec2),
+        field_momentum: wp.array2d(dtype=vec3),
+        field_surface: wp.array2d(dtype=vec2),
     ):
         p = wp.tid()
-        b = body[p]
-        x = position[p]
+        b = particle_body[p]
+        x = particle_position[p]
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
@@ -126,9 +113,15 @@ def make_body_to_grid(
         Nx, Ny = weights(fx), weights(fy)
         dNx, dNy = slopes(fx) / h, slopes(fy) / h
         dx, dy = offsets(fx), offsets(fy)
-        m, V, v, B, sigma = mass[p], volume[p], velocity[p], affine[p], vec4(stress[p])
+        m, V, v, B, sigma = (
+            particle_mass[p],
+            particle_volume[p],
+            particle_velocity[p],
+            particle_affine[p],
+            vec4(particle_stress[p]),
+        )
         if wp.static(damped):
-            sigma += viscous_stress[p]
+            sigma += particle_viscous_stress[p]
 
         for row in range(3):
             for column in range(3):
@@ -142,12 +135,12 @@ def make_body_to_grid(
                     force -= V * vec2(sigma[3] * N / x[0], real(0.0))
                     G += vec2(N / x[0], real(0.0))
                 if wp.static(loaded):
-                    force += N * load[p]
+                    force += N * particle_load[p]
                 d = h * vec2(dx[column], dy[row])
                 share = N * m * (v + B * d) + time_step * force
-                wp.atomic_add(momentum, b, node, vec3(N * m, share[0], share[1]))
+                wp.atomic_add(field_momentum, b, node, vec3(N * m, share[0], share[1]))
                 if wp.static(contact):
-                    wp.atomic_add(surface, b, node, V * G)
+                    wp.atomic_add(field_surface, b, node, V * G)
 
     return body_to_grid
 
@@ -164,21 +157,21 @@ def make_body_prediction(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.body_prediction.{precision.numpy_name}", enable_backward=False)
     def body_prediction(
-        held: wp.array2d(dtype=int),
-        momentum: wp.array2d(dtype=vec3),
-        inverse_mass: wp.array2d(dtype=real),
-        velocity: wp.array2d(dtype=vec2),
+        field_held: wp.array2d(dtype=int),
+        field_momentum: wp.array2d(dtype=vec3),
+        field_inverse_mass: wp.array2d(dtype=real),
+        field_velocity: wp.array2d(dtype=vec2),
     ):
         b, node = wp.tid()
-        sums = momentum[b, node]
-        momentum[b, node] = vec3()
-        velocity[b, node] = vec2()
+        sums = field_momentum[b, node]
+        field_momentum[b, node] = vec3()
+        field_velocity[b, node] = vec2()
         if sums[0] <= zero:
-            inverse_mass[b, node] = -one
-        elif held[b, node] != 0:
-            inverse_mass[b, node] = zero
+            field_inverse_mass[b, node] = -one
+        elif field_held[b, node] != 0:
+            field_inverse_mass[b, node] = zero
         else:
-            inverse_mass[b, node] = one / sums[0]
-            velocity[b, node] = vec2(sums[1], sums[2]) / sums[0]
+            field_inverse_mass[b, node] = one / sums[0]
+            field_velocity[b, node] = vec2(sums[1], sums[2]) / sums[0]
 
     return body_prediction

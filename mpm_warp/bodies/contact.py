@@ -73,8 +73,6 @@ class BodyContact:
             normal=normal,
             area=area,
             extent=extent,
-            inverse_mass="field.inverse_mass",
-            velocity="field.velocity",
             pressing=pressing,
         )
         plan.add_launch(
@@ -91,13 +89,10 @@ class BodyContact:
             base=self.base,
             friction=self.friction,
             adhesion=self.adhesion,
-            time_step=plan.time_step,
             node_counts=node_counts,
             normal=normal,
             pressing=pressing,
             pressure=pressure,
-            inverse_mass="field.inverse_mass",
-            velocity="field.velocity",
             total=plan.add_zeros(f"{contact}.total", "vec3", 1),
         )
 
@@ -119,8 +114,8 @@ def make_pressing(precision: Precision) -> Any:
         normal: wp.array(dtype=vec2),
         area: wp.array(dtype=real),
         extent: wp.array(dtype=vec2),
-        inverse_mass: wp.array2d(dtype=real),
-        velocity: wp.array2d(dtype=vec2),
+        field_inverse_mass: wp.array2d(dtype=real),
+        field_velocity: wp.array2d(dtype=vec2),
         pressing: wp.array(dtype=vec2),
     ):
         k = wp.tid()
@@ -128,10 +123,10 @@ def make_pressing(precision: Precision) -> Any:
         if area[k] <= zero:
             return
         gap = -(extent[k][0] + extent[k][1])
-        mobility = inverse_mass[body, k] + inverse_mass[base, k]
+        mobility = field_inverse_mass[body, k] + field_inverse_mass[base, k]
         if gap > closed or mobility <= zero:
             return
-        jump = velocity[body, k] - velocity[base, k]
+        jump = field_velocity[body, k] - field_velocity[base, k]
         pressing[k] = vec2(wp.max(wp.dot(jump, normal[k]) / mobility, zero), area[k])
 
     return pressing_of_nodes
@@ -185,8 +180,8 @@ def make_body_contact(precision: Precision) -> Any:
         normal: wp.array(dtype=vec2),
         pressing: wp.array(dtype=vec2),
         pressure: wp.array(dtype=real),
-        inverse_mass: wp.array2d(dtype=real),
-        velocity: wp.array2d(dtype=vec2),
+        field_inverse_mass: wp.array2d(dtype=real),
+        field_velocity: wp.array2d(dtype=vec2),
         total: wp.array(dtype=vec3),
     ):
         j, i = wp.tid()
@@ -200,12 +195,12 @@ def make_body_contact(precision: Precision) -> Any:
                 around += pressure[row * node_counts[0] + column]
         P = area * around
         n = normal[k]
-        jump = velocity[body, k] - velocity[base, k]
-        mobility = inverse_mass[body, k] + inverse_mass[base, k]
+        jump = field_velocity[body, k] - field_velocity[base, k]
+        mobility = field_inverse_mass[body, k] + field_inverse_mass[base, k]
         J = contact_law(one / mobility, jump, n, P, friction, adhesion * area * time_step, zero)
         impulse = J[0] * n + vec2(J[1], J[2])
-        velocity[body, k] = velocity[body, k] - inverse_mass[body, k] * impulse
-        velocity[base, k] = velocity[base, k] + inverse_mass[base, k] * impulse
+        field_velocity[body, k] = field_velocity[body, k] - field_inverse_mass[body, k] * impulse
+        field_velocity[base, k] = field_velocity[base, k] + field_inverse_mass[base, k] * impulse
         slip = jump - mobility * impulse
         wp.atomic_add(total, 0, vec3(impulse[0], impulse[1], wp.dot(impulse, slip)))
 

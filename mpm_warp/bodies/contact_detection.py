@@ -59,8 +59,6 @@ def add_contact_detection(
         body=body,
         base=base,
         node_counts=wp.vec2i(*grid.node_counts),
-        surface="field.surface",
-        inverse_mass="field.inverse_mass",
         normal=normal,
         area=area,
         extent=extent,
@@ -70,9 +68,6 @@ def add_contact_detection(
         plan.particle_count,
         body=body,
         base=base,
-        particle_body="particle.body",
-        position="particle.position",
-        half_spacing="body.half_spacing",
         **grid.kernel_arguments(plan.precision),
         normal=normal,
         area=area,
@@ -84,7 +79,7 @@ def add_contact_detection(
 def add_clear_surfaces(plan: Plan) -> None:
     """Clear the surfaces of all bodies for the next step, after all contacts."""
     over_fields = plan.arrays["field.surface"].shape
-    plan.add_launch(make_clear_surfaces(plan.precision), over_fields, surface="field.surface")
+    plan.add_launch(make_clear_surfaces(plan.precision), over_fields)
 
 
 @functools.cache
@@ -99,8 +94,8 @@ def make_interface(precision: Precision) -> Any:
         body: int,
         base: int,
         node_counts: wp.vec2i,
-        surface: wp.array2d(dtype=vec2),
-        inverse_mass: wp.array2d(dtype=real),
+        field_surface: wp.array2d(dtype=vec2),
+        field_inverse_mass: wp.array2d(dtype=real),
         normal: wp.array(dtype=vec2),
         area: wp.array(dtype=real),
         extent: wp.array(dtype=vec2),
@@ -108,19 +103,19 @@ def make_interface(precision: Precision) -> Any:
         j, i = wp.tid()
         k = j * node_counts[0] + i
         area[k] = zero
-        if inverse_mass[body, k] < zero or inverse_mass[base, k] < zero:
+        if field_inverse_mass[body, k] < zero or field_inverse_mass[base, k] < zero:
             return
         b = vec2()
         for row in range(wp.max(j - 1, 0), wp.min(j + 2, node_counts[1])):
             for column in range(wp.max(i - 1, 0), wp.min(i + 2, node_counts[0])):
                 weight = (two - real(wp.abs(row - j))) * (two - real(wp.abs(column - i)))
-                b += weight * surface[base, row * node_counts[0] + column]
+                b += weight * field_surface[base, row * node_counts[0] + column]
         length = wp.length(b)
         if length <= zero:
             return
         n = -b / length
         normal[k] = n
-        area[k] = wp.max(wp.dot(surface[body, k], n), zero)
+        area[k] = wp.max(wp.dot(field_surface[body, k], n), zero)
         extent[k] = vec2(far, far)
 
     return interface
@@ -138,8 +133,8 @@ def make_extents(precision: Precision) -> Any:
         body: int,
         base: int,
         particle_body: wp.array(dtype=int),
-        position: wp.array(dtype=vec2),
-        half_spacing: wp.array(dtype=real),
+        particle_position: wp.array(dtype=vec2),
+        body_half_spacing: wp.array(dtype=real),
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
@@ -149,7 +144,7 @@ def make_extents(precision: Precision) -> Any:
     ):
         p = wp.tid()
         b = particle_body[p]
-        x = position[p]
+        x = particle_position[p]
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
@@ -159,9 +154,9 @@ def make_extents(precision: Precision) -> Any:
                 if area[node] > zero:
                     height = wp.dot(x, normal[node])
                     if b == body:
-                        wp.atomic_max(extent, node, vec2(height + half_spacing[b], real(FAR)))
+                        wp.atomic_max(extent, node, vec2(height + body_half_spacing[b], real(FAR)))
                     elif b == base:
-                        wp.atomic_max(extent, node, vec2(real(FAR), half_spacing[b] - height))
+                        wp.atomic_max(extent, node, vec2(real(FAR), body_half_spacing[b] - height))
 
     return extents
 
@@ -172,8 +167,8 @@ def make_clear_surfaces(precision: Precision) -> Any:
     vec2 = precision.vec2
 
     @wp.kernel(module=f"mpm_warp.clear_surfaces.{precision.numpy_name}", enable_backward=False)
-    def clear_surfaces(surface: wp.array2d(dtype=vec2)):
+    def clear_surfaces(field_surface: wp.array2d(dtype=vec2)):
         b, node = wp.tid()
-        surface[b, node] = vec2()
+        field_surface[b, node] = vec2()
 
     return clear_surfaces

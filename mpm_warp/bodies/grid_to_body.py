@@ -41,19 +41,10 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_grid_to_body(scene.grid.axisymmetric, scene.is_damped, plan.precision),
         plan.particle_count,
-        body="particle.body",
-        moduli="body.moduli",
-        retardation=retardation,
-        node_velocity="field.velocity",
+        body_retardation_time=retardation,
         **scene.grid.kernel_arguments(plan.precision),
-        time_step=plan.time_step,
-        position="particle.position",
-        velocity="particle.velocity",
-        affine="particle.affine",
-        stress="particle.stress",
-        volume="particle.volume",
-        viscous_stress=viscous_stress,
-        dissipated=dissipated,
+        particle_viscous_stress=viscous_stress,
+        particle_dissipated=dissipated,
     )
 
 
@@ -82,25 +73,25 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
 
     @wp.kernel(module=f"mpm_warp.grid_to_body.{key}", enable_backward=False)
     def grid_to_body(
-        body: wp.array(dtype=int),
-        moduli: wp.array(dtype=vec2),
-        retardation: wp.array(dtype=real),
-        node_velocity: wp.array2d(dtype=vec2),
+        particle_body: wp.array(dtype=int),
+        body_moduli: wp.array(dtype=vec2),
+        body_retardation_time: wp.array(dtype=real),
+        field_velocity: wp.array2d(dtype=vec2),
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
-        position: wp.array(dtype=vec2),
-        velocity: wp.array(dtype=vec2),
-        affine: wp.array(dtype=mat22),
-        stress: wp.array(dtype=vec4),
-        volume: wp.array(dtype=real),
-        viscous_stress: wp.array(dtype=vec4),
-        dissipated: wp.array(dtype=real),
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_affine: wp.array(dtype=mat22),
+        particle_stress: wp.array(dtype=vec4),
+        particle_volume: wp.array(dtype=real),
+        particle_viscous_stress: wp.array(dtype=vec4),
+        particle_dissipated: wp.array(dtype=real),
     ):
         p = wp.tid()
-        b = body[p]
-        x = position[p]
+        b = particle_body[p]
+        x = particle_position[p]
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
@@ -115,7 +106,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
         for row in range(3):
             for column in range(3):
                 node = (j + row) * node_counts[0] + i + column
-                v_i = node_velocity[b, node]
+                v_i = field_velocity[b, node]
                 N = Nx[column] * Ny[row]
                 d = h * vec2(dx[column], dy[row])
                 v += N * v_i
@@ -130,19 +121,19 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
             hoop = v[0] / x[0]
         L = vec5(gradient[0, 0], gradient[0, 1], gradient[1, 0], gradient[1, 1], hoop)
 
-        increment = stress_increment(L, time_step, moduli[b][0], moduli[b][1])
-        stress[p] = elastic_trial(stress[p], increment)
+        increment = stress_increment(L, time_step, body_moduli[b][0], body_moduli[b][1])
+        particle_stress[p] = elastic_trial(particle_stress[p], increment)
         if wp.static(damped):
-            viscous = (retardation[b] / time_step) * vec4(
+            viscous = (body_retardation_time[b] / time_step) * vec4(
                 increment[0], increment[1], increment[2], increment[3]
             )
-            viscous_stress[p] = viscous
+            particle_viscous_stress[p] = viscous
             power = viscous[0] * L[0] + viscous[1] * L[3] + viscous[3] * L[4]
             power += viscous[2] * (L[1] + L[2])
-            dissipated[p] = dissipated[p] + time_step * volume[p] * power
-        volume[p] = volume[p] * wp.exp(time_step * (L[0] + L[3] + L[4]))
-        velocity[p] = v
-        affine[p] = (four / (h * h)) * B
-        position[p] = x + time_step * v
+            particle_dissipated[p] = particle_dissipated[p] + time_step * particle_volume[p] * power
+        particle_volume[p] = particle_volume[p] * wp.exp(time_step * (L[0] + L[3] + L[4]))
+        particle_velocity[p] = v
+        particle_affine[p] = (four / (h * h)) * B
+        particle_position[p] = x + time_step * v
 
     return grid_to_body

@@ -63,17 +63,13 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
     plan.add_launch(
         make_body_loads(plan.precision),
         plan.particle_count,
-        schedule="load.schedule",
-        load_forces="load.forces",
-        time="load.time",
         half_step=0.5 * plan.time_step,
-        force="particle.load",
     )
 
 
 def add_clock(plan: Plan) -> None:
     """Add the time of the loads, which goes on at the end of a step."""
-    plan.add_launch(make_clock(plan.precision), 1, time_step=plan.time_step, time="load.time")
+    plan.add_launch(make_clock(plan.precision), 1)
 
 
 @functools.cache
@@ -87,21 +83,19 @@ def make_body_loads(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.body_loads.{precision.numpy_name}", enable_backward=False)
     def body_loads(
-        schedule: wp.array(dtype=vec2),
+        load_schedule: wp.array(dtype=vec2),
         load_forces: wp.array2d(dtype=vec2),
-        time: wp.array(dtype=real),
+        load_time: wp.array(dtype=real),
         half_step: real,
-        force: wp.array(dtype=vec2),
+        particle_load: wp.array(dtype=vec2),
     ):
         p = wp.tid()
-        middle = time[0] + half_step
+        middle = load_time[0] + half_step
         total = vec2()
-        for k in range(schedule.shape[0]):
-            total += (
-                wp.clamp((middle - schedule[k][0]) / schedule[k][1], zero, one)
-                * (load_forces[k, p])
-            )
-        force[p] = total
+        for k in range(load_schedule.shape[0]):
+            start, rise_time = load_schedule[k][0], load_schedule[k][1]
+            total += wp.clamp((middle - start) / rise_time, zero, one) * load_forces[k, p]
+        particle_load[p] = total
 
     return body_loads
 
@@ -112,7 +106,7 @@ def make_clock(precision: Precision) -> Any:
     real = precision.real
 
     @wp.kernel(module=f"mpm_warp.clock.{precision.numpy_name}", enable_backward=False)
-    def clock(time_step: real, time: wp.array(dtype=real)):
-        time[0] += time_step
+    def clock(time_step: real, load_time: wp.array(dtype=real)):
+        load_time[0] += time_step
 
     return clock

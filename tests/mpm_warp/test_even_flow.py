@@ -6,14 +6,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from mpm_warp.materials.materials import LinearElastic
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.travel import Travel
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
-from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
-from mpm_warp.travel import Travel
 
 DIFFERENCE = 1e-4
 """Of natural coordinates, in a difference quotient; the field is a quartic at most."""

@@ -10,18 +10,18 @@ from pathlib import Path
 
 import pytest
 import warp as wp
-
-import mpm_warp
-from mpm_warp.execution.batched_kernel import make_batched_kernel
 from mpm_warp.materials.materials import Tresca
 from mpm_warp.materials.strain_path import make_strain_path
 from mpm_warp.materials.yielding import make_yielding
+from mpm_warp.scenes.base import ReadyScene
+
+import mpm_warp
+from mpm_warp.execution.batched_kernel import make_batched_kernel
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.plan.plan import StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.precision import FLOAT64
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.base import ReadyScene
 
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""

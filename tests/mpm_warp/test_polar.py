@@ -7,9 +7,9 @@ import pytest
 import warp as wp
 
 from mpm_warp.grid.location import make_location
-from mpm_warp.precision import FLOAT64
-from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.grid.seeding import seed_rows
+from mpm_warp.precision import FLOAT64
 
 ROUNDING = 1e-12
 INNER, OUTER = 1.0, 3.0

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
-from mpm_warp.planning import make_plan
 from mpm_warp.scenes.cone_penetration import ConePenetration
+
+from mpm_warp.planning import make_plan
 
 CONE = ConePenetration(cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4)
 

@@ -7,16 +7,16 @@ import dataclasses
 import numpy as np
 import pytest
 import warp as wp
-
 from mpm_warp.parts.boundary_kernels import make_far_field
 from mpm_warp.parts.load_kernels import make_nodal_load
-from mpm_warp.precision import FLOAT64
-from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.scene import Scene, SceneError
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.strip_footing import StripFooting
+
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.precision import FLOAT64
+from mpm_warp.scene import Scene, SceneError
 from mpm_warp.simulation import Simulation
 
 CONE = ConePenetration(cells_per_radius=1, penetration=1, domain_radius=5, domain_above=2)

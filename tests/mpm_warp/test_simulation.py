@@ -6,16 +6,16 @@ import dataclasses
 
 import numpy as np
 import pytest
-
-from mpm_warp.parts.boundaries import FarField, Fixed
-from mpm_warp.grid.fitted import Grid, GroundGrid
 from mpm_warp.materials.materials import LinearElastic, Tresca
-from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
+from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone_self_similar import ConeSelfSimilar
-from mpm_warp.simulation import Simulation
 from mpm_warp.travel import Travel
+
+from mpm_warp.grid.fitted import Grid, GroundGrid
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
 
 ELASTIC = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
 CONE = ConePenetration(cells_per_radius=2, domain_radius=10, domain_above=4, domain_below=4)

@@ -7,17 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mpm_warp.scenes.cavity_cylinder import CavityCylinder
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.watch.health import Fault
 from numpy.typing import NDArray
 
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.batched_plan import batch_key
 from mpm_warp.plan.time_step import SLACK, TimeStepControl
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.cavity_cylinder import CavityCylinder
-from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation, TimeLoop
-from mpm_warp.watch.health import Fault
 
 
 def following(now: float, critical: float, fraction: float = 0.8) -> float:

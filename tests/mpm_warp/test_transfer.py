@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mpm_warp.materials.materials import LinearElastic
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.materials import LinearElastic
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import warp as wp
+from mpm_warp.materials.materials import LinearElastic, Tresca, VonMises
+from mpm_warp.materials.yielding import make_yielding
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.precision import FLOAT64
-from mpm_warp.materials.yielding import make_yielding
-from mpm_warp.materials.materials import LinearElastic, Tresca, VonMises
 
 STRENGTH = 2.5
 ELASTIC = {"shear_modulus": 100.0, "poissons_ratio": 0.3, "density": 1.0}

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from harness.cli.main import main
 from harness.study.files import study_names
 from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 
 @pytest.mark.parametrize("command", ["compare", "plot"])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
 
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study
@@ -17,7 +18,6 @@ from harness.pictures.pictures import figures
 from harness.pictures.stability_map import stability_figure, stability_rows
 from harness.pictures.stability_shares import shares
 from harness.pictures.stability_strips import Strip, strips
-from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
 
 BAD_VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
