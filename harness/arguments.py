@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from harness.endings import BAD_INPUT
-from mpm_warp.execution.execution import THREAD_COUNTS
+from mpm_warp.execution import THREAD_COUNTS
 
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]

@@ -22,7 +22,7 @@ from harness.cases import COMPLETED, CRASHED, MISSING, TIMED_OUT, Case, Outcome
 from harness.measuring import case_time
 from harness.whole_files import ArchiveError, discard_partial
 from harness.worker import serve
-from mpm_warp.execution.execution import THREAD_COUNTS
+from mpm_warp.execution import THREAD_COUNTS
 
 GRACE = 2.0
 """Seconds that workers have to end after they were told to."""

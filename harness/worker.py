@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING
 
 from harness import in_one_line
 from harness.cases import COMPLETED, MISSING, Case, Outcome
-from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from mpm_warp.execution.execution import Execution
 
 REPORT_INTERVAL = 0.1
 """Seconds between two reports of progress."""
@@ -61,6 +62,7 @@ def compute(
 
     from harness.measuring import Measurement, without_idle_time
     from harness.provenance import provenance
+    from mpm_warp.execution.execution import Execution
 
     execution = execution or Execution()
     measurement = Measurement()
@@ -119,6 +121,7 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     start_warp_in_silence()
     from harness.whole_files import ArchiveError
     from mpm_warp.execution.batch import Batch
+    from mpm_warp.execution.execution import Execution
 
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)

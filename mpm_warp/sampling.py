@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
@@ -55,7 +54,6 @@ def follow(
     Raises:
         SimulationDiverged: the run became unstable; its `curves` are those up to there.
     """
-    start = time.perf_counter()
     try:
         for count, moment in enumerate(moments, start=1):
             reach(moment)
@@ -69,16 +67,16 @@ def follow(
     except SimulationDiverged as error:
         error.curves = _merged(samplers)
         raise
-    run_time = time.perf_counter() - start
+    result = _merged(samplers).assign(cost(simulation))
     if progress is not None:
         progress(1.0)
-    return _merged(samplers).assign(cost(simulation, run_time=run_time))
+    return result
 
 
-def cost(simulation: Simulation, *, run_time: float) -> Mapping[str, xr.Variable]:
-    """Time and work of a simulation, whose steps took `run_time` seconds."""
+def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:
+    """Time and work of a simulation from its first step until now."""
     return costs(
-        run_time=run_time,
+        run_time=simulation.run_time,
         setup_time=simulation.setup_time,
         compile_time=simulation.compile_time,
         time_step=simulation.plan.time_step,

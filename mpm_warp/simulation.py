@@ -47,6 +47,7 @@ class Simulation:
         self.scene = scene
         self.plan: Plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
         self.step_count = 0
+        self._first_step_at: float | None = None
         self.particle_updates = 0
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
@@ -70,6 +71,11 @@ class Simulation:
         """Simulated time [s]."""
         steps = self.step_count - self._changed_step
         return self._changed_time + steps * self.plan.time_step
+
+    @property
+    def run_time(self) -> float:
+        """Wall-clock time since the first step was begun [s]; 0 before it."""
+        return 0.0 if self._first_step_at is None else time.perf_counter() - self._first_step_at
 
     @property
     def travel(self) -> float:
@@ -105,6 +111,8 @@ class Simulation:
                 message names what, where, when and what may help.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
+        if self._first_step_at is None:
+            self._first_step_at = time.perf_counter()
         last = self.step_count + step_count
         while self.step_count < last:
             next_check = self._healthy_step + CHECK_INTERVAL
@@ -115,7 +123,7 @@ class Simulation:
             if self._inflow is not None:
                 block = min(block, self._inflow.steps_ahead)
             steps = range(self.step_count, self.step_count + block)
-            self._steps.play(steps, self._execution.threads)
+            self._steps.replay(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:
@@ -123,9 +131,14 @@ class Simulation:
             if self._inflow is not None:
                 self._inflow.let_in()
 
-    def advance_to_step(self, step: int) -> None:
-        """Take steps until so many have been taken since the start; see `advance` for errors."""
-        self.advance(step - self.step_count)
+    def advance_to_step(self, step: float) -> None:
+        """Take steps until so many have been taken since the start.
+
+        Raises:
+            SimulationDiverged: the run became unstable.
+            WindowOverfull: more soil has stayed in the window than it has slots for.
+        """
+        self.advance(int(step) - self.step_count)
 
     def advance_to(self, time: float) -> None:
         """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.

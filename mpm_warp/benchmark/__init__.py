@@ -1,1 +1,1 @@
-"""What a step costs."""
+"""What a step costs: the speed of a run, of its stages, and of a bare step to compare with."""

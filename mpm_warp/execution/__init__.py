@@ -1,1 +1,7 @@
-"""A plan on a device: replayed steps, threads, batches."""
+"""A plan on a device: recorded steps, the threads that replay them, batches of runs."""
+
+THREAD_COUNTS = (1, 2, 4)
+"""Numbers of threads that a run may have on a processor; each divides the shares of its plan.
+
+They stand here because the command line offers them and must not wait until Warp is imported.
+"""

@@ -1,55 +1,62 @@
-"""Where a run is computed, and on how many threads."""
+"""Where a run is computed: a device, and a number of threads."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from mpm_warp.plan.launch import Launch
+from mpm_warp.execution.replay import Replay
+from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
-
-THREAD_COUNTS = (1, 2, 4)
-"""Threads that a run may have on processors: divisors of its shares."""
 
 
 class Steps(Protocol):
-    """The launches of a plan on a device."""
+    """The steps of one run on a device."""
 
     def launch(self, launch: Launch) -> None:
-        """Launch one of them."""
+        """Launch one kernel of the plan, all of it, now."""
 
-    def play(self, steps: range, threads: int) -> None:
-        """Take steps of these numbers, with as many threads of the processor."""
+    def replay(self, steps: range, threads: int) -> None:
+        """Take the steps of these numbers.
+
+        Args:
+            steps: step numbers; they decide which steps are audited.
+            threads: threads of the processor, >= 1; a GPU ignores it.
+        """
 
 
 @dataclass
 class Execution:
-    """Where a run is computed. It may be given other threads while the run goes on.
+    """Where a run is computed.
 
-    The number of threads of a processor does not change the result, not by a bit; a GPU adds up in
-    an order of its own.
+    The number of threads of a processor does not change any bit of the result. A GPU adds up sums
+    in an order of its own.
 
     Attributes:
-        device: "cpu", or a GPU by Warp's name for it, "cuda:0" say.
-        threads: threads of the processor that take part, one of `THREAD_COUNTS`; a GPU has its own.
+        device: "cpu", or the name that Warp gives to a GPU, for example "cuda:0".
+        threads: threads of the processor, one of `mpm_warp.execution.THREAD_COUNTS`. The number may
+            change while a run goes on. A GPU ignores it.
     """
 
     device: str = "cpu"
     threads: int = 1
 
     def steps(self, plan: Plan, arrays: dict[str, Any]) -> Steps:
-        """The launches of a plan, for a run whose arrays may be put elsewhere on the device."""
-        from mpm_warp.execution.replay import Player
+        """The steps of a plan on the device, for one run.
 
-        return Player(plan, arrays, self.device)
+        Args:
+            plan: the plan of the run.
+            arrays: the arrays of the plan on the device, by name. A batch replaces some of them by
+                arrays of its own.
+        """
+        return Replay(plan, arrays, self.device)
 
     @property
     def idle_time(self) -> float:
-        """Time for which a run has stood still while others went on [s]."""
+        """Wall-clock time for which the run has waited for other runs [s]."""
         return 0.0
 
     @property
     def case_count(self) -> int:
-        """Runs that are computed together."""
+        """Number of runs that are computed together."""
         return 1

@@ -1,4 +1,4 @@
-"""The arrays of a run as the host sees them."""
+"""The arrays of a run as NumPy arrays on the host."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ import warp as wp
 from numpy.typing import NDArray
 
 
-
 class HostArrays:
-    """Gives arrays by name: the device's own memory where host and device share it.
+    """Gives arrays of a run by name; on a processor they are the memory of the run itself.
 
     Args:
-        arrays: on the device; others may take their places.
+        arrays: the arrays of the run on its device, by name; a batch may replace them.
     """
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
@@ -24,17 +23,25 @@ class HostArrays:
         self._seen: dict[str, tuple[Any, NDArray[Any]]] = {}
 
     def __call__(self, name: str) -> NDArray[Any]:
-        """The array of that name."""
+        """The present values of an array; on a processor writing to them changes the run.
+
+        Raises:
+            KeyError: the run has no array of that name.
+        """
         array = self._arrays[name]
         seen, values = self._seen.get(name, (None, np.empty(0)))
         if seen is not array:
             values = array.numpy()
             if array.device == self._host:
-                self._seen[name] = array, values  # runs of few particles ask often
+                self._seen[name] = array, values  # asked for often where particles are few
         return values
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
-        """Give the array of that name other values, or one value everywhere."""
+        """Give an array other values, or one value everywhere.
+
+        Raises:
+            KeyError: the run has no array of that name.
+        """
         array = self._arrays[name]
         if array.device == self._host:
             self(name)[...] = values

@@ -1,4 +1,8 @@
-"""How threads share a launch: what each has to do, and what the first to get there does."""
+"""How threads share a launch: static parts, each of one thread, and dynamic chunks.
+
+A dynamic chunk is done by the first thread that claims it. So a thread that is late, because other
+processes take its core, leaves its chunks to the others.
+"""
 
 from __future__ import annotations
 
@@ -7,76 +11,76 @@ from dataclasses import dataclass, field
 
 from mpm_warp.plan.launch import Launch
 
-WORTH_CLAIMING = 10_000
-"""Items of a launch, at least, of which a part is left to whoever comes first."""
-PARTS = 4
-"""One of so many parts of what a thread has to do is left to whoever comes first."""
-PIECES = 4
-"""Pieces of that part, each of them claimed by itself."""
+DYNAMIC_FROM = 10_000
+"""Items of a launch from which on a part of it is done in dynamic chunks."""
+PARTS_PER_THREAD = 4
+"""Equal parts of what a thread has to do; all are static but the last."""
+CHUNKS_PER_THREAD = 4
+"""Dynamic chunks of the last part."""
 
 
 @dataclass(frozen=True)
 class ThreadShare:
-    """What a thread does of a launch.
+    """What one thread does of a launch.
+
+    Neither holds anything without items, as there is in a launch with fewer rows than shares.
 
     Attributes:
-        own: what no other does.
-        open: pieces that are for the first thread to claim them, by number, in the order in which
-            this one tries: those of its own part, then those of others, the last ones first.
-
-    Parts without items, as of a launch with fewer rows than shares, are in neither.
+        static: launches that only this thread does.
+        dynamic: chunks that any thread may do, by number, in the order in which this thread claims
+            them: first its own, then those of the other threads, the last ones first.
     """
 
-    own: list[Launch]
-    open: dict[int, Launch] = field(default_factory=dict)
+    static: list[Launch]
+    dynamic: dict[int, Launch] = field(default_factory=dict)
 
 
-def has_open_pieces(launch: Launch) -> bool:
-    """Whether several threads leave pieces of a launch to the first of them."""
-    return launch.is_shared and not launch.adds_up and launch.item_count >= WORTH_CLAIMING
+def has_dynamic_chunks(launch: Launch) -> bool:
+    """Whether several threads do a part of a launch in dynamic chunks."""
+    return launch.is_shared and not launch.adds_up and launch.item_count >= DYNAMIC_FROM
 
 
 def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> ThreadShare:
-    """What one of so many threads does of a launch.
+    """What one of several threads does of a launch.
 
     Args:
-        launch: any of a plan.
-        thread: number of the thread; the first does what is not shared.
-        threads: how many there are, >= 1.
-        share_count: into how many shares a launch is split that adds up; a multiple of `threads`.
+        launch: a launch of a plan.
+        thread: number of the thread; thread 0 does the launches that are not shared.
+        threads: number of threads, >= 1.
+        share_count: number of shares of a launch that adds up sums, a multiple of `threads`.
     """
     if not launch.is_shared:
         return ThreadShare(_filled([launch.share(0, 1)]) if thread == 0 else [])
     if launch.adds_up:
         numbers = range(thread * share_count // threads, (thread + 1) * share_count // threads)
         return ThreadShare(_filled(launch.share(number, share_count) for number in numbers))
-    if threads == 1 or not has_open_pieces(launch):
+    if threads == 1 or not has_dynamic_chunks(launch):
         return ThreadShare(_filled([launch.share(thread, threads)]))
-    own = range(PARTS * thread, PARTS * thread + PARTS - 1)
-    pieces = {
-        piece: launch.share(_place(piece), PARTS * PIECES * threads)
-        for piece in _tried(thread, threads)
+    parts = range(PARTS_PER_THREAD * thread, PARTS_PER_THREAD * (thread + 1) - 1)
+    chunks = {
+        chunk: launch.share(_position(chunk), PARTS_PER_THREAD * CHUNKS_PER_THREAD * threads)
+        for chunk in _order_of_claims(thread, threads)
     }
     return ThreadShare(
-        own=_filled(launch.share(number, PARTS * threads) for number in own),
-        open={number: piece for number, piece in pieces.items() if piece.item_count > 0},
+        static=_filled(launch.share(part, PARTS_PER_THREAD * threads) for part in parts),
+        dynamic={number: chunk for number, chunk in chunks.items() if chunk.item_count > 0},
     )
 
 
 def _filled(parts: Iterable[Launch]) -> list[Launch]:
-    """Those that have items: Warp records no launch of nothing."""
+    """The parts that have items: Warp records no launch of nothing."""
     return [part for part in parts if part.item_count > 0]
 
 
-def _tried(thread: int, threads: int) -> Iterator[int]:
-    """Open pieces in the order in which a thread tries to claim them."""
-    yield from range(PIECES * thread, PIECES * (thread + 1))
+def _order_of_claims(thread: int, threads: int) -> Iterator[int]:
+    """Numbers of all dynamic chunks in the order in which a thread claims them."""
+    yield from range(CHUNKS_PER_THREAD * thread, CHUNKS_PER_THREAD * (thread + 1))
     for step in range(1, threads):
         owner = (thread + step) % threads
-        yield from reversed(range(PIECES * owner, PIECES * (owner + 1)))
+        yield from reversed(range(CHUNKS_PER_THREAD * owner, CHUNKS_PER_THREAD * (owner + 1)))
 
 
-def _place(piece: int) -> int:
-    """Where an open piece is among the pieces that all parts have."""
-    owner, number = divmod(piece, PIECES)
-    return PIECES * (PARTS * owner + PARTS - 1) + number
+def _position(chunk: int) -> int:
+    """Position of a dynamic chunk in the launch, with every part counted as so many chunks."""
+    owner, number = divmod(chunk, CHUNKS_PER_THREAD)
+    return CHUNKS_PER_THREAD * (PARTS_PER_THREAD * (owner + 1) - 1) + number

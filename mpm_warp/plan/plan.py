@@ -18,7 +18,7 @@ from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import Precision
 
 AUDIT_INTERVAL = 16
-"""Steps between two that are audited."""
+"""One of so many steps is audited, where a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers, which do not depend on the precision."""
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mpm_warp.execution.execution import Execution
     from mpm_warp.scene import Scene
     from mpm_warp.simulation import Simulation
-    from mpm_warp.benchmark.speed import Beside, Run
+    from mpm_warp.benchmark.speed import Companion, Run
 
 BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
@@ -139,15 +139,15 @@ class StepCost(ReadyScene):
         from mpm_warp.simulation import Simulation
 
         simulation = Simulation(self.build(), execution)
-        beside = self._beside(simulation, execution)
+        companion = self._companion(simulation, execution)
         run = self._stirred(simulation)
         begun = time.perf_counter()
         step_count = run.steps_within(self.sample_time)
         samples = []
         for number in range(self.samples):
-            beside.begin()
+            companion.before_sample()
             samples.append(run.sample(step_count))
-            beside.note(samples[-1])
+            companion.after_sample(samples[-1])
             if progress is not None:
                 progress((number + 1) / self.samples)
         simulation.check()
@@ -175,23 +175,23 @@ class StepCost(ReadyScene):
                 **cost(simulation, run_time=time.perf_counter() - begun),
             }
         )
-        return result.merge(beside.table())
+        return result.merge(companion.dataset())
 
-    def _beside(self, simulation: Simulation, execution: Execution) -> Beside:
-        """What else is measured of a case, by how it is computed."""
+    def _companion(self, simulation: Simulation, execution: Execution) -> Companion:
+        """What is measured turn about with the samples, by how the case is computed."""
         from mpm_warp.execution.execution import Execution
         from mpm_warp.simulation import Simulation
-        from mpm_warp.benchmark.speed import LEAST_STEPS, Beside, Clocks, OneThread
+        from mpm_warp.benchmark.speed import LEAST_STEPS, Companion, StageTimes, ThreadGain
         from mpm_warp.benchmark.clocks import ClockedExecution
 
         if isinstance(execution, ClockedExecution):
-            return Clocks(simulation, execution)
+            return StageTimes(simulation, execution)
         if self.cases > 1 or execution.device != "cpu":
-            return Beside()
+            return Companion()
         runs = [self._stirred(Simulation(self.build(), Execution())) for _ in range(self.threads)]
         for run in runs:
             run.take(LEAST_STEPS)  # warm
-        return OneThread(runs)
+        return ThreadGain(runs)
 
     def _stirred(self, simulation: Simulation) -> Run:
         """Give the soil its stresses and the window its speed."""

@@ -1,4 +1,4 @@
-"""The same code on a GPU: every kernel compiles for one, and runs where there is one."""
+"""Every kernel compiles for a GPU."""
 
 from __future__ import annotations
 
@@ -6,34 +6,28 @@ import itertools
 import re
 import sys
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 import warp as wp
 
 import mpm_warp
-from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.execution import Execution
-from mpm_warp.execution.over_cases import make_over_cases
-from mpm_warp.precision import FLOAT64
+from mpm_warp.execution.batched_kernel import make_batched_kernel
+from mpm_warp.materials.materials import Tresca
 from mpm_warp.materials.strain_path import make_strain_path
 from mpm_warp.materials.yielding import make_yielding
-from mpm_warp.materials.materials import Tresca
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.plan.plan import StepPlan
 from mpm_warp.planning import make_plan
+from mpm_warp.precision import FLOAT64
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.base import ReadyScene
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
-GPU = "cuda:0"
 OF_PROCESSORS = (
-    *("claim", "rendezvous", "next_step", "stamp"),
-    *("streaming", "arithmetic", "division", "bare_scatter", "bare_nodes", "bare_gather"),
+    *("claim_chunk", "barrier", "next_step", "clock_stamp"),
+    *("bare_scatter", "bare_nodes", "bare_gather"),
 )
 """Kernels of threads and of measuring, which no GPU ever runs."""
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
@@ -42,7 +36,6 @@ FURTHER: dict[str, list[dict[str, Value]]] = {
     "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],
 }
 """Parameters without choices that decide on kernels all the same, by scene."""
-needs_gpu = pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
 
 
 def variants(name: str) -> Iterator[ReadyScene]:
@@ -91,32 +84,9 @@ def test_every_kernel_compiles_for_a_gpu_alone_and_over_cases(
     kernels: set[wp.Kernel], tmp_path: Path
 ) -> None:
     modules = {kernel.module for kernel in kernels}
-    modules |= {make_over_cases(kernel).module for kernel in kernels}
+    modules |= {make_batched_kernel(kernel).module for kernel in kernels}
     for module in modules:
         (compiled,) = wp.compile_aot_module(
             module, arch=HOPPER, module_dir=tmp_path / module.name, use_ptx=True
         )
         assert ".entry" in compiled.read_text()
-
-
-def cone(precision: str, adhesion_factor: float = 0.5) -> ConePenetration:
-    return ConePenetration(
-        cells_per_radius=2, penetration=16, precision=precision, adhesion_factor=adhesion_factor
-    )
-
-
-@needs_gpu
-@pytest.mark.parametrize(("precision", "tolerance"), [("float64", 0.001), ("float32", 0.005)])
-def test_a_gpu_gives_the_cone_factor_of_the_processor(precision: str, tolerance: float) -> None:
-    on_processor = cone("float64").run()
-    on_gpu = cone(precision).run(execution=Execution(GPU))
-    assert float(on_gpu.cone_factor) == pytest.approx(float(on_processor.cone_factor), tolerance)
-
-
-@needs_gpu
-def test_a_batch_on_a_gpu_gives_the_cone_factors_of_the_processor() -> None:
-    cones = [cone("float64", factor) for factor in (0.0, 0.5, 1.0)]
-    execution = Batch(GPU)
-    results = execution.run([partial(it.run, execution=execution) for it in cones])
-    together = [float(result.cone_factor) for result in results]
-    np.testing.assert_allclose(together, [float(it.run().cone_factor) for it in cones], rtol=0.001)

@@ -10,14 +10,14 @@ import pytest
 from numpy.typing import NDArray
 
 from mpm_warp.execution.batch import Batch
-from mpm_warp.watch.health import Fault
+from mpm_warp.execution.batched_plan import batch_key
+from mpm_warp.plan.time_step import SLACK, TimeStepControl
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.stretched_bar import StretchedBar
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation, TimeLoop
-from mpm_warp.execution.batched_plan import likeness
-from mpm_warp.plan.time_step import SLACK, TimeStepControl
+from mpm_warp.watch.health import Fault
 
 
 def following(now: float, critical: float, fraction: float = 0.8) -> float:
@@ -67,7 +67,7 @@ def test_a_plan_with_another_time_step_is_the_same_but_for_numbers() -> None:
         assert plan.control is not None
         other = plan.control.replan(0.3 * plan.time_step)
         assert other.time_step == 0.3 * plan.time_step
-        assert likeness(other) == likeness(plan)
+        assert batch_key(other) == batch_key(plan)
 
 
 def test_a_bar_that_is_drawn_out_takes_shorter_steps_and_no_more_than_it_needs() -> None:

@@ -10,12 +10,12 @@ import pytest
 import warp as wp
 
 from mpm_warp import health, planning
-from mpm_warp.execution.next_step import AUDIT_INTERVAL
-from mpm_warp.precision import Precision
 from mpm_warp.materials.materials import LinearElastic, PerfectlyPlastic, Tresca, VonMises
 from mpm_warp.parameters import from_mapping
 from mpm_warp.penetration import Penetration
+from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
+from mpm_warp.precision import Precision
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation, TimeLoop

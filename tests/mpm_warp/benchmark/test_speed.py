@@ -7,10 +7,10 @@ from itertools import count
 
 import pytest
 
+from mpm_warp.benchmark.clocks import StageClock
+from mpm_warp.benchmark.speed import Run, Sample, ThreadGain
 from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.simulation import Simulation
-from mpm_warp.benchmark.speed import OneThread, Run, Sample
-from mpm_warp.benchmark.clocks import StageClock, yardsticks
 
 
 def test_gains_are_over_one_thread_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,9 +25,9 @@ def test_gains_are_over_one_thread_alone(monkeypatch: pytest.MonkeyPatch) -> Non
         return Sample(steps=step_count, updates=updates, seconds=1.0)
 
     monkeypatch.setattr(Run, "sample", sample)
-    beside = OneThread([run, run])
-    beside.note(Sample(steps=10, updates=130, seconds=1.0))
-    gains = beside.table()
+    companion = ThreadGain([run, run])
+    companion.after_sample(Sample(steps=10, updates=130, seconds=1.0))
+    gains = companion.dataset()
     assert float(gains.thread_gain) == 1.3
     assert float(gains.core_gain) == 1.5
 
@@ -53,13 +53,6 @@ def test_the_clock_tells_where_the_time_of_a_step_goes() -> None:
     assert list(stages) == [it.name for it in simulation.plan.step]
     assert 0 < times.launching < sum(stages.values())
     assert (simulation.array("particle.position") == before).all()  # at rest
-
-
-def test_yardsticks_are_within_what_processors_do() -> None:
-    machine = yardsticks()
-    assert 1e8 < machine.streaming < 1e12
-    assert 1e8 < machine.arithmetic < 1e12
-    assert 1e7 < machine.division < machine.arithmetic
 
 
 def test_cases_that_are_computed_together_are_measured_together() -> None:

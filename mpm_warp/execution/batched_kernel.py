@@ -1,12 +1,12 @@
-"""A kernel over the items of many cases, made from the source of the one over those of a case.
+"""Batched kernel: a kernel over the items of many cases, made from the source of one for one case.
 
-Every array gets a first axis, the case; every floating point number becomes an array over cases:
+Every array gets a first axis, the case. Every real number becomes an array over cases:
 
-    kernel(..., x, a)      x[i], a                launched over items i
-    over cases             x[case, i], a[case]    launched over cases and chunks of their items
+    kernel of one case     x[i], a                launched over items i
+    batched kernel         x[case, i], a[case]    launched over cases and chunks of their items
 
-A thread goes through a chunk: one item on a GPU, which has a thread for each; all items of a case
-on a processor, where the views of the arrays of a case are then made once.
+A thread works through one chunk. A chunk is one item on a GPU, which has a thread for each item. On
+a processor it is all items of a case, so that the views of its arrays are made only once.
 """
 
 import ast
@@ -22,19 +22,22 @@ OF_CASES = "_of_cases"
 
 
 @functools.cache
-def make_over_cases(kernel: Any) -> Any:
-    """The kernel over cases: its first two arguments are the items of a case, and of a chunk.
+def make_batched_kernel(kernel: Any) -> Any:
+    """The batched kernel; its first two arguments are the items of a case and those of a chunk.
 
-    Items are what the last index of a thread counts, so that they keep their order.
+    The last index of a thread counts the items, so they keep their order.
 
     Args:
-        kernel: assigns its thread's index once, in a statement of its own, or never; it returns
-            early from no loop.
+        kernel: a kernel that assigns ``wp.tid()`` once, in a statement of its own, or never, and
+            that does not return from within a loop.
+
+    Raises:
+        NotImplementedError: the kernel returns from within a loop.
     """
-    own = [name for name, kind in _arguments(kernel) if _is_array(kind) or _is_number(kind)]
+    own = [name for name, kind in _arguments(kernel) if _is_array(kind) or _is_real(kind)]
     signature = {"item_count": int, "chunk_size": int}
     for name, kind in _arguments(kernel):
-        signature[name + OF_CASES if name in own else name] = _over_cases(kind)
+        signature[name + OF_CASES if name in own else name] = _batched(kind)
     source = kernel.func
     function = types.FunctionType(
         source.__code__, source.__globals__, source.__name__, None, source.__closure__
@@ -51,47 +54,49 @@ def make_over_cases(kernel: Any) -> Any:
         key=f"{kernel.key}{OF_CASES}",
         module=wp.get_module(f"{kernel.module.name}{OF_CASES}"),
         options=kernel.options,
-        source=_source_over_cases(source, own),  # compiled kernels are known by their source
+        source=_batched_source(source, own),  # Warp knows compiled kernels by their source
     )
 
 
-def numbers_of(kernel: Any) -> dict[int, Any]:
-    """Positions and types of the arguments, numbers or vectors, of which each case has its own.
+def real_arguments(kernel: Any) -> dict[int, Any]:
+    """Positions and types of the arguments that are real numbers, or vectors of them.
 
-    Whole numbers are the same for all cases.
+    Each case has its own; integers are the same for all cases.
     """
     arguments = enumerate(_arguments(kernel))
-    return {position: kind for position, (_, kind) in arguments if _is_number(kind)}
+    return {position: kind for position, (_, kind) in arguments if _is_real(kind)}
 
 
 def _arguments(kernel: Any) -> list[tuple[str, Any]]:
-    return list(kernel.func.__annotations__.items())
+    """Names and types of the arguments."""
+    return [(argument.label, argument.type) for argument in kernel.adj.args]
 
 
 def _is_array(kind: Any) -> bool:
-    return isinstance(kind, wp.array)
+    """Whether an argument is an array, written as `wp.array(dtype=...)` or as `wp.array[...]`."""
+    return hasattr(kind, "ndim")
 
 
-def _is_number(kind: Any) -> bool:
+def _is_real(kind: Any) -> bool:
     return getattr(kind, "_wp_scalar_type_", kind) in {wp.float64, wp.float32}
 
 
-def _over_cases(kind: Any) -> Any:
+def _batched(kind: Any) -> Any:
     if _is_array(kind):
         return wp.array(dtype=kind.dtype, ndim=kind.ndim + 1)
-    return wp.array(dtype=kind) if _is_number(kind) else kind
+    return wp.array(dtype=kind) if _is_real(kind) else kind
 
 
-def _source_over_cases(function: Any, own: list[str]) -> str:
+def _batched_source(function: Any, own: list[str]) -> str:
     tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    return ast.unparse(ast.fix_missing_locations(_OverCases(own).visit(tree)))
+    return ast.unparse(ast.fix_missing_locations(_LoopOverChunk(own).visit(tree)))
 
 
-class _OverCases(ast.NodeTransformer):
-    """Puts the body of a kernel into a loop over a chunk of items of a case.
+class _LoopOverChunk(ast.NodeTransformer):
+    """Puts the body of a kernel into a loop over a chunk of the items of a case.
 
     Args:
-        own: names of the arguments that each case has its own of.
+        own: names of the arguments of which each case has its own.
     """
 
     def __init__(self, own: list[str]) -> None:
@@ -135,7 +140,7 @@ class _OverCases(ast.NodeTransformer):
 
     def visit_Return(self, statement: ast.Return) -> ast.stmt:
         if self._is_in_loop:
-            raise NotImplementedError("a kernel over cases cannot be left from within a loop")
+            raise NotImplementedError("a batched kernel cannot be left from within a loop")
         return ast.Continue()
 
 

@@ -12,21 +12,23 @@ import pytest
 import warp as wp
 import xarray as xr
 
-from mpm_warp import batch as batch_module
+import mpm_warp.execution.batch
 from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.batched_kernel import make_batched_kernel, real_arguments
+from mpm_warp.execution.batched_plan import batch_key, batched_plan
 from mpm_warp.execution.execution import Execution
-from mpm_warp.watch.health import SimulationDiverged
-from mpm_warp.execution.over_cases import make_over_cases
+from mpm_warp.execution.replay import Replay
+from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
-from mpm_warp.execution.replay import AUDIT_INTERVAL, Player
 from mpm_warp.scenes.base import ReadyScene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.sliding_block import SlidingBlock
 from mpm_warp.simulation import Simulation
-from mpm_warp.execution.batched_plan import likeness, stack
+from mpm_warp.watch.health import SimulationDiverged
 
 SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
+VECTOR_1 = wp.types.vector(1, wp.float64)
 
 
 def cone(**parameters: Any) -> ConePenetration:
@@ -46,13 +48,13 @@ DIFFERENT = [
 def together(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """How many runs take their steps in common launches, noted wherever others come together."""
     counts: list[int] = []
-    player = Batch._player
+    replay_of = Batch._replay_of
 
-    def counted(batch: Batch, runs: tuple[Any, ...]) -> Player:
+    def counted(batch: Batch, runs: tuple[Any, ...]) -> Replay:
         counts.append(len(runs))
-        return player(batch, runs)
+        return replay_of(batch, runs)
 
-    monkeypatch.setattr(Batch, "_player", counted)
+    monkeypatch.setattr(Batch, "_replay_of", counted)
     return counts
 
 
@@ -77,9 +79,8 @@ def test_a_batch_does_not_change_a_bit(threads: int, together: list[int]) -> Non
 def test_a_batch_larger_than_the_cache_is_taken_in_portions(
     together: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        batch_module, "POINTS_IN_CACHE", 2 * make_plan(cone().build()[0]).particle_count
-    )
+    points = 2 * make_plan(cone().build()[0]).particle_count
+    monkeypatch.setattr(mpm_warp.execution.batch, "POINTS_IN_CACHE", points)
     cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
     results = run_together(list(cones), Batch())
     assert together[:3] == [2, 2, 1]
@@ -116,20 +117,20 @@ def test_a_thread_for_each_item_gives_the_same_bits() -> None:
     alone = [Simulation(scene) for scene in scenes]
     together = [Simulation(scene) for scene in scenes]
     plans, arrays = [it.plan for it in together], [it.arrays for it in together]
-    player = Player(*stack(plans, arrays, "cpu", chunk_size=1), "cpu")
-    player.play(range(40), threads=1)
+    replay = Replay(*batched_plan(plans, arrays, "cpu", chunk_size=1), "cpu")
+    replay.replay(range(40), threads=1)
     for one, other in zip(alone, together, strict=True):
         one.advance(40)
         for name in one.arrays:
             np.testing.assert_array_equal(other.array(name), one.array(name), err_msg=name)
 
 
-def test_plans_are_alike_that_differ_in_numbers_only() -> None:
-    like = likeness(make_plan(cone().build()[0]))
-    assert like == likeness(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()[0]))
-    assert like != likeness(make_plan(cone(particles_per_cell=9).build()[0]))
-    assert like != likeness(make_plan(cone(precision="float32").build()[0]))
-    assert like != likeness(make_plan(cone(material="von_mises").build()[0]))
+def test_plans_that_differ_in_numbers_only_have_one_batch_key() -> None:
+    key = batch_key(make_plan(cone().build()[0]))
+    assert key == batch_key(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()[0]))
+    assert key != batch_key(make_plan(cone(particles_per_cell=9).build()[0]))
+    assert key != batch_key(make_plan(cone(precision="float32").build()[0]))
+    assert key != batch_key(make_plan(cone(material="von_mises").build()[0]))
 
 
 def test_one_that_diverges_does_not_disturb_the_others() -> None:
@@ -195,6 +196,30 @@ def test_the_time_of_others_is_idle_time() -> None:
     assert (Execution().case_count, Execution().idle_time) == (1, 0.0)
 
 
+def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
+    @wp.kernel(module="tests.scaled", enable_backward=False)
+    def scaled(
+        first: int,
+        factor: wp.float64,
+        one: VECTOR_1,  # type: ignore[valid-type]
+        x: wp.array[wp.vec2d],
+        y: wp.array2d[wp.float64],
+        z: wp.array(dtype=wp.float64, ndim=2),  # type: ignore[valid-type]
+    ) -> None:
+        i = first + wp.tid()
+        y[i, 0] = factor * x[i][0]
+        z[0, i] = one[0] * x[i][1]
+
+    assert real_arguments(scaled) == {1: wp.float64, 2: VECTOR_1}
+    x = wp.array([[(1.0, 2.0), (3.0, 4.0)], [(5.0, 6.0), (7.0, 8.0)]], dtype=wp.vec2d)
+    y, z = wp.zeros((2, 2, 1), dtype=wp.float64), wp.zeros((2, 1, 2), dtype=wp.float64)
+    factor = wp.array([10.0, 100.0], dtype=wp.float64)
+    one = wp.array([(0.5,), (0.25,)], dtype=VECTOR_1)
+    wp.launch(make_batched_kernel(scaled), (2, 1), [2, 2, 0, factor, one, x, y, z])
+    np.testing.assert_array_equal(y.numpy()[:, :, 0], [[10.0, 30.0], [500.0, 700.0]])
+    np.testing.assert_array_equal(z.numpy()[:, 0], [[1.0, 2.0], [1.5, 2.0]])
+
+
 def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
     @wp.kernel(enable_backward=False)
     def first_above(limit: float, values: wp.array(dtype=float), found: wp.array(dtype=int)):  # type: ignore[valid-type]
@@ -205,4 +230,4 @@ def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
                 return
 
     with pytest.raises(NotImplementedError, match="within a loop"):
-        make_over_cases(first_above)
+        make_batched_kernel(first_above)

@@ -1,0 +1,176 @@
+"""Replay of steps: the same bits with any number of threads, and however steps are divided."""
+
+from __future__ import annotations
+
+import gc
+import threading
+import time
+import weakref
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import warp as wp
+
+import mpm_warp.execution.recorded_steps
+from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, Replay, ThreadChoice
+from mpm_warp.execution.shares import has_dynamic_chunks
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.scenes.thick_cylinder import ThickCylinder
+from mpm_warp.simulation import Simulation
+from mpm_warp.travel import Travel
+
+CONE = ConePenetration(
+    cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5
+)
+FEW_ROWS = ThickCylinder(cell_count=120)
+
+
+def wait_until(happened: Callable[[], bool]) -> None:
+    """Wait for another thread, which is to be soon."""
+    deadline = time.monotonic() + 60
+    while not happened():
+        assert time.monotonic() < deadline, "the other thread never came"
+        time.sleep(0.001)
+
+
+def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str, Floats]:
+    """All arrays after a radius of penetration, whose threads change on the way."""
+    simulation = Simulation(CONE.build()[0], execution)
+    travel = Travel(simulation)
+    for fraction, threads in enumerate(switches or (execution.threads,), start=1):
+        execution.threads = threads
+        travel.advance_to(CONE.cone_radius * fraction / len(switches or (1,)))
+    assert any(map(has_dynamic_chunks, simulation.plan.step))
+    return {name: simulation.array(name).copy() for name in simulation.arrays}
+
+
+@pytest.mark.usefixtures("all_take_part")
+@pytest.mark.parametrize("threads", [2, 4])
+def test_threads_do_not_change_a_bit(threads: int) -> None:
+    alone, together = penetrated(Execution()), penetrated(Execution(threads=threads))
+    for name, values in alone.items():
+        np.testing.assert_array_equal(together[name], values, err_msg=name)
+
+
+@pytest.mark.usefixtures("all_take_part")
+def test_threads_may_come_and_go_during_a_run() -> None:
+    # The same stops, because a run takes whole steps up to each.
+    steady = penetrated(Execution(), (1, 1, 1, 1))
+    changing = penetrated(Execution(), (1, 4, 2, 1))
+    for name, values in steady.items():
+        np.testing.assert_array_equal(changing[name], values, err_msg=name)
+
+
+def test_a_scene_whose_launches_are_not_shared_runs_with_any_number_of_threads() -> None:
+    block = SlidingBlock(friction=0.0)
+    alone, together = block.run(), block.run(execution=Execution(threads=2))
+    np.testing.assert_array_equal(alone.displacement, together.displacement)
+
+
+@pytest.mark.usefixtures("all_take_part")
+@pytest.mark.parametrize("unlucky", [0, 1])
+def test_nobody_waits_for_a_thread_that_has_left_a_step(
+    unlucky: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by Ctrl-C, which reaches the caller between two calls."""
+    simulation = Simulation(CONE.build()[0], Execution(threads=2))
+    # Each step by a call of its own.
+    monkeypatch.setattr(mpm_warp.execution.recorded_steps, "UPDATES_PER_CALL", 0)
+    simulation.advance(50)
+    replay, main = wp.capture_launch, threading.main_thread()
+    calls = [0, 0]
+
+    def interrupted(graph: wp.Graph) -> None:
+        thread = int(threading.current_thread() is not main)
+        calls[thread] += 1
+        if thread == unlucky and calls[thread] == 3:
+            wait_until(lambda: calls[1 - unlucky] >= 3)  # the other is in the step
+            raise InterruptedError
+        replay(graph)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(wp, "capture_launch", interrupted)
+        with pytest.raises(InterruptedError):
+            simulation.advance(400)
+    assert calls[unlucky] == 3
+    assert calls[1 - unlucky] < 100  # the other does not go on alone for long
+    test_threads_do_not_change_a_bit(2)  # of another run, with the same threads
+
+
+def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    at_once, one_by_one = (Simulation(CONE.build()[0]) for _ in range(2))
+    at_once.advance(100)
+    replay = Replay._replay_one_by_one
+    monkeypatch.setattr(Replay, "replay", lambda self, steps, threads: replay(self, steps))
+    one_by_one.advance(100)
+    for name in at_once.arrays:
+        np.testing.assert_array_equal(one_by_one.array(name), at_once.array(name), err_msg=name)
+
+
+@pytest.mark.parametrize("scene", [CONE, GravityColumn(cell_count=3)])
+def test_steps_are_the_same_however_they_are_parted(
+    scene: ConePenetration | GravityColumn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    soil = scene.simulated_scene()
+    assert soil is not None
+    whole, parted = Simulation(soil), Simulation(soil)
+    whole.advance(100)
+    updates = 7 * parted.plan.particle_count
+    monkeypatch.setattr(mpm_warp.execution.recorded_steps, "UPDATES_PER_CALL", updates)
+    for count in (1, 15, 16, 17, 3, 48):
+        parted.advance(count)
+    for name in whole.arrays:
+        np.testing.assert_array_equal(parted.array(name), whole.array(name), err_msg=name)
+    if soil.window is not None:
+        time = float(whole.array("window.motion")[0])
+        assert time == pytest.approx(100 * whole.plan.time_step, rel=1e-12)
+
+
+def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
+    choice = ThreadChoice()
+    assert choice.choose(2) == 1  # to know what one thread takes
+    choice.note(1, step_count=100, seconds=1.0)
+    assert choice.choose(2) == 2
+    choice.note(2, step_count=100, seconds=0.6)
+    assert choice.choose(2) == 2
+    choice.note(2, step_count=100, seconds=2.0)  # late by chance
+    assert choice.choose(2) == 2
+    choice.note(2, step_count=100, seconds=2.0)
+    for _ in range(PAUSE):
+        assert choice.choose(2) == 1
+        choice.note(1, step_count=1, seconds=0.01)
+    assert choice.choose(2) == 2
+    choice.note(2, step_count=LEAST_STEPS - 1, seconds=9.0)  # too short to tell
+    assert choice.choose(2) == 2
+    assert choice.choose(1) == 1
+
+
+@pytest.mark.usefixtures("all_take_part")
+def test_fewer_rows_than_threads_give_the_same_bits() -> None:
+    runs = [Simulation(FEW_ROWS.simulated_scene(), Execution(threads=count)) for count in (1, 4)]
+    for simulation in runs:
+        simulation.advance(40)
+    alone, together = runs
+    for name in alone.arrays:
+        np.testing.assert_array_equal(together.array(name), alone.array(name), err_msg=name)
+
+
+@pytest.mark.usefixtures("all_take_part")
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_run_that_is_over_lets_go_of_its_arrays_at_once(threads: int) -> None:
+    """A collection of cycles may come late: the next case would find the memory still taken."""
+    gc.collect()
+    gc.disable()
+    try:
+        simulation = Simulation(FEW_ROWS.simulated_scene(), Execution(threads=threads))
+        simulation.advance(20)
+        arrays = [weakref.ref(array) for array in simulation.arrays.values()]
+        del simulation
+        assert not any(array() for array in arrays)
+    finally:
+        gc.enable()

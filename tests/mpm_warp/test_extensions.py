@@ -1,0 +1,277 @@
+"""The next idea is one file: a material, a part and a scene that only this file knows.
+
+The material is von Mises soil with linear isotropic hardening by accumulated plastic shear strain,
+the part a body force, the scene one of another package.
+"""
+
+import functools
+from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoint
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+import warp as wp
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.parameters import parameter
+from mpm_warp.parts.part import Setting
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+from mpm_warp.results import variable
+from mpm_warp.scene import Scene
+from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
+
+SHEAR_MODULUS, STRENGTH, HARDENING = 2e6, 20e3, 3e5
+SMALL_CONE = ConePenetration(
+    cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3, penetration=2
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HardeningVonMises(Material):
+    """Yields where sqrt(J2) = su + H x, with x the accumulated plastic shear strain."""
+
+    state: ClassVar[tuple[str, ...]] = ("plastic_shear_strain",)
+
+    strength: float
+    hardening: float
+
+    @property
+    def properties(self) -> tuple[float, ...]:
+        return (self.strength, self.hardening, self.shear_modulus)
+
+    def update(self, precision: Precision) -> Any:
+        return _make_update(precision)
+
+    def yield_function(self, precision: Precision) -> Any:
+        return _make_yield_function(precision)
+
+
+@functools.cache
+def _make_yield_function(precision: Precision) -> Any:
+    vec1, vec2, vec3, vec4 = (precision.vector(length) for length in (1, 2, 3, 4))
+    j2 = make_j2(precision)
+
+    @wp.func
+    def hardened(stress: vec4, properties: vec3, state: vec1) -> vec2:
+        return vec2(wp.sqrt(j2(stress)), properties[0] + properties[1] * state[0])
+
+    return hardened
+
+
+@functools.cache
+def _make_update(precision: Precision) -> Any:
+    real = precision.real
+    vec1, vec3, vec4 = (precision.vector(length) for length in (1, 3, 4))
+    j2 = make_j2(precision)
+
+    @wp.func
+    def return_and_harden(
+        trial: vec4, strain: vec4, time_step: real, properties: vec3, state: vec1
+    ):
+        strength = properties[0] + properties[1] * state[0]
+        shear = wp.sqrt(j2(trial))
+        if shear <= strength:
+            return trial, state
+        # The return takes G x off the shear stress while the strength rises by H x.
+        plastic = (shear - strength) / (properties[2] + properties[1])
+        scale = real(1.0) - properties[2] * plastic / shear
+        mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
+        centre = vec4(mean, mean, real(0.0), mean)
+        return centre + scale * (trial - centre), vec1(state[0] + plastic)
+
+    return return_and_harden
+
+
+SOIL = HardeningVonMises(
+    shear_modulus=SHEAR_MODULUS,
+    poissons_ratio=0.49,
+    density=1700.0,
+    strength=STRENGTH,
+    hardening=HARDENING,
+)
+
+
+def exact_shear(strain: float) -> float:
+    """Shear stress after a monotonic engineering shear strain: elastic, then hardening."""
+    elastic = SHEAR_MODULUS * strain
+    if elastic <= STRENGTH:
+        return elastic
+    return (STRENGTH + HARDENING * strain) / (1.0 + HARDENING / SHEAR_MODULUS)
+
+
+@pytest.mark.parametrize("strain", [0.5e-2, 1.5e-2, 0.2])
+def test_the_material_is_exact_on_strain_paths(strain: float) -> None:
+    """Pure shear in the plane, sheared along z, and against the hoop: one law, three directions.
+
+    The paths are proportional, so the return is exact whatever the number of steps: rounding is
+    left, the sum of one for each step.
+    """
+    half = 0.5 * strain
+    gradient = np.array(
+        [[half, 0, 0, -half, 0], [0, half, half, 0, 0], [half, 0, 0, 0, -half]], dtype=float
+    )
+    rest = np.zeros((3, 4))
+    simulation = Simulation(
+        StrainPaths(material=SOIL, gradient=gradient, stress=rest, step_count=1000)
+    )
+    simulation.advance(1000)
+    shear = exact_shear(strain)
+    exact = shear * np.array([[1, -1, 0, 0], [0, 0, 1, 0], [1, 0, 0, -1]], dtype=float)
+    np.testing.assert_allclose(simulation.array("particle.stress"), exact, atol=1e-6 * STRENGTH)
+    plastic = strain - shear / SHEAR_MODULUS
+    remembered = simulation.array("particle.state")[:, 0]
+    np.testing.assert_allclose(remembered, plastic, atol=1e-6 * strain)
+
+
+def test_the_material_remembers_when_the_strain_turns_back() -> None:
+    """After hardening to the strength k, it yields the other way at -k, not at -su."""
+    strain = 0.1
+    hardened = exact_shear(strain)
+    half = 0.5 * strain
+    # Forth and back: two paths, the second from where the first ends.
+    forth = Simulation(
+        StrainPaths(
+            material=SOIL,
+            gradient=np.array([[half, 0, 0, -half, 0]]),
+            stress=np.zeros((1, 4)),
+            step_count=500,
+        )
+    )
+    forth.advance(500)
+    back = Simulation(
+        StrainPaths(
+            material=SOIL,
+            gradient=np.array([[-half, 0, 0, half, 0]]),
+            stress=forth.array("particle.stress").copy(),
+            step_count=500,
+        )
+    )
+    back.assign("particle.state", forth.array("particle.state"))
+    back.advance(500)
+    beyond = strain - 2.0 * hardened / SHEAR_MODULUS  # what is left of it after yield
+    expected = -(hardened + HARDENING * beyond / (1.0 + HARDENING / SHEAR_MODULUS))
+    stress = back.array("particle.stress")[0]
+    np.testing.assert_allclose(stress, [expected, -expected, 0, 0], atol=1e-6 * STRENGTH)
+
+
+def cone_of(material: Material) -> Simulation:
+    """A short penetration of a cone through a window."""
+    simulation = Simulation(replace(SMALL_CONE.build(), material=material))
+    simulation.travel_to(1.5 * SMALL_CONE.cone_radius)
+    simulation.check()
+    return simulation
+
+
+def test_the_material_goes_through_a_cone_and_a_window() -> None:
+    """Points remember; what entered through the window below the cone has not yielded as yet."""
+    simulation = cone_of(SOIL)
+    present = simulation.array("particle.cell")[:, 0] >= 0
+    remembered = simulation.array("particle.state")[present, 0]
+    row = simulation.array("particle.cell")[present, 1]
+    assert remembered.max() > 0.1
+    assert remembered.min() == 0.0
+    assert remembered[row == 0].max() == 0.0
+    # No point is beyond its own strength.
+    stress = simulation.array("particle.stress")[present]
+    normal = stress[:, [0, 1, 3]] - stress[:, [0, 1, 3]].mean(axis=1, keepdims=True)
+    shear = np.sqrt(0.5 * np.sum(normal**2, axis=1) + stress[:, 2] ** 2)
+    assert np.all(shear <= (STRENGTH + HARDENING * remembered) * (1.0 + 1e-12))
+
+
+def test_the_watch_knows_the_strength_of_the_material() -> None:
+    simulation = cone_of(SOIL)
+    slot = int(np.flatnonzero(simulation.array("particle.cell")[:, 0] >= 0)[5])
+    simulation.array("particle.stress")[slot] = [0.0, 0.0, 5.0 * STRENGTH, 0.0]
+    with pytest.raises(Exception, match=f"stress of particle {slot} .* outside the yield surface"):
+        simulation.check()
+
+
+@dataclass(frozen=True)
+class BodyForce:
+    """An acceleration of all soil: v <- v + dt b."""
+
+    acceleration: tuple[float, float]
+
+    def add_to(self, plan: Plan, setting: Setting) -> None:
+        plan.add_launch(
+            _make_body_force(plan.precision),
+            setting.grid.node_count,
+            change=plan.precision.vec2(*(plan.time_step * np.array(self.acceleration))),
+            mass="node.mass",
+            velocities="node.velocities",
+        )
+
+
+@functools.cache
+def _make_body_force(precision: Precision) -> Any:
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"tests.body_force.{precision.numpy_name}", enable_backward=False)
+    def body_force(
+        offset: int, change: vec2, mass: wp.array(dtype=real), velocities: wp.array(dtype=vec4)
+    ):
+        node = offset + wp.tid()
+        if mass[node] > real(0.0):
+            velocities[node] += vec4(change[0], change[1], real(0.0), real(0.0))
+
+    return body_force
+
+
+def settled(scene: Scene) -> Floats:
+    simulation = Simulation(scene)
+    simulation.advance(200)
+    stress: Floats = simulation.array("particle.stress").copy()
+    return stress
+
+
+def test_a_body_force_downward_is_gravity_to_the_last_bit() -> None:
+    scene = GravityColumn(cell_count=8).build()
+    gravity, damping = scene.forces
+    force = BodyForce((0.0, -gravity.acceleration))  # type: ignore[attr-defined]
+    np.testing.assert_array_equal(settled(replace(scene, forces=(force, damping))), settled(scene))
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeavyColumn(CatalogueScene):
+    """A column pulled down by the body force; its settlement at a moment."""
+
+    summary: ClassVar[str] = "column under a body force"
+    version: ClassVar[int] = 1
+
+    acceleration: float = parameter(9.81, unit="m s-2", meaning="body force over mass", above=0)
+
+    def build(self) -> Scene:
+        scene = GravityColumn(cell_count=8).build()
+        return replace(scene, forces=(BodyForce((0.0, -self.acceleration)),))
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        before = simulation.array("particle.position")[:, 1].copy()
+        simulation.advance(100)
+        progress(1.0)
+        settlement = float(np.mean(before - simulation.array("particle.position")[:, 1]))
+        shown = variable(settlement, unit="m", meaning="mean settlement", role="headline")
+        return xr.Dataset({"settlement": shown})
+
+
+def test_a_scene_of_another_package_is_in_the_catalogue(monkeypatch: pytest.MonkeyPatch) -> None:
+    offered = EntryPoint(
+        name="heavy_column", value=f"{__name__}:HeavyColumn", group="mpm_warp.scenes"
+    )
+    monkeypatch.setattr(EntryPoint, "load", lambda entry_point: HeavyColumn)
+    monkeypatch.setattr(discovery, "entry_points", lambda group: [offered])
+    assert "heavy_column" in scene_names()
+    scene = scene_class("heavy_column")
+    assert scene is HeavyColumn
+    result = scene(acceleration=5.0).run()
+    assert float(result.settlement) > 0.0
+    assert float(result.acceleration) == 5.0
+    assert result.acceleration.attrs["role"] == "parameter"
