@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 
@@ -80,4 +83,29 @@ def cone(fitted: Grid) -> Scene:
         window=Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),
         conservative_interpolation=True,
         energy_audit=True,
+    )
+
+
+@pytest.fixture
+def cavity() -> Scene:
+    """Clay around a cylindrical cavity of unit radius that expands: one row between smooth ends."""
+    clay = Tresca(shear_modulus=1e5, poissons_ratio=0.495, density=1700.0, strength=1e3)
+    grid = Grid(
+        columns=graded(0.5, 2.0, 1.25) / 2.0,
+        rows=np.array([0.0, 0.5]),
+        surface_radius=np.ones(2),
+        outer_radius=3.0,
+    )
+    vertical = np.ones((2, grid.column_count + 1), dtype=bool)
+    far_field = FarField.around(grid, clay)
+    return Scene(
+        grid=grid,
+        material=clay,
+        particles_per_side=2,
+        time_step_fraction=0.85,
+        bulk_viscosity=0.2,
+        fixed=Fixed.where(radial=~vertical, vertical=vertical),
+        # Springs alone: dashpots would push against soil that flows outward without end.
+        far_field=dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot),
+        moving_wall=MovingWall(speed=0.02, ramp_travel=0.3),
     )

@@ -7,12 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.watch.health import WindowOverfull
-from mpm_warp.penetration import Penetration
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.simulation import Simulation
-from mpm_warp.travel import Travel
 from mpm_warp.parts.window import Approach, Window
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
 
 HURRIED = Window(
     speed=1.0,
@@ -49,80 +46,66 @@ def test_no_speed_is_above_the_highest_beyond_a_travel() -> None:
         assert max(ahead) <= HURRIED.highest_speed_from(travel)
 
 
-def test_a_run_takes_the_steps_that_its_plan_says() -> None:
-    """But for two: in a step the speed is that at its begin.
+@pytest.fixture
+def hurried(cone: Scene) -> Scene:
+    """The cone of unit radius, with an approach at three times its speed."""
+    assert cone.window is not None
+    approach = Approach(speed=3.0, travel=2.0, slowing_travel=1.0)
+    return dataclasses.replace(cone, window=dataclasses.replace(cone.window, approach=approach))
 
-    That costs half a step where the speed rises, gains 0.5 ln 4 where it falls to a quarter; and
-    either number is a whole one.
-    """
-    cone = ConePenetration(
-        cells_per_radius=1.5, domain_radius=10, domain_above=5, domain_below=5, penetration=12,
-        steady_tolerance=0,
-    )  # fmt: skip
-    result = cone.run()
-    assert abs(int(result.step_count) - int(result.step_count_bound)) <= 2
-    assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)  # type: ignore[arg-type]
+
+def test_a_run_takes_the_time_that_its_window_says(hurried: Scene) -> None:
+    """But for two steps: in a step the speed is that at its begin."""
+    assert hurried.window is not None
+    simulation = Simulation(hurried)
+    simulation.travel_to(4.0)
+    steps = hurried.window.time_to(4.0) / simulation.plan.time_step
+    assert abs(simulation.step_count - steps) <= 2.0
 
 
 def test_the_window_stops_at_the_first_step_beyond_a_distance(
-    monkeypatch: pytest.MonkeyPatch,
+    hurried: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And takes its steps in one go wherever its speed is the final one."""
-    cone = ConePenetration(
-        cells_per_radius=1.5, domain_radius=10, domain_above=4, domain_below=4, penetration=12
-    )
-    simulation = Simulation(cone.build()[0])
-    window = simulation.scene.window
+    simulation = Simulation(hurried)
+    window = hurried.window
     assert window is not None
     assert window.approach is not None
-    travel, goes = Travel(simulation), []
+    goes: list[int] = []
     advance = simulation.advance
     monkeypatch.setattr(simulation, "advance", lambda count: (goes.append(count), advance(count)))
-    radius = cone.cone_radius
-    for distance in np.linspace(0.5, 11.5, 23) * radius:
+    for distance in np.linspace(0.25, 5.75, 23):
         goes.clear()
-        layers = travel._layer_count
-        travel.advance_to(distance)
+        simulation.travel_to(distance)
         # Of all speeds that it may have had in its last step, the highest.
-        last = window.highest_speed_from(distance - 0.1 * radius) * simulation.plan.time_step
-        assert distance <= travel.distance < distance + last
-        if distance > window.approach.travel + 0.5 * radius:
-            assert len(goes) <= travel._layer_count - layers + 1
+        last = window.highest_speed_from(distance - 0.1) * simulation.plan.time_step
+        assert distance <= simulation.travel < distance + last
+        if distance > window.approach.travel + 0.5:
+            assert len(goes) == 1
 
 
-@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
-def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float) -> None:
-    """Both end where they are steady to 0.3 %, so they may differ by twice as much."""
-    cone = ConePenetration(cells_per_radius=2, adhesion_factor=adhesion_factor)
-    slow = float(dataclasses.replace(cone, approach=0.0).run().cone_factor)
-    assert float(cone.run().cone_factor) == pytest.approx(slow, rel=0.006)
+def test_a_distance_that_is_behind_is_not_travelled(hurried: Scene) -> None:
+    simulation = Simulation(hurried)
+    simulation.travel_to(0.5)
+    steps = simulation.step_count
+    simulation.travel_to(0.4)
+    simulation.travel_to(simulation.travel)
+    assert simulation.step_count == steps
 
 
-def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
-    def approach(**changes: float) -> Approach | None:
-        window = ConePenetration(**changes).build()[0].window  # type: ignore[arg-type]
-        assert window is not None
-        return window.approach
-
-    assert approach() is not None
-    assert approach(penetration=7) is None  # its last five radii are at the final speed
-    assert approach(approach=0) is None
-    assert approach(speed_ratio=0.2, approach_speed_ratio=0.1) is None
+def test_the_travel_is_as_exact_in_single_precision(cone: Scene) -> None:
+    """A step of some 1e-8 of the travel would be rounded to another in single precision."""
+    travels = []
+    for precision in ("float64", "float32"):
+        simulation = Simulation(dataclasses.replace(cone, precision=precision))
+        simulation.advance(500)
+        travels.append(simulation.array("window.motion"))
+    np.testing.assert_array_equal(*travels)
 
 
-def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves() -> None:
-    cone = ConePenetration(
-        cells_per_radius=2, domain_radius=10, domain_above=4, domain_below=4, penetration=5
-    )
-    scene, surface = cone.build()
-    simulation = Simulation(scene)
-    spare = simulation.array("particle.cell")[:, 0] < 0
-    for name in ("cell", "position", "mass"):  # as if every place were taken
-        values = simulation.array(f"particle.{name}")
-        values[spare] = values[~spare][: spare.sum()]
-    penetration = Penetration(surface=surface, greatest=5.0, unsteady=2.0, tolerance=0.0)
-    with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
-        penetration.run(simulation, progress=None)
-    assert end.value.status == "diverged"
-    assert end.value.history is not None
-    assert end.value.history.sizes["penetration"] == len(penetration.forces) > 0
+def test_a_scene_without_a_window_does_not_travel(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
+        simulation.travel_to(1.0)
+    with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
+        _ = simulation.travel
