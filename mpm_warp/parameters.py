@@ -11,7 +11,7 @@ import difflib
 import math
 import types
 import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,15 @@ Value = float | int | str | bool
 SceneT = typing.TypeVar("SceneT")
 
 
+class Derived(float):
+    """The value of a parameter that was not given, worked out from the others.
+
+    It is a number like any other, but is worked out anew wherever a scene is made from another by
+    ``dataclasses.replace``, so that it goes with the parameters that were changed. To keep it as it
+    is, give it as a plain number: ``float(value)``.
+    """
+
+
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """Definition of one parameter.
@@ -28,7 +37,8 @@ class Parameter:
     Attributes:
         name: field name in the scene.
         kind: ``float``, ``int``, ``bool`` or ``str``.
-        default: value where none is given; None means "derived", as `meaning` tells.
+        default: value where none is given; None where the scene derives it from the others, or
+            where there may be none, as `meaning` tells.
         unit: SI unit, "1" for a dimensionless number.
         meaning: one phrase for help, documentation and the long names of datasets.
         minimum, maximum: inclusive bounds.
@@ -118,7 +128,19 @@ def parameter(
     below: float | None = None,
     choices: tuple[Value, ...] | None = None,
 ) -> Any:
-    """Declare a parameter as a dataclass field; the arguments are those of :class:`Parameter`."""
+    """Declare a parameter, as a field of a dataclass.
+
+    Args:
+        default: value where none is given; None where the scene derives it from the others, or
+            where there may be none, as `meaning` is to tell.
+        unit: SI unit, "1" for a dimensionless number.
+        meaning: one phrase for help, documentation and datasets.
+        minimum: least value that is allowed.
+        maximum: greatest value that is allowed.
+        above: the value has to be greater.
+        below: the value has to be less.
+        choices: all the values that are allowed, where there are few.
+    """
     definition = {
         "unit": unit,
         "meaning": meaning,
@@ -151,14 +173,31 @@ def parameters_of(scene: type) -> Mapping[str, Parameter]:
     return _DEFINITIONS[scene]
 
 
-def check_parameters(scene: object) -> None:
-    """Validate every field of a scene instance, in place; to be called from ``__post_init__``.
+def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:
+    """Validate every field of a scene, in place, and fill in those that are derived from others.
+
+    To be called from ``__post_init__``.
+
+    Args:
+        scene: an instance of a dataclass whose fields are parameters.
+        derived: gives the values of parameters for which none was given, by name; it is called
+            when all others are valid.
 
     Raises:
         ParameterError: a value is not allowed.
     """
-    for name, definition in parameters_of(type(scene)).items():
-        object.__setattr__(scene, name, definition.checked(getattr(scene, name)))
+    definitions = parameters_of(type(scene))
+
+    def store(name: str, value: object) -> None:
+        object.__setattr__(scene, name, definitions[name].checked(value))
+
+    for name in definitions:
+        given = getattr(scene, name)
+        store(name, None if isinstance(given, Derived) else given)
+    for name, value in derived().items():
+        if getattr(scene, name) is None:
+            store(name, value)
+            object.__setattr__(scene, name, Derived(getattr(scene, name)))
 
 
 def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:
@@ -176,7 +215,14 @@ def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:
 
 
 def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """A phrase that names the nearest valid name; "" where none is as like as 0 to 1."""
+    """A phrase that names the nearest valid name.
+
+    Args:
+        name: what was given.
+        known: the valid names.
+        likeness: how like the nearest one must be, from 0, not at all, to 1, the same; where none
+            is, the phrase is empty.
+    """
     close = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
     return f"; did you mean {close[0]!r}?" if close else ""
 
@@ -190,7 +236,7 @@ def known_names(known: Iterable[str]) -> str:
 def nearest_name(name: str, known: Iterable[str]) -> str:
     """A phrase that names the nearest valid name, or all of them where none is near.
 
-    One of which the first words are given is near, however much longer it is.
+    A name whose first words are given is near, however much longer it is.
     """
     names = list(known)
     begun = [it for it in names if it.startswith(f"{name}_")]

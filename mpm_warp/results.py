@@ -1,12 +1,26 @@
-"""What a run leaves behind, as a dataset: curves, scalars, and what they cost."""
+"""Labelled variables: what a run leaves behind as a dataset, and the part that each plays in it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
+
+from mpm_warp.parameters import Parameter, Value, parameters_of
+
+ROLES = ("headline", "exact", "error", "measured", "parameter")
+"""The parts that a variable can play in a dataset, its attribute `role`:
+
+- headline: the scalar that the scene is run for; one in each dataset.
+- exact: an exact value or curve; the attribute `exact_of` names the variable that it belongs to.
+- error: a scalar error against an exact solution.
+- measured: a time, a speed or a size in memory, which is another in every run.
+- parameter: what was put in.
+
+A variable without a role is an ordinary result.
+"""
 
 
 def variable(
@@ -16,37 +30,79 @@ def variable(
     meaning: str,
     description: str | None = None,
     dims: tuple[str, ...] = (),
+    role: str | None = None,
+    exact_of: str | None = None,
+    limit: float | None = None,
 ) -> xr.Variable:
     """A labelled variable.
 
     Args:
-        value: number, or numbers over `dims`.
+        value: a number or a text, or numbers over `dims`.
         unit: SI unit, "1" for a dimensionless number.
         meaning: a few words, fit for the axis of a picture.
         description: how the value came about, where that needs saying.
         dims: names of the dimensions.
+        role: the part that it plays in the dataset, one of `ROLES`; None for an ordinary result.
+        exact_of: name of the variable that this is the exact value of; its role is then "exact".
+        limit: what the size of the value must not exceed, > 0; beyond it the run is inaccurate.
     """
-    labels = {"units": unit, "long_name": meaning}
+    labels: dict[str, str | float] = {"units": unit, "long_name": meaning}
     if description is not None:
         labels["description"] = description
+    if exact_of is not None:
+        role, labels["exact_of"] = "exact", exact_of
+    if role is not None:
+        assert role in ROLES, role
+        labels["role"] = role
+    if limit is not None:
+        labels["limit"] = limit
     return xr.Variable(dims, np.asarray(value), labels)
 
 
+def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:
+    """All parameters of a scene as variables of its dataset, with the role "parameter".
+
+    One that shares its name with a result is called ``<name>_parameter``. A number that is not
+    given is not a number, a text that is not given is empty.
+
+    Args:
+        scene: a dataclass whose fields are parameters.
+        results: names of the results, dimensions among them.
+    """
+    return {
+        f"{name}_parameter" if name in results else name: variable(
+            _stored(getattr(scene, name), definition),
+            unit=definition.unit,
+            meaning=name.replace("_", " "),
+            description=f"{definition.meaning}; {definition.allowed}",
+            role="parameter",
+        )
+        for name, definition in parameters_of(type(scene)).items()
+    }
+
+
+def _stored(value: Value | None, definition: Parameter) -> Value:
+    if value is None:
+        return "" if definition.kind is str else np.nan
+    return value
+
+
 COSTS = {
-    "run_time": ("s", "wall-clock time of the time loop"),
-    "setup_time": ("s", "wall-clock time to set up"),
-    "compile_time": ("s", "wall-clock time to compile or load kernels"),
-    "time_step": ("s", "time step, the last one"),
-    "step_count": ("1", "time steps"),
-    "particle_count": ("1", "material points at the start"),
-    "particle_updates": ("1", "material points times steps"),
+    "run_time": ("s", "wall-clock time of the time loop", "measured"),
+    "setup_time": ("s", "wall-clock time to set up", "measured"),
+    "compile_time": ("s", "wall-clock time to compile or load kernels", "measured"),
+    "time_step": ("s", "time step, the last one", None),
+    "step_count": ("1", "time steps", None),
+    "particle_count": ("1", "material points at the start", None),
+    "particle_updates": ("1", "material points times steps", None),
 }
-"""Unit and meaning of what tells the time and work of a run."""
+"""Unit, meaning and role of what tells the time and work of a run."""
 
 
 def costs(**values: float) -> Mapping[str, xr.Variable]:
     """Time and work of a run, by the names of `COSTS`, as variables of its dataset."""
     return {
-        name: variable(value, unit=COSTS[name][0], meaning=COSTS[name][1])
+        name: variable(value, unit=unit, meaning=meaning, role=role)
         for name, value in values.items()
+        for unit, meaning, role in [COSTS[name]]
     }

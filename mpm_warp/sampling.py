@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
@@ -71,6 +72,17 @@ def follow(
     if progress is not None:
         progress(1.0)
     return result
+
+
+def even_steps(step_count: int, count: int = 20) -> list[int]:
+    """Steps at even distances up to the last one, at which a run of many steps tells its progress.
+
+    Args:
+        step_count: steps of the run, >= 1.
+        count: how many of them are wanted, >= 1; there are fewer where there are fewer steps.
+    """
+    steps = np.linspace(0, step_count, count + 1).round().astype(int)
+    return np.unique(steps)[1:].tolist()
 
 
 def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:

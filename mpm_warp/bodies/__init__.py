@@ -1,1 +1,6 @@
-"""Bodies of any shape on a common grid, each with a velocity field of its own, in contact."""
+"""The second solver: bodies of any shape in contact on a uniform grid.
+
+Each body has a velocity field of its own; soil that fills its grid is the first solver's.
+"""
+
+from mpm_warp.bodies import planning as planning  # tells make_plan how bodies are planned

@@ -1,4 +1,4 @@
-"""Stages 1 and 2 for bodies: particles to the field of their body, and its momentum equation alone.
+"""From particles to the nodes: each body has a velocity field of its own, as if it were alone.
 
 Symbols: m mass, V volume, v velocity, B affine velocity, sigma stress (xx, yy, xy, zz), f_p load,
 d_i = x_i - x offset of node i, N_i its shape function. In axisymmetry x, y are r, z.
@@ -14,10 +14,65 @@ d_i = x_i - x offset of node i, N_i its shape function. In axisymmetry x, y are 
 import functools
 from typing import Any
 
+import numpy as np
 import warp as wp
 
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.grid import UniformGrid, make_splines
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.grid.fitted import Integers
+from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
-from mpm_warp.bodies.splines import make_splines
+
+
+def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
+    """Add the velocities that each body alone would have at the nodes after the step."""
+    grid, damped, loaded = scene.grid, scene.is_damped, bool(scene.loads)
+    plan.add_zeros("field.momentum", "vec3", scene.field_shape)
+    if damped:
+        plan.add_zeros("particle.viscous_stress", "vec4", plan.particle_count)
+    surface = None
+    if scene.contacts:
+        surface = plan.add_zeros("field.surface", "vec2", scene.field_shape)
+    plan.add_launch(
+        make_body_to_grid(grid.axisymmetric, damped, loaded, surface is not None, plan.precision),
+        plan.particle_count,
+        body="particle.body",
+        position="particle.position",
+        velocity="particle.velocity",
+        affine="particle.affine",
+        stress="particle.stress",
+        mass="particle.mass",
+        volume="particle.volume",
+        viscous_stress=plan.find("particle.viscous_stress"),
+        load=plan.find("particle.load"),
+        **grid.kernel_arguments(plan.precision),
+        time_step=plan.time_step,
+        momentum="field.momentum",
+        surface=surface,
+    )
+    held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
+    plan.add_array("field.held", "int", held)
+    plan.add_zeros("field.inverse_mass", "real", scene.field_shape)
+    plan.add_zeros("field.velocity", "vec2", scene.field_shape)
+    plan.add_launch(
+        make_body_prediction(plan.precision),
+        scene.field_shape,
+        held="field.held",
+        momentum="field.momentum",
+        inverse_mass="field.inverse_mass",
+        velocity="field.velocity",
+    )
+
+
+def _held_nodes(body: Body, grid: UniformGrid) -> Integers:
+    """1 at the nodes that a held particle reaches, else 0; shape [node_count]."""
+    held = np.zeros(grid.node_counts[::-1], dtype=np.int32)
+    if body.held is not None:
+        cells = (body.position[body.held] - np.asarray(grid.lower)) / grid.cell_size
+        for column, row in np.floor(cells - 0.5).astype(int):
+            held[row : row + 3, column : column + 3] = 1
+    return held.ravel()
 
 
 @functools.cache
@@ -30,18 +85,18 @@ def make_body_to_grid(
         axisymmetric: whether there is a hoop direction.
         damped: whether there is a viscous stress.
         loaded: whether particles bear loads.
-        contact: whether the surfaces of bodies are wanted.
+        contact: whether contact needs the surfaces of the bodies.
         precision: floating point types.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     mat22 = precision.mat22
     splines = make_splines(precision)
-    first_node, place, offsets = splines.first_node, splines.place, splines.offsets
-    weights, slopes = splines.weights, splines.slopes
+    first_node, local_coordinate = splines.first_node, splines.local_coordinate
+    weights, slopes, offsets = splines.weights, splines.slopes, splines.offsets
 
-    shape = "axisymmetric" if axisymmetric else "plane"
-    parts = (damped and "damped", loaded and "loaded", contact and "contact")
-    key = ".".join([shape, *filter(None, parts)])
+    key = "axisymmetric" if axisymmetric else "plane"
+    for name, has_part in (("damped", damped), ("loaded", loaded), ("contact", contact)):
+        key += f".{name}" if has_part else ""
 
     @wp.kernel(module=f"mpm_warp.body_to_grid.{key}.{precision.numpy_name}", enable_backward=False)
     def body_to_grid(
@@ -67,7 +122,7 @@ def make_body_to_grid(
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
-        fx, fy = place(where[0], i), place(where[1], j)
+        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
         Nx, Ny = weights(fx), weights(fy)
         dNx, dNy = slopes(fx) / h, slopes(fy) / h
         dx, dy = offsets(fx), offsets(fy)
@@ -99,10 +154,10 @@ def make_body_to_grid(
 
 @functools.cache
 def make_body_prediction(precision: Precision) -> Any:
-    """Velocity and inverse mass of each node, whose sums it clears; launched over (bodies, nodes).
+    """Velocity and inverse mass of each node; clears its sums. Launched over (bodies, nodes).
 
-    A node of no mass has an inverse mass below zero; a node that is held has none: no impulse
-    moves it.
+    A node without mass has an inverse mass below zero. A node that is held has the inverse mass 0:
+    no impulse moves it.
     """
     real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))

@@ -1,19 +1,15 @@
-"""Stage 2 for bodies, continued: contact between the fields of two bodies, found from particles.
+"""Contact between the fields of two bodies: one impulse at each node, which serves both.
 
 Symbols: A the body, B its base; m mass, v velocity predicted for each alone, v_S that of both
-together, d = v_A - v_S; a_A, a_B integrals of N n over their surfaces, n unit normal, outward from
-A, A_k contact area of node k; w weights (1 2 1) x (1 2 1) of a node and its neighbours.
+together, d = v_A - v_S; n unit normal, outward from A, A_k contact area of node k, and the gap, all
+found from the particles; mu friction coefficient, a adhesion.
 
-    n = -b / |b|, b = sum w a_B;    A_k = a_A . n
-    s_A = max over A's particles near the node of x . n + l/2,    gap = -(s_A + s_B)
     P = A_k sum_j (max(m_A d . n, 0)_j / sum_i A_i)    j near k, i near j: within two cells
     J = law(m_A, d, n, P, mu, a A_k dt)     while the gap is closed
     v_A <- v_A - J / m_A,    v_B <- v_B + J / m_B
 
-A node that few particles reach knows neither its normal nor its pressure: a normal that is off by
-degrees acts as friction of that many per cent, and the nodes on either side of an interface share
-its normal force in a way that stresses leave open. So normals are those of a neighbourhood, and
-what presses a node is its share, by area, of the normal impulses around it; their sum stays.
+The nodes on either side of an interface share its normal force in a way that stresses leave open.
+So what presses a node is its share, by area, of the normal impulses around it; their sum stays.
 
 With v_S = (m_A v_A + m_B v_B) / (m_A + m_B) the law's m_A (v_A - v_S) is the reduced mass
 m_A m_B / (m_A + m_B) times v_A - v_B, the same for either body but for its sign. So one impulse
@@ -21,97 +17,89 @@ serves both, and a held body is one without inverse mass.
 """
 
 import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import warp as wp
 
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.contact_detection import add_contact_detection
+from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.parts.contact_law import make_contact_law
+from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
-from mpm_warp.bodies.splines import make_splines
 
-FAR = -1e30
-"""Where the surface of a body is that no particle near a node belongs to [m]."""
 NEIGHBOURHOOD = 2
 """Cells around a node over which pressure is averaged: all nodes that an interface reaches."""
+CLOSED_GAP = 0.05
+"""Gap below which bodies touch, over cell size: a block at rest must not chatter on its base."""
 
 
-@functools.cache
-def make_interface(precision: Precision) -> Any:
-    """Normal and area of the interface of two bodies; launched over nodes. No area: no contact."""
-    real, vec2 = precision.real, precision.vec2
-    zero, two = (wp.constant(real(x)) for x in (0.0, 2.0))
-    far = wp.constant(real(FAR))
+@dataclass(frozen=True, kw_only=True)
+class BodyContact:
+    """Contact between two bodies.
 
-    @wp.kernel(module=f"mpm_warp.bodies.interface.{precision.numpy_name}", enable_backward=False)
-    def interface(
-        body: int,
-        base: int,
-        node_counts: wp.vec2i,
-        surface: wp.array2d(dtype=vec2),
-        inverse_mass: wp.array2d(dtype=real),
-        normal: wp.array(dtype=vec2),
-        area: wp.array(dtype=real),
-        extent: wp.array(dtype=vec2),
-    ):
-        j, i = wp.tid()
-        k = j * node_counts[0] + i
-        area[k] = zero
-        if inverse_mass[body, k] < zero or inverse_mass[base, k] < zero:
-            return
-        b = vec2()
-        for row in range(wp.max(j - 1, 0), wp.min(j + 2, node_counts[1])):
-            for column in range(wp.max(i - 1, 0), wp.min(i + 2, node_counts[0])):
-                weight = (two - real(wp.abs(row - j))) * (two - real(wp.abs(column - i)))
-                b += weight * surface[base, row * node_counts[0] + column]
-        length = wp.length(b)
-        if length <= zero:
-            return
-        n = -b / length
-        normal[k] = n
-        area[k] = wp.max(wp.dot(surface[body, k], n), zero)
-        extent[k] = vec2(far, far)
+    The normal is that of the base, whose surface should go on where the body's ends: at its edges
+    a body's own normal turns away. The area is the body's own along that normal.
 
-    return interface
+    Attributes:
+        body: index of one body in the scene.
+        base: index of the other.
+        friction: Coulomb coefficient, dimensionless, >= 0.
+        adhesion: shear stress transmitted without normal stress [Pa], >= 0.
+    """
 
+    body: int
+    base: int
+    friction: float = 0.0
+    adhesion: float = 0.0
 
-@functools.cache
-def make_extents(precision: Precision) -> Any:
-    """How far two bodies reach towards each other at a node; launched over particles."""
-    real, vec2 = precision.real, precision.vec2
-    zero = wp.constant(real(0.0))
-    first_node = make_splines(precision).first_node
-
-    @wp.kernel(module=f"mpm_warp.extents.{precision.numpy_name}", enable_backward=False)
-    def extents(
-        body: int,
-        base: int,
-        particle_body: wp.array(dtype=int),
-        position: wp.array(dtype=vec2),
-        half_spacing: wp.array(dtype=real),
-        lower: vec2,
-        h: real,
-        node_counts: wp.vec2i,
-        normal: wp.array(dtype=vec2),
-        area: wp.array(dtype=real),
-        extent: wp.array(dtype=vec2),
-    ):
-        p = wp.tid()
-        b = particle_body[p]
-        x = position[p]
-        where = (x - lower) / h
-        i = first_node(where[0], node_counts[0])
-        j = first_node(where[1], node_counts[1])
-        for row in range(3):
-            for column in range(3):
-                node = (j + row) * node_counts[0] + i + column
-                if area[node] > zero:
-                    height = wp.dot(x, normal[node])
-                    if b == body:
-                        wp.atomic_max(extent, node, vec2(height + half_spacing[b], real(FAR)))
-                    elif b == base:
-                        wp.atomic_max(extent, node, vec2(real(FAR), half_spacing[b] - height))
-
-    return extents
+    def add_to(self, plan: Plan, index: int, bodies: Sequence[Body], grid: UniformGrid) -> None:
+        """Add contact number `index` of a scene, after the velocities that each body has alone."""
+        contact = f"contact{index}"
+        over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)
+        normal, area, extent = add_contact_detection(
+            plan, contact, (self.body, self.base), bodies, grid
+        )
+        pressing = plan.add_zeros(f"{contact}.pressing", "vec2", grid.node_count)
+        pressure = plan.add_zeros(f"{contact}.pressure", "real", grid.node_count)
+        plan.add_launch(
+            make_pressing(plan.precision),
+            grid.node_count,
+            body=self.body,
+            base=self.base,
+            closed=CLOSED_GAP * grid.cell_size,
+            normal=normal,
+            area=area,
+            extent=extent,
+            inverse_mass="field.inverse_mass",
+            velocity="field.velocity",
+            pressing=pressing,
+        )
+        plan.add_launch(
+            make_shared_pressure(plan.precision),
+            over_nodes,
+            node_counts=node_counts,
+            pressing=pressing,
+            pressure=pressure,
+        )
+        plan.add_launch(
+            make_body_contact(plan.precision),
+            over_nodes,
+            body=self.body,
+            base=self.base,
+            friction=self.friction,
+            adhesion=self.adhesion,
+            time_step=plan.time_step,
+            node_counts=node_counts,
+            normal=normal,
+            pressing=pressing,
+            pressure=pressure,
+            inverse_mass="field.inverse_mass",
+            velocity="field.velocity",
+            total=plan.add_zeros(f"{contact}.total", "vec3", 1),
+        )
 
 
 @functools.cache
@@ -222,16 +210,3 @@ def make_body_contact(precision: Precision) -> Any:
         wp.atomic_add(total, 0, vec3(impulse[0], impulse[1], wp.dot(impulse, slip)))
 
     return body_contact
-
-
-@functools.cache
-def make_clear_surfaces(precision: Precision) -> Any:
-    """Clears the surfaces of all bodies for the next step; launched over (bodies, nodes)."""
-    vec2 = precision.vec2
-
-    @wp.kernel(module=f"mpm_warp.clear_surfaces.{precision.numpy_name}", enable_backward=False)
-    def clear_surfaces(surface: wp.array2d(dtype=vec2)):
-        b, node = wp.tid()
-        surface[b, node] = vec2()
-
-    return clear_surfaces

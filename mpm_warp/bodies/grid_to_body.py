@@ -1,11 +1,11 @@
-"""Stage 3 for bodies: particles take velocity, position and stress from the field of their body.
+"""From the nodes to particles: velocity, position and stress from the field of their body.
 
 Symbols: v_i velocity of node i, d_i its offset, N_i shape function, L velocity gradient
 (xx, xy, yx, yy, zz), h cell size.
 
     v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
     L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
-                                     symmetric part of L: without it a body that turns grows
+                                     symmetric part of L; without this term a body that turns grows
     x <- x + dt v,       V <- V exp(dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
@@ -17,11 +17,44 @@ The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans
 import functools
 from typing import Any
 
+import numpy as np
 import warp as wp
 
-from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_step
+from mpm_warp.bodies.grid import make_splines
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_increment
+from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
-from mpm_warp.bodies.splines import make_splines
+
+
+def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
+    """Add the motion and the stress of particles, after the velocities of the nodes are final."""
+    materials = [body.material for body in scene.bodies]
+    moduli = np.array([(it.shear_modulus, it.bulk_modulus) for it in materials])
+    plan.add_array("body.moduli", "vec2", moduli)
+    retardation, viscous_stress, dissipated = None, None, None
+    if scene.is_damped:
+        times = np.array([body.retardation_time or 0.0 for body in scene.bodies])
+        retardation = plan.add_array("body.retardation_time", "real", times)
+        viscous_stress = "particle.viscous_stress"
+        dissipated = plan.add_zeros("particle.dissipated", "real", plan.particle_count)
+    plan.add_launch(
+        make_grid_to_body(scene.grid.axisymmetric, scene.is_damped, plan.precision),
+        plan.particle_count,
+        body="particle.body",
+        moduli="body.moduli",
+        retardation=retardation,
+        node_velocity="field.velocity",
+        **scene.grid.kernel_arguments(plan.precision),
+        time_step=plan.time_step,
+        position="particle.position",
+        velocity="particle.velocity",
+        affine="particle.affine",
+        stress="particle.stress",
+        volume="particle.volume",
+        viscous_stress=viscous_stress,
+        dissipated=dissipated,
+    )
 
 
 @functools.cache
@@ -36,9 +69,12 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
     real, vec2, vec4, vec5 = precision.real, precision.vec2, precision.vec4, precision.vec5
     mat22 = precision.mat22
     splines = make_splines(precision)
-    first_node, place, offsets = splines.first_node, splines.place, splines.offsets
-    weights, slopes = splines.weights, splines.slopes
-    elastic_trial, stress_step = make_elastic_trial(precision), make_stress_step(precision)
+    first_node, local_coordinate = splines.first_node, splines.local_coordinate
+    weights, slopes, offsets = splines.weights, splines.slopes, splines.offsets
+    elastic_trial, stress_increment = (
+        make_elastic_trial(precision),
+        make_stress_increment(precision),
+    )
     half, four = (wp.constant(real(x)) for x in (0.5, 4.0))
 
     shape = "axisymmetric" if axisymmetric else "plane"
@@ -68,7 +104,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
         where = (x - lower) / h
         i = first_node(where[0], node_counts[0])
         j = first_node(where[1], node_counts[1])
-        fx, fy = place(where[0], i), place(where[1], j)
+        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
         Nx, Ny = weights(fx), weights(fy)
         dNx, dNy = slopes(fx) / h, slopes(fy) / h
         dx, dy = offsets(fx), offsets(fy)
@@ -94,10 +130,12 @@ def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) ->
             hoop = v[0] / x[0]
         L = vec5(gradient[0, 0], gradient[0, 1], gradient[1, 0], gradient[1, 1], hoop)
 
-        step = stress_step(L, time_step, moduli[b][0], moduli[b][1])
-        stress[p] = elastic_trial(stress[p], step)
+        increment = stress_increment(L, time_step, moduli[b][0], moduli[b][1])
+        stress[p] = elastic_trial(stress[p], increment)
         if wp.static(damped):
-            viscous = (retardation[b] / time_step) * vec4(step[0], step[1], step[2], step[3])
+            viscous = (retardation[b] / time_step) * vec4(
+                increment[0], increment[1], increment[2], increment[3]
+            )
             viscous_stress[p] = viscous
             power = viscous[0] * L[0] + viscous[1] * L[3] + viscous[3] * L[4]
             power += viscous[2] * (L[1] + L[2])

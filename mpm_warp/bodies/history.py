@@ -4,40 +4,38 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpm_warp.bodies.planning import BodyPlan
-from mpm_warp.bodies.scene import Load
+from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.simulation import TimeLoop
+from mpm_warp.simulation import Simulation
 
 
 class BodyHistory:
-    """Samples of body 0 and of contact 0; changes are those since the history began.
+    """Samples of body 0 and of contact 0; changes are those since the first sample, taken at once.
 
     Args:
-        loop: a run of bodies in contact; every load is one on body 0, which is the body of
+        simulation: a run of bodies in contact. All loads act on body 0, which is the body of
             contact 0.
     """
 
-    def __init__(self, loop: TimeLoop) -> None:
-        plan = loop.plan
-        assert isinstance(plan, BodyPlan)
-        body = plan.scene.bodies[0]
-        self._loop = loop
-        self._loads = body.loads
-        self._mass = body.mass
-        self._axisymmetric = plan.scene.grid.axisymmetric
+    def __init__(self, simulation: Simulation) -> None:
+        scene = simulation.scene
+        assert isinstance(scene, BodyScene)
+        self._simulation = simulation
+        self._loads = scene.bodies[0].loads
+        self._mass = scene.bodies[0].mass
+        self._axisymmetric = scene.grid.axisymmetric
         self._samples: dict[str, list[float | Floats]] = {}
         self.sample()
 
     def sample(self) -> None:
         """Add a sample."""
         position, velocity = (
-            self._loop.array(f"particle.{name}")[: len(self._mass)].copy()
+            self._simulation.array(f"particle.{name}")[: len(self._mass)].copy()
             for name in ("position", "velocity")
         )
-        total = self._loop.array("contact0.total")[0]
+        total = self._simulation.array("contact0.total")[0]
         values: dict[str, float | Floats] = {
-            "time": self._loop.time,
+            "time": self._simulation.time,
             "position": position,
             "momentum": self._mass @ velocity,
             "kinetic_energy": 0.5 * float(self._mass @ np.sum(velocity**2, axis=1)),
@@ -84,12 +82,12 @@ class BodyHistory:
 
     @property
     def slip_work(self) -> Floats:
-        """Work that the slip of the interface took [J], shape [sample_count]."""
+        """Work dissipated by slip at the interface [J], shape [sample_count]."""
         return self._change("slip_work")
 
     @property
     def viscous_work(self) -> Floats:
-        """Work that damping took in all bodies [J], shape [sample_count]."""
+        """Work dissipated by damping in all bodies [J], shape [sample_count]."""
         return self._change("viscous_work")
 
     @property
@@ -98,19 +96,19 @@ class BodyHistory:
         moved = np.diff(self._all("position"), axis=0)
         work = np.zeros(len(moved))
         for load in self._loads:
-            mean = np.diff(_integral(load, self.time)) / np.diff(self.time)
+            mean = np.diff(load.impulse_time(self.time)) / np.diff(self.time)
             work += mean * np.sum(load.forces * moved, axis=(1, 2))
         return np.concatenate([[0.0], np.cumsum(work)])
 
     @property
     def momentum_error(self) -> Floats:
-        """What momentum and impulses lack to balance, over the loads' impulse at the end.
+        """Error of the momentum balance over the loads' impulse at the end, shape [sample_count].
 
-        In axisymmetry that along the axis: hoop stresses turn the radial one.
+        In axisymmetry only the momentum along the axis is balanced: hoop stresses change the other.
         """
         given = np.zeros((len(self.time), 2))
         for load in self._loads:
-            given += np.outer(_integral(load, self.time), load.forces.sum(axis=0))
+            given += np.outer(load.impulse_time(self.time), load.forces.sum(axis=0))
         given -= given[0]
         lack = given - self._change("contact_impulse") - self._change("momentum")
         balanced = slice(1 if self._axisymmetric else 0, 2)
@@ -119,7 +117,7 @@ class BodyHistory:
 
     @property
     def energy_error(self) -> Floats:
-        """What energies and work lack to balance, over the loads' greatest work.
+        """Error of the energy balance over the loads' greatest work, shape [sample_count].
 
         It is what the transfer between particles and grid has dissipated.
         """
@@ -129,14 +127,15 @@ class BodyHistory:
         return (work - stored - taken) / float(np.abs(work).max())
 
     def _viscous_work(self) -> float:
-        if "particle.dissipated" not in self._loop.plan.arrays:
+        if "particle.dissipated" not in self._simulation.plan.arrays:
             return 0.0
-        return float(self._loop.array("particle.dissipated").sum())
+        return float(self._simulation.array("particle.dissipated").sum())
 
     def _elastic_energy(self) -> float:
         """s:s / 4 G + p^2 / 2 K over all bodies, s the deviator and p the mean stress [J]."""
-        stress, volume = (self._loop.array(f"particle.{name}") for name in ("stress", "volume"))
-        moduli = self._loop.array("body.moduli")[self._loop.array("particle.body")]
+        array = self._simulation.array
+        stress, volume = array("particle.stress"), array("particle.volume")
+        moduli = array("body.moduli")[array("particle.body")]
         normal = stress[:, [0, 1, 3]]
         mean = normal.mean(axis=1)
         square = np.sum((normal - mean[:, None]) ** 2, axis=1) + 2.0 * stress[:, 2] ** 2
@@ -150,11 +149,3 @@ class BodyHistory:
         values = self._all(name)
         change: Floats = values - values[0]
         return change
-
-
-def _integral(load: Load, time: Floats) -> Floats:
-    """Time integral of the fraction of a load that acts [s]."""
-    rising = np.clip(time - load.start, 0.0, load.rise_time)
-    steady = np.maximum(time - load.start - load.rise_time, 0.0)
-    integral: Floats = 0.5 * rising**2 / load.rise_time + steady
-    return integral

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.bodies.scene import Body, UniformGrid
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.materials import LinearElastic
+from mpm_warp.materials.linear_elastic import LinearElastic
 
 MARGIN = 2
 """Empty cells around the bodies, at least."""
@@ -20,9 +21,9 @@ class InterfaceFrame:
     """Coordinates along an interface and out of it.
 
     Attributes:
-        angle: from the first axis of the grid to the interface [rad]; plane strain alone.
-        interface_radius: where the interface is a cylinder around the axis, its radius [m], > 0;
-            it runs along z then, and its outward side is the inner one. None in plane strain.
+        angle: from the first axis of the grid to the interface [rad]; only used in plane strain.
+        interface_radius: radius of an interface that is a cylinder around the axis [m], > 0; it
+            runs along z, and its outward side is the inner one. None in plane strain.
     """
 
     angle: float
@@ -56,7 +57,7 @@ class InterfaceFrame:
 
         Args:
             extent: least and greatest coordinate along the interface [m].
-            heights: least and greatest one out of it [m].
+            heights: least and greatest distance from the interface, outward positive [m].
             spacing: distance of the particles [m]; the rectangle gets a whole number of them.
             material: elastic constants and density.
         """
@@ -77,15 +78,16 @@ class InterfaceFrame:
         """A grid that holds the bodies, also when the first has travelled along the interface.
 
         Args:
-            bodies: what it is to hold.
-            travel: of the first body [m].
+            bodies: one or more.
+            travel: distance that the first body will travel [m].
             cell_size: side of a cell [m].
-            offset: of the nodes from the origin of the coordinates, over cell size, 0 to 1.
+            offset: distance of the nodes from the origin of the coordinates, over cell size,
+                0 to 1.
         """
         travelled = bodies[0].position + travel * self.along
-        places = np.concatenate([travelled, *(body.position for body in bodies)]) / cell_size
-        first = np.floor(places.min(axis=0)) - MARGIN - offset
-        counts = np.ceil(places.max(axis=0) - first).astype(int) + MARGIN
+        occupied = np.concatenate([travelled, *(body.position for body in bodies)]) / cell_size
+        first = np.floor(occupied.min(axis=0)) - MARGIN - offset
+        counts = np.ceil(occupied.max(axis=0) - first).astype(int) + MARGIN
         lower = cell_size * first
         return UniformGrid(
             lower=(float(lower[0]), float(lower[1])),

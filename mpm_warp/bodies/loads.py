@@ -1,16 +1,79 @@
-"""Before the step: dead loads that rise linearly in time, then stay.
+"""Dead loads on the particles of a body: they rise linearly in time, then stay.
 
-f_p = sum over loads min(max((t + dt / 2 - t_0) / T, 0), 1) F_p        then t <- t + dt
+    f_p = sum over loads min(max((t + dt / 2 - t_0) / T, 0), 1) F_p        then t <- t + dt
 
-In the middle of the step, so that the impulse of a load is exact while it rises or stays.
+They are taken in the middle of the step: then the impulse of a load is exact in every step in which
+it only rises or only stays.
 """
 
 import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import warp as wp
 
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Load:
+    """Dead forces on the particles of a body, which rise linearly from zero and then stay.
+
+    Attributes:
+        forces: final force on each particle [N], shape [particle_count, 2].
+        start: time t_0 at which they begin to rise [s], >= 0.
+        rise_time: time T that they take to rise [s], > 0.
+    """
+
+    forces: Floats
+    start: float
+    rise_time: float
+
+    def impulse_time(self, time: Floats) -> Floats:
+        """Impulse until each time over the final force: time integral of the fraction acting [s].
+
+        Args:
+            time: times since the start of the run [s], of any shape.
+        """
+        rising = np.clip(time - self.start, 0.0, self.rise_time)
+        steady = np.maximum(time - self.start - self.rise_time, 0.0)
+        integral: Floats = 0.5 * rising**2 / self.rise_time + steady
+        return integral
+
+
+def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
+    """Add the forces of the loads on all particles, at the beginning of a step.
+
+    Args:
+        plan: to add to.
+        loads: each with the particles of its body; one or more.
+    """
+    forces = np.zeros((len(loads), plan.particle_count, 2))
+    for index, (particles, load) in enumerate(loads):
+        forces[index, particles] = load.forces
+    schedule = np.array([(load.start, load.rise_time) for _, load in loads])
+    plan.add_array("load.schedule", "vec2", schedule)
+    plan.add_array("load.forces", "vec2", forces)
+    plan.add_zeros("load.time", "real", 1)
+    plan.add_zeros("particle.load", "vec2", plan.particle_count)
+    plan.add_launch(
+        make_body_loads(plan.precision),
+        plan.particle_count,
+        schedule="load.schedule",
+        load_forces="load.forces",
+        time="load.time",
+        half_step=0.5 * plan.time_step,
+        force="particle.load",
+    )
+
+
+def add_clock(plan: Plan) -> None:
+    """Add the time of the loads, which goes on at the end of a step."""
+    plan.add_launch(make_clock(plan.precision), 1, time_step=plan.time_step, time="load.time")
 
 
 @functools.cache

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +29,22 @@ SAMPLED = 2_000
 """Particles, about, whose mean stress is held against their volume."""
 
 
-def make_watch(scene: object, run: Run) -> ParticleWatch:
-    """The watch on a run of a scene; of soil in a grid it looks at more than each particle."""
-    return SoilWatch(scene, run) if isinstance(scene, Scene) else ParticleWatch(run)
+class Watch(Protocol):
+    """A watch on a run."""
+
+    @property
+    def particle_count(self) -> int:
+        """Particles at the last look."""
+
+    def prepare(self) -> None:
+        """Note what the next step, the last one before a look, is held against."""
+
+    def look(self) -> None:
+        """Look at the run.
+
+        Raises:
+            Fault: it is not sound; the message names what and where.
+        """
 
 
 class ParticleWatch:
@@ -200,3 +214,12 @@ class SoilWatch(ParticleWatch):
     def _blocks(self, mass: Floats) -> Floats:
         grid = self._scene.grid
         return block_sums(mass.reshape(grid.row_count, grid.column_count))
+
+
+@functools.singledispatch
+def make_watch(scene: object, run: Run) -> Watch:
+    """The watch on a run of a scene. Kinds of scenes register their own, else it is of particles."""
+    return ParticleWatch(run)
+
+
+make_watch.register(Scene, SoilWatch)

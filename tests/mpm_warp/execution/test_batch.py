@@ -23,7 +23,7 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scenes.base import ReadyScene
 from mpm_warp.scenes.cone_penetration import ConePenetration
 from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.simulation import Simulation
 from mpm_warp.watch.health import SimulationDiverged
 

@@ -1,0 +1,77 @@
+"""A deformable or rigid body: a square lattice of particles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpm_warp.bodies.loads import Load
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.plan.plan import Plan
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Body:
+    """A linear elastic body, or a rigid one, as a square lattice of particles.
+
+    Attributes:
+        position: positions of the particles [m], shape [particle_count, 2].
+        volume: volumes of the particles per radian or thickness, shape [particle_count].
+        spacing: side of the square that a particle stands for [m], > 0.
+        material: elastic constants and density.
+        held: particles that are always at rest, shape [particle_count]; the body is rigid and
+            immovable at every node that one of them reaches. None where there are none.
+        retardation_time: tau of a Kelvin-Voigt solid, whose stress is that of the strain plus tau
+            times the rate of strain [s], > 0; None where the body has no damping. It damps a
+            frequency omega by omega tau / 2 of the critical damping.
+        loads: forces on the particles.
+    """
+
+    position: Floats
+    volume: Floats
+    spacing: float
+    material: LinearElastic
+    held: NDArray[np.bool_] | None = None
+    retardation_time: float | None = None
+    loads: tuple[Load, ...] = ()
+
+    @property
+    def particle_count(self) -> int:
+        """Number of particles."""
+        return len(self.volume)
+
+    @property
+    def mass(self) -> Floats:
+        """Masses of the particles [kg], shape [particle_count]."""
+        return self.material.density * self.volume
+
+    def critical_time_step(self, cell_size: float, thinning: float = 1.0) -> float:
+        """Time in which a wave crosses a cell, shorter where there is damping [s].
+
+        Args:
+            cell_size: side of a cell [m].
+            thinning: volume over that at rest. A body that is drawn out keeps its moduli; its
+                density falls, and its waves become faster.
+        """
+        crossing = cell_size / (self.material.pressure_wave_speed * math.sqrt(thinning))
+        damping_ratio = (self.retardation_time or 0.0) / crossing
+        return crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
+
+
+def add_particles(plan: Plan, bodies: Sequence[Body]) -> None:
+    """Add the arrays of all particles, body after body, at rest and without stress."""
+    counts = [body.particle_count for body in bodies]
+    plan.particle_count = sum(counts)
+    numbers = np.repeat(np.arange(len(bodies)), counts)
+    plan.add_array("particle.body", "int", numbers.astype(np.int32))
+    plan.add_array("particle.position", "vec2", np.concatenate([b.position for b in bodies]))
+    plan.add_array("particle.mass", "real", np.concatenate([b.mass for b in bodies]))
+    plan.add_array("particle.volume", "real", np.concatenate([b.volume for b in bodies]))
+    plan.add_zeros("particle.velocity", "vec2", plan.particle_count)
+    plan.add_zeros("particle.affine", "mat22", plan.particle_count)
+    plan.add_zeros("particle.stress", "vec4", plan.particle_count)

@@ -1,0 +1,125 @@
+"""A uniform grid of square cells and the quadratic B-splines on it: nine nodes for each particle.
+
+Symbols: h cell size, X_0 lowest of the three nodes along an axis, f = (x - X_0) / h, between 0.5
+and 1.5.
+
+    N = (3/2 - f)^2 / 2,    3/4 - (f - 1)^2,    (f - 1/2)^2 / 2
+"""
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.precision import Precision
+
+
+@dataclass(frozen=True, kw_only=True)
+class UniformGrid:
+    """A grid of square cells.
+
+    Attributes:
+        lower: corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0.
+        cell_size: side of a cell [m], > 0.
+        cell_counts: cells along both axes, >= 3 each.
+        axisymmetric: whether the axes are (r, z), else plane strain in (x, y).
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    lower: tuple[float, float]
+    cell_size: float
+    cell_counts: tuple[int, int]
+    axisymmetric: bool = False
+
+    def __post_init__(self) -> None:
+        if self.cell_size <= 0.0:
+            raise SceneError(f"grid: cell_size = {self.cell_size:g} m must be > 0")
+        if min(self.cell_counts) < 3:
+            raise SceneError(f"grid: cell_counts = {self.cell_counts} must be 3 or more each")
+        if self.axisymmetric and self.lower[0] < 0.0:
+            raise SceneError(f"grid: lower r = {self.lower[0]:g} m must be >= 0")
+
+    @property
+    def node_counts(self) -> tuple[int, int]:
+        """Nodes along both axes."""
+        return self.cell_counts[0] + 1, self.cell_counts[1] + 1
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return self.node_counts[0] * self.node_counts[1]
+
+    @property
+    def particle_bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest coordinates at which all nodes of a quadratic B-spline exist [m]."""
+        lower = np.asarray(self.lower) + 0.5 * self.cell_size
+        return lower, lower + self.cell_size * (np.asarray(self.cell_counts) - 1.0)
+
+    def kernel_arguments(self, precision: Precision) -> dict[str, Any]:
+        """The grid as kernels take it: lowest corner, cell size h, nodes along both axes."""
+        return {
+            "lower": precision.vec2(*self.lower),
+            "h": self.cell_size,
+            "node_counts": wp.vec2i(*self.node_counts),
+        }
+
+
+@dataclass(frozen=True)
+class Splines:
+    """Device functions along one axis.
+
+    Attributes:
+        first_node: (x / h from the lowest node of the grid, node count) -> lowest of the three
+            nodes; it is limited such that the other two exist.
+        local_coordinate: (x / h from the lowest node of the grid, first node) -> f. It is limited
+            to its range: a particle that has left the grid stays finite until the watch finds it.
+        weights: f -> N of the three nodes.
+        slopes: f -> h dN/dx of the three nodes.
+        offsets: f -> (X - x) / h of the three nodes.
+    """
+
+    first_node: Any
+    local_coordinate: Any
+    weights: Any
+    slopes: Any
+    offsets: Any
+
+
+@functools.cache
+def make_splines(precision: Precision) -> Splines:
+    """Spline functions in one precision."""
+    real, vec3 = precision.real, precision.vec3
+    half, one, two = (wp.constant(real(x)) for x in (0.5, 1.0, 2.0))
+    low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
+
+    @wp.func
+    def first_node(x: real, node_count: int) -> int:
+        return wp.clamp(int(wp.floor(x - half)), 0, node_count - 3)
+
+    @wp.func
+    def local_coordinate(x: real, first: int) -> real:
+        return wp.clamp(x - real(first), half, high)
+
+    @wp.func
+    def weights(f: real) -> vec3:
+        return vec3(
+            half * (high - f) * (high - f),
+            low - (f - one) * (f - one),
+            half * (f - half) * (f - half),
+        )
+
+    @wp.func
+    def slopes(f: real) -> vec3:
+        return vec3(f - high, two * (one - f), f - half)
+
+    @wp.func
+    def offsets(f: real) -> vec3:
+        return vec3(-f, one - f, two - f)
+
+    return Splines(first_node, local_coordinate, weights, slopes, offsets)

@@ -1,0 +1,210 @@
+"""A bar drawn out to many times its length, at a stress that has a closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.grid import UniformGrid
+from mpm_warp.bodies.loads import Load
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parameters import parameter
+from mpm_warp.results import variable
+from mpm_warp.sampling import follow
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.simulation import Simulation
+
+LENGTH = 1.0
+"""Length of the bar before it is drawn [m]; it is one cell thick."""
+YOUNGS_MODULUS = 2e6
+DENSITY = 1000.0
+POINTS_PER_CELL = 2
+"""Material points per cell along and across at the end: further apart they would lose contact."""
+SLOWNESS = 6.0
+"""Retardation time over the time in which a wave runs along the bar once it is drawn out."""
+DURATION = 2.0
+"""Duration over retardation time."""
+SAMPLE_COUNT = 100
+
+
+@dataclass(frozen=True, kw_only=True)
+class StretchedBar(CatalogueScene):
+    """A bar of Poisson's ratio 0 is drawn by forces F on its ends, which rise steadily to F_1.
+
+    With the stretch l the rate of strain is the rate of ln l. Nothing turns, so the Jaumann rate of
+    the elastic stress s is its rate, s = E ln l. The section A stays. With the retardation time tau
+    F / A = s + tau ds/dt. At the time t of the duration T then
+
+        ln l = F_1 / (E A T) (t - tau (1 - exp(-t / tau))).
+
+    The bar must be slow because of its elastic law: beyond the tension 2 G, where l = e, an elastic
+    stress by the Jaumann rate has no stiffness left against shear along the bar. A disturbance then
+    grows by the factor e in the time tau / (ln l - 1) at the fastest.
+    """
+
+    summary: ClassVar[str] = "viscoelastic bar drawn out many times its length; closed form"
+    version: ClassVar[int] = 3
+    method: ClassVar[tuple[str, ...]] = ("cell_count",)
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cell_count",
+            resolutions=(4,),
+            bounds={"error": 0.01, "stress_error": 0.01},
+            settings={"stretch": 20.0},
+            extreme=True,
+        ),
+    )
+
+    stretch: float = parameter(
+        4.0, unit="1", meaning="length at the end over that at rest", above=1, maximum=50
+    )
+    cell_count: int = parameter(
+        4, unit="1", meaning="cells along the bar at rest", minimum=2, maximum=20
+    )
+
+    @property
+    def cell_size(self) -> float:
+        """Side of a cell, the thickness of the bar [m]."""
+        return LENGTH / self.cell_count
+
+    @property
+    def retardation_time(self) -> float:
+        """The time tau [s]."""
+        # The modulus stays as the density falls: the wave becomes faster.
+        wave_speed = math.sqrt(YOUNGS_MODULUS * self.stretch / DENSITY)
+        return SLOWNESS * self.stretch * LENGTH / wave_speed
+
+    @property
+    def duration(self) -> float:
+        """Time in which the forces rise [s]."""
+        return DURATION * self.retardation_time
+
+    def stretch_at(self, time: Floats) -> Floats:
+        """The closed form; 0 <= time [s] <= duration."""
+
+        def growth(since: Floats | float) -> Floats:
+            tau = self.retardation_time
+            grown: Floats = since - tau * (1.0 - np.exp(-np.asarray(since) / tau))
+            return grown
+
+        stretch: Floats = self.stretch ** (growth(time) / growth(self.duration))
+        return stretch
+
+    def build(self) -> BodyScene:
+        """The bar is the only body."""
+        cell = self.cell_size
+        along, across = np.meshgrid(self.lattice, cell * _middles(POINTS_PER_CELL))
+        position = np.stack([along.ravel(), across.ravel()], axis=-1)
+        growth = DURATION - 1.0 + math.exp(-DURATION)
+        force = YOUNGS_MODULUS * cell * math.log(self.stretch) * DURATION / growth
+        outward = (position[:, 0] == self.lattice[-1]) * 1.0 - (position[:, 0] == self.lattice[0])
+        forces = np.outer(outward * force / POINTS_PER_CELL, [1.0, 0.0])
+        bar = Body(
+            position=position,
+            volume=np.full(len(position), LENGTH * cell / len(position)),
+            spacing=cell / POINTS_PER_CELL,
+            material=LinearElastic(
+                shear_modulus=0.5 * YOUNGS_MODULUS, poissons_ratio=0.0, density=DENSITY
+            ),
+            retardation_time=self.retardation_time,
+            loads=(Load(forces=forces, start=0.0, rise_time=self.duration),),
+        )
+        half = math.ceil(0.5 * self.stretch * self.cell_count) + 2
+        grid = UniformGrid(
+            lower=(-half * cell, -3.0 * cell), cell_size=cell, cell_counts=(2 * half, 6)
+        )
+        return BodyScene(grid=grid, bodies=(bar,), time_step_fraction=0.8)
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Draw the bar out."""
+        moments = [self.duration * sample / SAMPLE_COUNT for sample in range(1, SAMPLE_COUNT + 1)]
+        sampler = MiddleHalf(simulation, self)
+        curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
+        last = curves.isel(progress=-1)
+        at_end = np.array([last.stress_least, last.stress_greatest]) / float(last.stress_exact)
+        error = variable(
+            float(np.abs(curves.stretch / curves.stretch_exact - 1.0).max()),
+            unit="1",
+            meaning="greatest error of the stretch of the middle half",
+            role="headline",
+        )
+        stress_error = variable(
+            np.abs(at_end - 1.0).max(),
+            unit="1",
+            meaning="greatest error of the stress of the middle half at its stretch, at the end",
+            role="error",
+        )
+        return curves.assign(error=error, stress_error=stress_error)
+
+    @property
+    def lattice(self) -> Floats:
+        """Coordinates of the points along the bar at rest, from its middle [m]."""
+        return LENGTH * _middles(round(POINTS_PER_CELL * self.cell_count * self.stretch))
+
+
+class MiddleHalf:
+    """Samples stretch and stress in the middle half of the bar, far from its ends.
+
+    Args:
+        simulation: a run of the bar.
+        bar: what is drawn.
+    """
+
+    def __init__(self, simulation: Simulation, bar: StretchedBar) -> None:
+        self._simulation = simulation
+        self._bar = bar
+        self._samples: list[tuple[float, ...]] = []
+
+    def sample(self) -> None:
+        """Add time, stretch, least and greatest stress."""
+        at_rest = self._bar.lattice
+        middle = np.abs(at_rest) < 0.25 * LENGTH
+        rows = (POINTS_PER_CELL, len(at_rest))
+        along = self._simulation.array("particle.position")[:, 0].reshape(rows).mean(axis=0)
+        stress = self._simulation.array("particle.stress")[:, 0].reshape(rows)[:, middle]
+        stretch = np.polyfit(at_rest[middle], along[middle], 1)[0]
+        time = self._simulation.time
+        self._samples.append((time, float(stretch), float(stress.min()), float(stress.max())))
+
+    def dataset(self) -> xr.Dataset:
+        """Stretch and stress so far, and the closed form."""
+        times, stretch, least, greatest = np.array(self._samples).reshape(-1, 4).T
+        exact_stress = YOUNGS_MODULUS * np.log(stretch)
+        fraction = np.arange(1, len(times) + 1) / SAMPLE_COUNT
+
+        def curve(
+            values: Floats, unit: str, meaning: str, exact_of: str | None = None
+        ) -> xr.Variable:
+            dims = ("progress",)
+            return variable(values, unit=unit, meaning=meaning, dims=dims, exact_of=exact_of)
+
+        return xr.Dataset(
+            {
+                "stretch": curve(stretch, "1", "stretch of the middle half"),
+                "stretch_exact": curve(
+                    self._bar.stretch_at(times), "1", "stretch, closed form", "stretch"
+                ),
+                "stress_least": curve(least, "Pa", "least stress of the middle half"),
+                "stress_greatest": curve(greatest, "Pa", "greatest stress of the middle half"),
+                "stress_exact": curve(
+                    exact_stress,
+                    "Pa",
+                    "elastic stress at the stretch, closed form",
+                    "stress_greatest",
+                ),
+            },
+            coords={"progress": curve(fraction, "1", "time over duration")},
+        )
+
+
+def _middles(count: int) -> Floats:
+    """Middles of `count` equal parts of a length 1 about the origin."""
+    middles: Floats = (np.arange(count) + 0.5) / count - 0.5
+    return middles

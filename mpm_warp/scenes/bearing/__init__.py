@@ -1,0 +1,1 @@
+"""Limit loads of footings and cones at the surface of the ground."""

@@ -1,0 +1,109 @@
+"""Rigid footings on the surface of the ground: a disc, and a strip in plane strain."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.parameters import parameter
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.catalogue import Verification
+
+
+@dataclass(frozen=True, kw_only=True)
+class Footing(Bearing):
+    """A rigid footing; in plane strain the radius is half the width."""
+
+    planar: ClassVar[bool]
+    """Whether strain is plane; otherwise the footing is circular."""
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(8, 16, 32),
+            bounds={"error": 0.02},
+            least_order=0.9,
+            settings={"adhesion_factor": adhesion_factor},
+        )
+        for adhesion_factor in (0.0, 1.0)
+    )
+
+    adhesion_factor: float = parameter(
+        0.0, unit="1", meaning="adhesion factor of the footing", choices=(0.0, 1.0)
+    )
+
+    def grid(self) -> Grid:
+        """Cells of one size below the footing, growing beside it and with depth."""
+        size = RADIUS / self.cells_per_radius
+        outer_radius, depth = 5.0 * RADIUS, 3.0 * RADIUS
+        below = np.linspace(0.0, RADIUS, self.cells_per_radius + 1)
+        growth = 1.0 + 0.6 * size / RADIUS
+        beside = RADIUS + graded(size, outer_radius - RADIUS, growth)
+        rows = -graded(size, depth, growth)[::-1]
+        return Grid(
+            columns=np.append(below, beside[1:]) / outer_radius,
+            rows=rows,
+            surface_radius=np.zeros_like(rows),
+            outer_radius=outer_radius,
+            planar=self.planar,
+        )
+
+    def contact(self, grid: Grid) -> SurfaceContact:
+        """Contact of the nodes on the surface from the axis to the rim, both included."""
+        column = np.arange(self.cells_per_radius + 1)
+        radius = RADIUS * column / self.cells_per_radius
+        areas = nodal_areas(grid.weight(radius), np.diff(radius))
+        return SurfaceContact(
+            nodes=grid.node(column, np.full_like(column, grid.row_count)),
+            normals=np.tile([0.0, 1.0], (len(column), 1)),
+            normal_areas=areas,
+            adhesion_forces=self.adhesion_factor * STRENGTH * areas,
+            friction=0.0,
+            in_situ_stress=NO_PARTING,
+            speed=self.speed,
+        )
+
+    def load(self, scene: Scene, nodal: Floats) -> float:
+        """The sum of the normal forces, over area and su."""
+        area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
+        return float(nodal[:, 0].sum()) / (area * STRENGTH)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CircularFooting(Footing):
+    """A rigid disc on weightless Tresca soil."""
+
+    summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
+    version: ClassVar[int] = 3
+    exact_source: ClassVar[str] = (
+        "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
+        "Z. angew. Math. Phys. 11:33-43"
+    )
+    planar: ClassVar[bool] = False
+
+    @property
+    def exact_load(self) -> float:
+        """Exact limit load over area and su, of a smooth or a rough disc."""
+        return 5.69 if self.adhesion_factor == 0.0 else 6.05
+
+
+@dataclass(frozen=True, kw_only=True)
+class StripFooting(Footing):
+    """A rigid strip on weightless Tresca soil, half of it: r is the distance from its middle."""
+
+    summary: ClassVar[str] = "limit load of a strip footing in plane strain, smooth and rough"
+    version: ClassVar[int] = 3
+    exact_source: ClassVar[str] = (
+        "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
+    )
+    planar: ClassVar[bool] = True
+
+    @property
+    def exact_load(self) -> float:
+        """Exact limit load over area and su, whatever the adhesion."""
+        return 2.0 + math.pi

@@ -1,0 +1,133 @@
+"""The load that a rigid surface, pressed slowly into soil, cannot exceed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces
+from mpm_warp.simulation import Simulation
+
+PLATEAU_SHARE = 0.25
+"""The share of the displacement, at its end, over which the load has to stand still."""
+PLATEAU_CHANGE = 0.01
+"""What its linear fit may change there by, over its mean."""
+
+LEAST_SAMPLES = 3
+"""Samples that tell a plateau, at least."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoadCurve:
+    """Load against displacement.
+
+    Attributes:
+        displacement: of the surface, over a length of it, rising, shape [sample_count].
+        load: mean load since the sample before, over area and su, shape [sample_count].
+    """
+
+    displacement: Floats
+    load: Floats
+
+    @property
+    def limit(self) -> float:
+        """Mean load of the plateau; not a number where the curve does not end in one."""
+        last = self.displacement >= (1.0 - PLATEAU_SHARE) * self.displacement[-1]
+        displacement, load = self.displacement[last], self.load[last]
+        if len(load) < LEAST_SAMPLES:
+            return math.nan
+        slope = np.polyfit(displacement, load, 1)[0]
+        change = abs(slope) * (displacement[-1] - displacement[0])
+        return float(load.mean()) if change <= PLATEAU_CHANGE * abs(load.mean()) else math.nan
+
+    def dataset(self) -> xr.Dataset:
+        """The curve alone."""
+        dims = ("displacement",)
+        axis = variable(self.displacement, unit="1", meaning="displacement over radius", dims=dims)
+        resistance = variable(self.load, unit="1", meaning="load over area and su", dims=dims)
+        return xr.Dataset({"resistance": resistance}, coords={"displacement": axis})
+
+    def limit_beside(self, exact: float, source: str) -> dict[str, xr.Variable]:
+        """The limit beside the exact one, over area and su, which comes from a source."""
+        return {
+            "error": variable(
+                abs(self.limit / exact - 1),
+                unit="1",
+                meaning="error of the limit load",
+                description="relative error of the plateau; not a number where there is none",
+                role="headline",
+            ),
+            "bearing_capacity": variable(
+                self.limit,
+                unit="1",
+                meaning="limit load over area and su",
+                description=f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the "
+                f"load changes there by at most {PLATEAU_CHANGE:.0%}; else not a number",
+            ),
+            "bearing_capacity_exact": variable(
+                exact,
+                unit="1",
+                meaning="limit load over area and su, exact",
+                description=source,
+                exact_of="bearing_capacity",
+            ),
+        }
+
+
+class LoadSampler:
+    """Samples the load of a rigid surface that is pressed into soil at the speed of its contact.
+
+    Args:
+        simulation: a run of a scene with contact and without a window.
+        length: to measure the displacement by [m], > 0.
+        load: the load over area and su, out of the forces of the contact nodes.
+    """
+
+    def __init__(
+        self, simulation: Simulation, *, length: float, load: Callable[[Floats], float]
+    ) -> None:
+        self._simulation = simulation
+        self._length = length
+        self._load = load
+        self._contact_forces = ContactForces(simulation)
+        self._reached: list[float] = []  # displacement at each sample [m]
+        self._loads: list[float] = []
+
+    @property
+    def travel_per_step(self) -> float:
+        """How far the surface sinks in a step [m]."""
+        contact = self._simulation.scene.contact
+        assert contact is not None, "nothing is pressed into the soil"
+        return contact.speed * self._simulation.plan.time_step
+
+    def steps(self, displacement: float, sample_count: int) -> list[int]:
+        """Steps after which samples are due, evenly over a displacement [m].
+
+        There are fewer samples where there are fewer steps.
+        """
+        shares = np.arange(1, sample_count + 1) / sample_count
+        steps = np.rint(shares * displacement / self.travel_per_step)
+        return np.unique(np.maximum(steps, 1.0)).astype(int).tolist()
+
+    def sample(self) -> None:
+        """Take down the displacement, and the mean load since the sample before."""
+        self._loads.append(self._load(self._contact_forces.take()))
+        self._reached.append(self._simulation.step_count * self.travel_per_step)
+
+    @property
+    def curve(self) -> LoadCurve:
+        """Load against displacement so far."""
+        # A mean over the steps since the sample before stands in their middle.
+        before = np.array([0.0, *self._reached])[: len(self._reached)]
+        middles = 0.5 * (np.array(self._reached) + before)
+        return LoadCurve(displacement=middles / self._length, load=np.array(self._loads))
+
+    def dataset(self) -> xr.Dataset:
+        """The curve alone."""
+        return self.curve.dataset()

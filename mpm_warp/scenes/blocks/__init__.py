@@ -1,0 +1,1 @@
+"""Blocks: one that slides on a base, and one in free flight."""

@@ -1,0 +1,259 @@
+"""A block that is pressed on a base and driven along it: parameters, forces, exact motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.blocks.sliding_motion import SlidingMotion
+from mpm_warp.scenes.catalogue import CatalogueScene
+
+SETTLING = 40.0
+"""Duration of the start over the time in which a shear wave crosses the height of the block: the
+normal load rises, and the block comes to rest."""
+DRIVE_RISE = 10.0
+"""Time in which a constant driving force rises, in the same unit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockOnBase(CatalogueScene):
+    """A block that is pressed on a base, and driven along it when it has come to rest.
+
+    The coordinates follow the interface: gravity is inclined by the slope, and the grid has any
+    angle and offset to the interface. With M the mass of the block, A the area of its base, N the
+    normal force, F the driving force at time t, a the adhesion, mu the friction coefficient: the
+    block sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
+    """
+
+    friction: float = parameter(
+        0.3, unit="1", meaning="friction coefficient of the interface", minimum=0, maximum=10
+    )
+    adhesion: float = parameter(500.0, unit="Pa", meaning="adhesion of the interface", minimum=0)
+    slope: float = parameter(
+        30.0, unit="degree", meaning="slope of the interface", minimum=0, below=90
+    )
+    gravity: float = parameter(9.81, unit="m s-2", meaning="gravity", minimum=0)
+    normal_pressure: float = parameter(
+        0.0, unit="Pa", meaning="normal pressure on the block beside gravity", minimum=0
+    )
+    drive: float = parameter(
+        0.0, unit="Pa", meaning="driving force beside gravity per area of the interface", minimum=0
+    )
+    driving: str = parameter(
+        "constant",
+        unit="1",
+        meaning="how the driving forces, gravity's included, rise: to a constant value in ten "
+        "crossing times of a wave, or, where the block slides, ramped until the end",
+        choices=("constant", "ramped"),
+    )
+    grid_angle: float = parameter(
+        0.0, unit="degree", meaning="angle between interface and grid", minimum=-180, maximum=180
+    )
+    grid_offset: float = parameter(
+        0.0,
+        unit="1",
+        meaning="offset to the grid along both axes over cell size",
+        minimum=0,
+        below=1,
+    )
+    interface_radius: float | None = parameter(
+        None,
+        unit="m",
+        meaning="radius of the interface of a ring in a sleeve (default: plane strain)",
+        above=0,
+    )
+    length: float = parameter(1.0, unit="m", meaning="length of the block", above=0, maximum=1e6)
+    height_ratio: float = parameter(
+        0.3, unit="1", meaning="height of the block over its length", minimum=0.1, maximum=2
+    )
+    shear_modulus: float = parameter(
+        4e6, unit="Pa", meaning="shear modulus of the softer of block and base", above=0
+    )
+    stiffness_ratio: float | None = parameter(
+        None,
+        unit="1",
+        meaning="stiffness of the base over that of the block (default: rigid base)",
+        minimum=1e-6,
+        maximum=1e6,
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.45
+    )
+    density: float = parameter(2000.0, unit="kg m-3", meaning="density of the block", above=0)
+    mass_scale: float = parameter(
+        1.0, unit="1", meaning="factor on all masses but not on gravity's force", above=0
+    )
+    travel: float = parameter(
+        0.4, unit="1", meaning="distance to slide over length", above=0, maximum=5
+    )
+    rest_time: float | None = parameter(
+        None,
+        unit="s",
+        meaning="time for which a block that sticks is watched, once at rest (default: that in "
+        "which it would slide its own length without friction and adhesion)",
+        above=0,
+    )
+    damping_ratio: float = parameter(
+        0.05,
+        unit="1",
+        meaning="share of critical damping of the block's slowest shear wave; 0 for none",
+        minimum=0,
+        maximum=2,
+    )
+    cells_per_length: int = parameter(
+        10, unit="1", meaning="cells along the block", minimum=4, maximum=400
+    )
+    particles_per_cell: int = parameter(
+        4, unit="1", meaning="material points per cell", choices=(4, 9, 16)
+    )
+    time_step_fraction: float = parameter(
+        0.6,
+        unit="1",
+        meaning="time step over that in which a wave crosses a cell",
+        above=0,
+        maximum=1,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.driving_force <= 0.0:
+            raise ParameterError("drive", "drive = 0 with slope = 0 or gravity = 0: nothing drives")
+        if self.normal_force <= 0.0:
+            raise ParameterError(
+                "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
+            )
+        if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
+            raise ParameterError(
+                "height_ratio",
+                f"height_ratio = {self.height_ratio:g} with cells_per_length = "
+                f"{self.cells_per_length} is not allowed: the block must be 3 cells high or more",
+            )
+        if self.interface_radius is None:
+            self._check_pressed()
+        else:
+            self._check_ring()
+
+    def derived(self) -> Mapping[str, float]:
+        """The time to watch a block that sticks: in it the block would slide its length freely."""
+        if self.driving_force <= 0.0:
+            return {}  # such a block is refused
+        free_slide = math.sqrt(2.0 * self.length * self.mass / self.driving_force)
+        return {"rest_time": free_slide}
+
+    def _check_pressed(self) -> None:
+        # The base shear acts below the middle of the block. The base carries its moment as long as
+        # N acts in the middle third.
+        shear = min(self.motion.resistance, self.driving_force)
+        highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
+        if self.height > highest:
+            raise ParameterError(
+                "height_ratio",
+                f"height_ratio = {self.height_ratio:g} is not allowed: the block would lift off at "
+                f"its rear; at most {highest / self.length:.3g} with these forces",
+            )
+
+    def _check_ring(self) -> None:
+        if self.friction > 0.0:
+            raise ParameterError(
+                "friction",
+                f"friction = {self.friction:g} with an interface_radius is not allowed: the hoop "
+                "stress of the ring bears part of the normal force; set friction = 0",
+            )
+        if self.grid_angle != 0.0:
+            raise ParameterError("grid_angle", "grid_angle must be 0 with an interface_radius")
+        least = self.height + 4.0 * self.cell_size
+        if self.interface_radius is not None and self.interface_radius < least:
+            raise ParameterError(
+                "interface_radius",
+                f"interface_radius = {self.interface_radius:g} must be at least {least:g} m: the "
+                "height of the block and four cells",
+            )
+
+    @property
+    def cell_size(self) -> float:
+        """Side of a cell [m]."""
+        return self.length / self.cells_per_length
+
+    @property
+    def spacing(self) -> float:
+        """Side of the square that a particle stands for [m]."""
+        return self.cell_size / math.isqrt(self.particles_per_cell)
+
+    @property
+    def height(self) -> float:
+        """Height of the block, a whole number of particles [m]."""
+        return self.spacing * max(1, round(self.height_ratio * self.length / self.spacing))
+
+    @property
+    def area(self) -> float:
+        """Area of the block's base per thickness, or per radian [m2]."""
+        return self.length * (self.interface_radius or 1.0)
+
+    @property
+    def volume(self) -> float:
+        """Volume of the block per thickness, or per radian [m3]."""
+        mean = 1.0 if self.interface_radius is None else self.interface_radius - 0.5 * self.height
+        return self.length * self.height * mean
+
+    @property
+    def mass(self) -> float:
+        """Mass of the block, scaled [kg]."""
+        return self.mass_scale * self.density * self.volume
+
+    @property
+    def weight(self) -> float:
+        """Weight of the block, which no mass scale changes [N]."""
+        return self.density * self.volume * self.gravity
+
+    @property
+    def normal_force(self) -> float:
+        """Force that presses the block on its base [N]."""
+        weight = self.weight * math.cos(math.radians(self.slope))
+        return weight + self.normal_pressure * self.area
+
+    @property
+    def driving_force(self) -> float:
+        """Final force along the interface [N]."""
+        return self.weight * math.sin(math.radians(self.slope)) + self.drive * self.area
+
+    @property
+    def motion(self) -> SlidingMotion:
+        """The exact solution."""
+        motion = SlidingMotion(
+            mass=self.mass,
+            driving_force=self.driving_force,
+            resistance=self.adhesion * self.area + self.friction * self.normal_force,
+            rise_time=DRIVE_RISE * self._crossing,
+        )
+        if self.driving == "ramped" and motion.slides:
+            return replace(motion, rise_time=None)
+        return motion
+
+    @property
+    def start(self) -> float:
+        """Time at which the driving force begins [s]."""
+        return SETTLING * self._crossing
+
+    @property
+    def settled_time(self) -> float:
+        """Time from the beginning of the drive until a block that sticks is at rest again [s]."""
+        return (DRIVE_RISE + SETTLING) * self._crossing
+
+    @property
+    def duration(self) -> float:
+        """Time from the beginning of the drive to the end of the run [s].
+
+        A block that slides covers its `travel`; one that sticks gets its `rest_time`, once at rest.
+        """
+        if self.motion.slides:
+            return self.motion.duration(self.travel * self.length)
+        assert self.rest_time is not None, "derived on construction"
+        return self.settled_time + self.rest_time
+
+    @property
+    def _crossing(self) -> float:
+        """Time in which a shear wave crosses the height in the softer body [s]."""
+        return self.height / math.sqrt(self.shear_modulus / (self.mass_scale * self.density))

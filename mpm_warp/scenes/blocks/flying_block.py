@@ -1,0 +1,180 @@
+"""An elastic block in free flight, turning: what nothing acts on must not change."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.bodies.grid import UniformGrid
+from mpm_warp.bodies.interface import InterfaceFrame
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parameters import parameter
+from mpm_warp.results import variable
+from mpm_warp.sampling import follow
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.simulation import Simulation
+
+SIDE = 1.0
+SHEAR_MODULUS = 1e6
+POISSONS_RATIO = 0.3
+DENSITY = 1000.0
+DIRECTION = (0.8, 0.6)
+"""Unit vector of the flight: along no line of the grid."""
+TIME_STEP_FRACTION = 0.6
+SAMPLE_COUNT = 100
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlyingBlock(CatalogueScene):
+    """A square flies across the grid and turns about its middle; no force acts on it.
+
+    Its linear momentum, its angular momentum and its shape must stay as they were. The shape is
+    measured by the distances between all of its material points.
+    """
+
+    summary: ClassVar[str] = "elastic block in free flight, turning; momentum, spin and shape stay"
+    version: ClassVar[int] = 2
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="step_count",
+            resolutions=(1_000_000,),
+            bounds={"error": 1e-3, "momentum_error": 1e-9, "spin_error": 1e-3},
+            extreme=True,
+        ),
+    )
+
+    cells_per_side: int = parameter(
+        4, unit="1", meaning="cells along a side of the block", minimum=2, maximum=100
+    )
+    step_count: int = parameter(
+        10_000, unit="1", meaning="time steps of the flight", minimum=100, maximum=100_000_000
+    )
+    travel: float = parameter(
+        10.0, unit="1", meaning="distance of the flight over side", above=0, maximum=100
+    )
+    rim_speed: float = parameter(
+        0.01,
+        unit="1",
+        meaning="angular velocity times side, over the speed of shear waves",
+        above=0,
+        maximum=0.1,
+    )
+
+    @property
+    def cell_size(self) -> float:
+        """Side of a cell [m]."""
+        return SIDE / self.cells_per_side
+
+    def build(self) -> BodyScene:
+        """The block is the only body."""
+        half, cell = 0.5 * SIDE, self.cell_size
+        material = LinearElastic(
+            shear_modulus=SHEAR_MODULUS, poissons_ratio=POISSONS_RATIO, density=DENSITY
+        )
+        block = InterfaceFrame(angle=0.0).body((-half, half), (-half, half), 0.5 * cell, material)
+        # The grid holds the circle through the corners, at both ends of the flight.
+        reach = math.ceil(math.sqrt(0.5) * self.cells_per_side) + 2
+        counts = 2 * reach + np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
+        grid = UniformGrid(
+            lower=(-reach * cell, -reach * cell),
+            cell_size=cell,
+            cell_counts=(int(counts[0]), int(counts[1])),
+        )
+        return BodyScene(grid=grid, bodies=(block,), time_step_fraction=TIME_STEP_FRACTION)
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Set the block off and let it fly."""
+        self._set_off(simulation)
+        sampler = FreeFlight(simulation, self.cell_size)
+        steps = [
+            round(self.step_count * sample / SAMPLE_COUNT) for sample in range(1, SAMPLE_COUNT + 1)
+        ]
+        curves = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
+        greatest = {
+            name: variable(
+                float(curves[curve].max()),
+                unit="1",
+                meaning=f"{curves[curve].attrs['long_name']}, at most",
+                role="headline" if name == "error" else "error",
+            )
+            for name, curve in (
+                ("error", "shape_change"),
+                ("momentum_error", "momentum_change"),
+                ("spin_error", "spin_change"),
+            )
+        }
+        turns = variable(
+            self._angular_velocity * simulation.time / (2.0 * math.pi), unit="1", meaning="turns"
+        )
+        return curves.assign(greatest).assign(turns=turns)
+
+    @property
+    def _angular_velocity(self) -> float:
+        return self.rim_speed * math.sqrt(SHEAR_MODULUS / DENSITY) / SIDE
+
+    def _set_off(self, simulation: Simulation) -> None:
+        """Give the material points the velocity of the flight, and its gradient."""
+        flight = self.travel * SIDE / (self.step_count * simulation.plan.time_step)
+        turn = self._angular_velocity * np.array([[0.0, -1.0], [1.0, 0.0]])
+        velocity = flight * np.array(DIRECTION) + simulation.array("particle.position") @ turn.T
+        simulation.assign("particle.velocity", velocity)
+        simulation.assign("particle.affine", np.broadcast_to(turn, (len(velocity), 2, 2)))
+
+
+class FreeFlight:
+    """Samples momentum, spin and shape of a body; their changes are those since it was made.
+
+    Args:
+        simulation: a run of one body, set off.
+        cell_size: side of a cell [m].
+    """
+
+    def __init__(self, simulation: Simulation, cell_size: float) -> None:
+        self._simulation = simulation
+        self._cell_size = cell_size
+        self._samples: list[tuple[Floats, float, Floats]] = []
+        self.sample()
+
+    def sample(self) -> None:
+        """Add linear momentum, angular momentum about the middle, distances of all from all."""
+        array = self._simulation.array
+        mass, affine = array("particle.mass"), array("particle.affine")
+        position, velocity = array("particle.position"), array("particle.velocity")
+        momentum = mass @ velocity
+        arm = position - mass @ position / mass.sum()
+        orbital = arm[:, 0] * velocity[:, 1] - arm[:, 1] * velocity[:, 0]
+        # A point's own: that of its affine velocity, with the inertia m h^2 / 4 along each axis.
+        own = 0.25 * self._cell_size**2 * (affine[:, 1, 0] - affine[:, 0, 1])
+        distance = np.linalg.norm(position[:, None] - position, axis=-1)
+        self._samples.append((momentum, float(mass @ (orbital + own)), distance))
+
+    def dataset(self) -> xr.Dataset:
+        """The changes so far, over the time as a share of the duration."""
+        momentum, spin, distance = (np.array(it) for it in zip(*self._samples, strict=True))
+        changes = {
+            "shape_change": (
+                np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max(),
+                "greatest change of a distance in the block, over its diagonal",
+            ),
+            "momentum_change": (
+                np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0]),
+                "change of linear momentum",
+            ),
+            "spin_change": (
+                np.abs(spin / spin[0] - 1.0),
+                "change of angular momentum about the middle",
+            ),
+        }
+        curves = {
+            name: variable(values[1:], unit="1", meaning=meaning, dims=("progress",))
+            for name, (values, meaning) in changes.items()
+        }
+        fraction = np.arange(1, len(self._samples)) / SAMPLE_COUNT
+        axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
+        return xr.Dataset(curves, coords={"progress": axis})

@@ -1,0 +1,171 @@
+"""An elastic block on a base, which sticks or slides under friction and adhesion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.contact import BodyContact
+from mpm_warp.bodies.interface import InterfaceFrame
+from mpm_warp.bodies.loads import Load
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.sampling import follow
+from mpm_warp.scenes.blocks.block_on_base import BlockOnBase
+from mpm_warp.scenes.blocks.sliding_curves import SAMPLE_COUNT, SlidingCurves
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.simulation import Simulation
+
+BASE_CELLS = 3
+"""Thickness of the base in cells."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidingBlock(BlockOnBase):
+    """A block is pressed on a base and driven along it, and its motion compared with the exact one.
+
+    The error is that of its acceleration, or the creep of a block that sticks.
+    """
+
+    summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
+    version: ClassVar[int] = 4
+    method: ClassVar[tuple[str, ...]] = (
+        "cells_per_length",
+        "particles_per_cell",
+        "time_step_fraction",
+        "damping_ratio",
+    )
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(resolution="cells_per_length", resolutions=(10, 20), bounds={"error": 0.01}),
+        Verification(
+            resolution="cells_per_length",
+            resolutions=(10, 20),
+            bounds={"error": 0.03},
+            settings={"grid_angle": 20.0, "grid_offset": 0.3, "stiffness_ratio": 1.0},
+        ),
+        Verification(
+            resolution="cells_per_length",
+            resolutions=(10, 20),
+            bounds={"error": 1e-4},
+            settings={"friction": 0.8},
+        ),
+        *(
+            Verification(
+                resolution="cells_per_length",
+                resolutions=(6,),
+                bounds={"error": 0.01},
+                settings={
+                    "stiffness_ratio": ratio,
+                    "height_ratio": 0.5,
+                    "drive": 2e4,
+                    "travel": 0.01,
+                },
+                extreme=True,
+            )
+            for ratio in (1e-6, 1e6)
+        ),
+        *(
+            Verification(
+                resolution="cells_per_length",
+                resolutions=(6,),
+                bounds={"error": 1e-4},
+                settings={
+                    "friction": 0.8,
+                    "height_ratio": 0.5,
+                    "grid_angle": angle,
+                    "rest_time": 860.0,
+                },
+                extreme=True,
+            )
+            for angle in (0.0, 20.0)
+        ),
+    )
+
+    def build(self) -> BodyScene:
+        """The block is body 0, the base body 1."""
+        frame = self._frame
+        block_material, base_material = self._materials
+        block = frame.body((0.0, self.length), (0.0, self.height), self.spacing, block_material)
+        margin, thickness = 3.0 * self.cell_size, BASE_CELLS * self.cell_size
+        travel = self.travel * self.length if self.motion.slides else 0.0
+        end = self.length + travel + margin
+        base = frame.body((-margin, end), (-thickness, 0.0), self.spacing, base_material)
+        is_rigid = self.stiffness_ratio is None
+        held = (frame.height(base.position) < self.cell_size - thickness) | is_rigid
+        bodies = (
+            replace(
+                block,
+                loads=self._loads(block),
+                retardation_time=self._retardation_time(block_material),
+            ),
+            replace(base, held=held, retardation_time=self._retardation_time(base_material)),
+        )
+        contact = BodyContact(body=0, base=1, friction=self.friction, adhesion=self.adhesion)
+        return BodyScene(
+            grid=frame.grid_around(
+                bodies, travel=travel, cell_size=self.cell_size, offset=self.grid_offset
+            ),
+            bodies=bodies,
+            contacts=(contact,),
+            time_step_fraction=self.time_step_fraction,
+        )
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Let the block come to rest under its normal load, then drive it."""
+        simulation.advance_to(self.start)
+        sampler = SlidingCurves(simulation, start=self.start, along=self._frame.along)
+        moments = [
+            self.start + self.duration * sample / SAMPLE_COUNT
+            for sample in range(1, SAMPLE_COUNT + 1)
+        ]
+        curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
+        return curves.assign(sampler.balances()).assign(
+            sampler.comparison(self.motion, length=self.length, settled_time=self.settled_time)
+        )
+
+    @property
+    def _frame(self) -> InterfaceFrame:
+        return InterfaceFrame(
+            angle=math.radians(self.grid_angle), interface_radius=self.interface_radius
+        )
+
+    @property
+    def _materials(self) -> tuple[LinearElastic, LinearElastic]:
+        """Materials of block and base; the softer has the shear modulus of the scene."""
+        ratio = self.stiffness_ratio or 1.0
+        block, base = (
+            LinearElastic(
+                shear_modulus=self.shear_modulus * factor,
+                poissons_ratio=self.poissons_ratio,
+                density=self.mass_scale * self.density,
+            )
+            for factor in (max(1.0, 1.0 / ratio), max(1.0, ratio))
+        )
+        return block, base
+
+    def _loads(self, block: Body) -> tuple[Load, Load]:
+        """Weight and pressure, which rise first, and the driving force."""
+        frame = self._frame
+        share = block.volume / block.volume.sum()
+        on_top = share * (frame.height(block.position) > self.height - self.spacing)
+        pressure_force = self.normal_pressure * self.area
+        pressed = (self.normal_force - pressure_force) * share
+        pressed += pressure_force * on_top / on_top.sum()
+        return (
+            Load(forces=np.outer(-pressed, frame.outward), start=0.0, rise_time=0.5 * self.start),
+            Load(
+                forces=np.outer(self.driving_force * share, frame.along),
+                start=self.start,
+                rise_time=self.motion.rise_time or self.duration,
+            ),
+        )
+
+    def _retardation_time(self, material: LinearElastic) -> float | None:
+        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
+        crossing = self.height / material.shear_wave_speed
+        return 4.0 / math.pi * self.damping_ratio * crossing if self.damping_ratio else None

@@ -1,0 +1,156 @@
+"""What a scene of the catalogue is: it can be named, parametrised, verified and run."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import xarray as xr
+from tqdm import tqdm
+
+from mpm_warp.execution.execution import Execution
+from mpm_warp.parameters import Value, check_parameters
+from mpm_warp.plan.plan import Plan
+from mpm_warp.planning import make_plan
+from mpm_warp.results import parameter_variables
+from mpm_warp.simulation import Simulation
+
+Progress = Callable[[float], None]
+"""Called now and then during a run with the fraction done, 0 to 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verification:
+    """How a scene is held against its exact solution.
+
+    Attributes:
+        resolution: name of the parameter that refines the solution.
+        resolutions: its values, rising; the bounds hold for the last.
+        bounds: scalars of the result and what they may reach at most.
+        least_order: least observed order of the variable `error` in the resolution; None where no
+            order is claimed.
+        settings: parameters that differ from their defaults.
+        extreme: whether it shows how far the method holds, in a long run or a violent one; such a
+            check is made only on request.
+    """
+
+    resolution: str
+    resolutions: tuple[int, ...]
+    bounds: Mapping[str, float]
+    least_order: float | None = None
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    extreme: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class CatalogueScene(ABC):
+    """A scene that can be named, parametrised and run; its fields are its parameters.
+
+    A subclass is a frozen dataclass with keyword-only fields, each made by
+    `mpm_warp.parameters.parameter`. It builds a composition (`build`) and records its run
+    (`record`).
+
+    Raises:
+        mpm_warp.errors.ParameterError: on construction, where a value is not allowed.
+    """
+
+    summary: ClassVar[str]
+    """One line on what the scene simulates."""
+    version: ClassVar[int]
+    """Raised whenever the same parameters no longer give the same numbers."""
+    runs_alone: ClassVar[bool] = False
+    """Whether its results measure the machine, so that no other case may run beside it."""
+    method: ClassVar[tuple[str, ...]] = ()
+    """Parameters of the method alone: without its error, the headline would not depend on them."""
+    verifications: ClassVar[tuple[Verification, ...]] = ()
+    """Comparisons with the exact solution, where there is one: its results hold `error`."""
+
+    def __post_init__(self) -> None:
+        check_parameters(self, self.derived)
+
+    @classmethod
+    def catalogue_name(cls) -> str:
+        """Name in the catalogue: that of the class as cone_penetration is of ConePenetration."""
+        return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
+
+    def derived(self) -> Mapping[str, float]:
+        """Values of the parameters that are worked out from others where none is given."""
+        return {}
+
+    @abstractmethod
+    def build(self) -> Any:
+        """The composition that is simulated: of soil in a grid, of bodies, or of another kind."""
+
+    def plan(self) -> Plan:
+        """The arrays and launches of a run."""
+        return make_plan(self.build())
+
+    def step_count_bound(self, plan: Plan) -> int | None:
+        """Steps of a run of `plan` at most; None where that is not known beforehand."""
+        return None
+
+    def run(
+        self, progress: Progress | bool | None = None, execution: Execution | None = None
+    ) -> xr.Dataset:
+        """Simulate the scene.
+
+        Args:
+            progress: True for a progress bar on the terminal; or a function, which is called now
+                and then with the fraction done, from 0 to 1, and at the end with 1.
+            execution: device and threads; default: one thread of the processor.
+
+        Returns:
+            Curves, scalars, what they cost, and all parameters. Each variable has the attributes
+            `units` and `long_name`; `role` tells what it is, where it is not an ordinary result:
+            "headline", "exact", "error", "measured" or "parameter". A parameter whose name is that
+            of a result is called ``<name>_parameter``.
+
+        Raises:
+            mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was
+                recorded up to there.
+            mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
+        """
+        with _reporter(progress, self.catalogue_name()) as report:
+            results = self.compute(report, execution)
+            report(1.0)
+        return results.assign(parameter_variables(self, {*results.variables, *results.dims}))
+
+    def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
+        """The results of a run, without the parameters.
+
+        A scene overrides it instead of `record` where it does more than run one simulation.
+
+        Args:
+            progress: is to be called now and then with the fraction done.
+            execution: device and threads; default: one thread of the processor.
+        """
+        return self.record(Simulation(self.build(), execution), progress)
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Run a simulation of what `build` gives, and take down its results.
+
+        Args:
+            simulation: at its start.
+            progress: is to be called now and then with the fraction done.
+        """
+        raise NotImplementedError(f"{type(self).__name__} defines neither record nor compute")
+
+
+@contextmanager
+def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]:
+    """What a run tells its progress to: the function given, a bar, or nothing."""
+    if callable(progress):
+        yield progress
+        return
+    layout = "{desc} {percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
+    with tqdm(desc=name, total=1.0, disable=not progress, bar_format=layout) as bar:
+
+
+        def show(fraction: float) -> None:
+            bar.update(fraction - bar.n)
+
+        yield show

@@ -1,0 +1,1 @@
+"""Cavities that expand in undrained clay."""

@@ -1,0 +1,54 @@
+"""Expansion of a cylindrical cavity in undrained clay, at large strain."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
+
+
+@dataclass(frozen=True, kw_only=True)
+class CavityCylinder(Cavity):
+    """One row of cells between smooth ends, around a cylinder whose wall moves outward."""
+
+    summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
+    version: ClassVar[int] = 5
+    verifications: ClassVar[tuple[Verification, ...]] = verifications(0.015, (4, 8))
+    exponent: ClassVar[int] = 2
+    factor: ClassVar[float] = 1.0
+    von_mises_strength: ClassVar[float] = 1.0
+
+    def grid(self) -> Grid:
+        """One row of cells, to twice the radius of the plastic zone."""
+        # Beyond the plastic zone, so that the far field is elastic as it takes it to be.
+        outer = 2.0 * self.plastic_radius
+        return Grid(
+            columns=self.columns(outer),
+            rows=np.array([0.0, self.cell_size]),
+            surface_radius=np.full(2, RADIUS),
+            outer_radius=outer,
+        )
+
+    def fixed(self, grid: Grid) -> Fixed:
+        """Nothing moves along the axis."""
+        vertical = np.ones((2, len(grid.columns)), dtype=bool)
+        return Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
+
+    def far_field(self, grid: Grid, material: Material) -> FarField:
+        """The elastic medium around the grid, as springs."""
+        far_field = FarField.around(grid, material)
+        # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
+        return dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
+
+    def wall_area(self, grid: Grid, radius: float) -> float:
+        """Area of the wall per radian [m2] when the cavity has a radius [m]."""
+        return radius * float(grid.rows[-1] - grid.rows[0])

@@ -1,0 +1,1 @@
+"""Cone penetration: the test, and a cone from first touch."""

@@ -1,0 +1,194 @@
+"""A cone pushed into the ground from first touch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, GroundGrid
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parameters import parameter
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.window import Window
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces, follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.simulation import Simulation
+
+RADIUS = 1.0
+STRENGTH = 1e3
+DENSITY = 1700.0
+POISSONS_RATIO = 0.49
+FINAL_DEPTH = 0.6
+"""Over the height of the cone: the ground that rises beside it stays below the shoulder."""
+FITTED_FROM = 0.3
+"""Share of the final depth from which the exponent is fitted: before, the cone is in few cells."""
+SAMPLE_COUNT = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConeSelfSimilar(CatalogueScene):
+    """Nothing in the problem has a length but the depth: the load is proportional to its square.
+
+    The grid travels down with the cone, through the surface of the ground, which cuts its cells.
+    """
+
+    summary: ClassVar[str] = "load of a cone against its depth, from first touch"
+    version: ClassVar[int] = 3
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(12, 16),
+            bounds={"error": 0.05},
+        ),
+    )
+
+    rigidity_index: float = parameter(
+        100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=1000
+    )
+    adhesion_factor: float = parameter(
+        0.0, unit="1", meaning="adhesion factor of the cone", minimum=0, maximum=1
+    )
+    apex_angle: float = parameter(
+        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=120
+    )
+    cells_per_radius: int = parameter(
+        16, unit="1", meaning="cells per radius of the cone's base", minimum=4, maximum=40
+    )
+    speed_ratio: float = parameter(
+        0.03, unit="1", meaning="speed over shear wave speed", minimum=1e-3, maximum=0.1
+    )
+
+    def build(self) -> Scene:
+        """The ground and its surface; the contact is a `PenetrometerContact`."""
+        material = Tresca(
+            shear_modulus=self.rigidity_index * STRENGTH,
+            poissons_ratio=POISSONS_RATIO,
+            density=DENSITY,
+            strength=STRENGTH,
+        )
+        grid = self._grid()
+        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        radial[0] = radial[:, -1] = True
+        vertical = radial.copy()
+        radial[grid.surface_radius == 0.0, 0] = True
+        speed = self.speed_ratio * material.shear_wave_speed
+        return Scene(
+            grid=grid,
+            material=material,
+            particles_per_side=2,
+            time_step_fraction=0.7,
+            bulk_viscosity=0.2,
+            fixed=Fixed.where(radial=radial, vertical=vertical),
+            contact=PenetrometerContact.of(
+                self._penetrometer,
+                grid,
+                face_adhesion=self.adhesion_factor * STRENGTH,
+                in_situ_stress=0.0,
+            ),
+            # Soil enters below, and none leaves above.
+            window=Window(speed=speed, ramp_travel=0.1 * RADIUS, spare_fraction=1.0),
+            free_surface=True,
+        )
+
+    @property
+    def _penetrometer(self) -> Penetrometer:
+        return Penetrometer(radius=RADIUS, apex_angle=math.radians(self.apex_angle))
+
+    @property
+    def _final_depth(self) -> float:
+        """Depth of the tip at the end [m]."""
+        return FINAL_DEPTH * self._penetrometer.cone_height
+
+    def _grid(self) -> GroundGrid:
+        fitted = self._penetrometer.fitted_grid(
+            cell_size=RADIUS / self.cells_per_radius,
+            cell_growth=0.8,
+            outer_radius=20.0 * RADIUS,
+            depth_below=12.0 * RADIUS,
+            height_above=RADIUS,
+        )
+        return GroundGrid(
+            columns=fitted.columns,
+            rows=fitted.rows,
+            surface_radius=fitted.surface_radius,
+            outer_radius=fitted.outer_radius,
+            ground_level=0.0,
+        )
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Push the cone in, and fit the exponent of the depth in its load."""
+        curve = _LoadCurve(simulation)
+        depths = [self._final_depth * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
+        recorded = follow(simulation, depths, simulation.travel_to, [curve], progress)
+        return recorded.assign(self._fitted(curve))
+
+    def _fitted(self, curve: _LoadCurve) -> dict[str, xr.Variable]:
+        """Exponent of the depth, its error, and the load over the section of the cone."""
+        depth, load, reached = curve.depth, np.array(curve.loads), np.array(curve.reached)
+        late = depth > FITTED_FROM * self._final_depth
+        # By the work, whose exponent is greater by one: in it the load's noise averages out.
+        work = np.cumsum(load * np.diff(reached))
+        slope = np.polyfit(np.log(reached[1:][late]), np.log(work[late]), 1)[0]
+        exponent = float(slope) - 1.0
+        factor = load / (
+            STRENGTH * math.pi * (depth * math.tan(math.radians(self.apex_angle) / 2)) ** 2
+        )
+        return {
+            "error": variable(
+                abs(exponent - 2.0),
+                unit="1",
+                meaning="error of the exponent of the depth",
+                role="headline",
+            ),
+            "exponent": variable(
+                exponent,
+                unit="1",
+                meaning="exponent of the depth in the load",
+                description="that in the work less 1, by least squares of logarithms from "
+                f"{FITTED_FROM:.0%} of the final depth; exactly 2 where nothing has a length",
+            ),
+            "load_factor": variable(
+                float(factor[late].mean()),
+                unit="1",
+                meaning="load over su and the cone's section at the ground's first level",
+            ),
+        }
+
+
+class _LoadCurve:
+    """Samples the load on the cone: means over the travel since the sample before."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        contact = simulation.scene.contact
+        assert isinstance(contact, PenetrometerContact)
+        self._simulation = simulation
+        self._contact = contact
+        self._contact_forces = ContactForces(simulation)
+        self.reached = [0.0]
+        self.loads: list[float] = []
+
+    @property
+    def depth(self) -> Floats:
+        """The middle between two samples, where a mean over the travel between them stands [m]."""
+        reached = np.array(self.reached)
+        middles: Floats = 0.5 * (reached[1:] + reached[:-1])
+        return middles
+
+    def sample(self) -> None:
+        """Take down the depth and the mean load since the sample before."""
+        forces = self._contact.forces(self._contact_forces.take())
+        self.reached.append(self._simulation.travel)
+        self.loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))
+
+    def dataset(self) -> xr.Dataset:
+        """Load over depth."""
+        load = variable(np.array(self.loads), unit="N", meaning="load", dims=("depth",))
+        axis = variable(self.depth, unit="m", meaning="depth of the tip", dims=("depth",))
+        return xr.Dataset({"load": load}, coords={"depth": axis})

@@ -1,0 +1,200 @@
+"""A penetration: curves of resistance as a penetrometer is pushed in, and their steady values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from statistics import fmean
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact, PenetrometerForces
+from mpm_warp.simulation import Simulation
+
+SAMPLE_SPACING = 0.1
+"""Penetration between two samples of the curves, in cone radii."""
+STEADY_SAMPLES = 20
+"""Samples whose mean is the steady value: two radii."""
+
+
+class PenetrationCurves:
+    """Samples the forces on a penetrometer, at every `SAMPLE_SPACING` radii of penetration.
+
+    Args:
+        simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
+        radius: radius of the penetrometer [m].
+        unsteady: penetration before which no resistance counts as steady, over the radius.
+        tolerance: change of the resistance over two radii at which it counts as steady.
+    """
+
+    def __init__(
+        self, simulation: Simulation, *, radius: float, unsteady: float, tolerance: float
+    ) -> None:
+        contact = simulation.scene.contact
+        assert isinstance(contact, PenetrometerContact)
+        self._simulation = simulation
+        self._contact = contact
+        self._radius = radius
+        self._unsteady = unsteady
+        self._tolerance = tolerance
+        self._contact_forces = ContactForces(simulation)
+        self._nodal_forces: list[Floats] = []  # by sample
+        self._moved: list[float] = []  # in each sample [m]
+        self._forces: list[PenetrometerForces] = []
+        self._sampled_at = 0.0
+
+    @property
+    def next_distance(self) -> float:
+        """Travel at which the next sample is due [m]."""
+        return (len(self._moved) + 1) * (SAMPLE_SPACING * self._radius)
+
+    def sample(self) -> None:
+        """Take down the mean forces since the sample before."""
+        reached = self._simulation.travel
+        if reached > self._sampled_at:
+            nodal_forces = self._contact_forces.take()
+        else:  # one step may go past several samples
+            nodal_forces = self._nodal_forces[-1]
+        self._nodal_forces.append(nodal_forces)
+        self._moved.append(reached - self._sampled_at)
+        self._sampled_at = reached
+
+    @property
+    def forces(self) -> list[PenetrometerForces]:
+        """Mean forces over each sample so far."""
+        # Few ask before the end, and all together they take a fraction of the time.
+        new = self._nodal_forces[len(self._forces) :]
+        self._forces.extend(map(self._contact.forces, new))
+        return self._forces
+
+    @property
+    def work(self) -> float:
+        """Of the penetrometer so far, per radian [J]."""
+        parts = zip(self.forces, self._moved, strict=True)
+        return math.fsum(force.upward * moved for force, moved in parts)
+
+    def is_steady(self) -> bool:
+        """Whether the resistance is steady: the mean over two radii is that over two before."""
+        earliest = len(self._moved) - 2 * STEADY_SAMPLES
+        if (earliest + 0.5) * SAMPLE_SPACING < self._unsteady:
+            return False
+        resistance = [it.face_normal + it.face_shear for it in self.forces[earliest:]]
+        return is_steady(resistance, STEADY_SAMPLES, self._tolerance)
+
+    def dataset(self) -> xr.Dataset:
+        """Resistance, its shear part, friction of the shaft and contact over penetration."""
+        # Each sample is a mean over the travel since the one before; it stands in the middle.
+        penetration = (np.arange(len(self._moved)) + 0.5) * SAMPLE_SPACING
+        base_area = 0.5 * self._radius**2
+        normal, shear, shaft, share = (
+            np.array(
+                [
+                    (it.face_normal, it.face_shear, it.shaft_shear, it.contact_share)
+                    for it in self.forces
+                ]
+            )
+            .reshape(-1, 4)
+            .T
+        )
+        curves = {
+            "penetration_resistance": (
+                (normal + shear) / base_area,
+                "Pa",
+                "net cone resistance",
+            ),
+            "penetration_resistance_shear": (
+                shear / base_area,
+                "Pa",
+                "net cone resistance, shear part",
+            ),
+            "shaft_friction": (
+                shaft / self._contact.shaft_area,
+                "Pa",
+                "mean shear stress on the shaft",
+            ),
+            "contact_share": (share, "1", "share of cone and shaft in contact"),
+        }
+        axis = variable(
+            penetration, unit="1", meaning="penetration over cone radius", dims=("penetration",)
+        )
+        return xr.Dataset(
+            {
+                name: variable(values, unit=unit, meaning=meaning, dims=("penetration",))
+                for name, (values, unit, meaning) in curves.items()
+            },
+            coords={"penetration": axis},
+        )
+
+
+def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
+    """Whether the mean of the last values differs little from the mean of those before.
+
+    What decays exponentially by the factor q over a span, and differs by `tolerance` from one span
+    to the next, has tolerance q / (1 - q) to go: about as much where a span halves it.
+
+    Args:
+        values: the curve so far, at even distances, from where it may be steady at all.
+        span: how many of them a mean is over, >= 1; never steady before two spans.
+        tolerance: difference of the two means over the last one, dimensionless; never steady at 0.
+    """
+    if len(values) < 2 * span:
+        return False
+    before, last = fmean(values[-2 * span : -span]), fmean(values[-span:])
+    return abs(last - before) < tolerance * abs(last)
+
+
+def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
+    """The cone factor and its parts, from the last two radii of the curves or their last half.
+
+    Args:
+        curves: those of `PenetrationCurves`.
+        strength: undrained shear strength su [Pa].
+    """
+    count = curves.sizes["penetration"]
+    mean_count = min(STEADY_SAMPLES, count // 2)
+    last = slice(-mean_count, None)
+    over = f"over the last {mean_count * SAMPLE_SPACING:g} radii"
+    resistance = curves.penetration_resistance.values[last]
+    shear = curves.penetration_resistance_shear.values[last]
+    steady = {
+        "cone_factor": (resistance, "cone factor", "Nc = (qc - sigma_v0) / su", "headline"),
+        "cone_factor_normal": (
+            resistance - shear,
+            "cone factor, normal part",
+            "what the normal traction on the face adds to Nc",
+            None,
+        ),
+        "cone_factor_shear": (
+            shear,
+            "cone factor, shear part",
+            "what the shear traction on the face adds to Nc",
+            None,
+        ),
+    }
+    variables = {
+        name: variable(
+            values.mean() / strength,
+            unit="1",
+            meaning=meaning,
+            description=f"{description}, mean {over}",
+            role=role,
+        )
+        for name, (values, meaning, description, role) in steady.items()
+    }
+    variables["cone_factor_variation"] = variable(
+        np.ptp(resistance) / resistance.mean(),
+        unit="1",
+        meaning="variation of the cone factor",
+        description=f"range {over} of penetration, over the mean",
+    )
+    variables["penetration_reached"] = variable(
+        count * SAMPLE_SPACING,
+        unit="1",
+        meaning="penetration reached over cone radius",
+        description="where the resistance was steady, or the greatest penetration",
+    )
+    return variables

@@ -1,0 +1,138 @@
+"""A confined column that settles under its own weight."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parameters import parameter
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.gravity import Gravity
+from mpm_warp.results import variable
+from mpm_warp.sampling import even_steps, follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.waves.column import Column
+from mpm_warp.simulation import Simulation
+
+HEIGHT = 1.0
+GRAVITY = 9.81
+DENSITY = 1700.0
+PERIODS = 8.0
+"""Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GravityColumn(CatalogueScene):
+    """Elastic soil, at first without weight and stress, critically damped until it is at rest.
+
+    From the base up, with M the constrained modulus: sigma = -rho g (H - z), and the displacement
+    u = -rho g (H z - z^2/2) / M.
+    """
+
+    summary: ClassVar[str] = "column under its own weight, stress and settlement"
+    version: ClassVar[int] = 3
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
+    )
+
+    cell_count: int = parameter(
+        40, unit="1", meaning="cells along the height", minimum=2, maximum=1000
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
+    )
+    settlement_ratio: float = parameter(
+        1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
+    )
+
+    def build(self) -> Scene:
+        """The column, its weight, and the damping that brings it to rest."""
+        constrained_modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
+        nu = self.poissons_ratio
+        material = LinearElastic(
+            shear_modulus=constrained_modulus * (1 - 2 * nu) / (2 * (1 - nu)),
+            poissons_ratio=nu,
+            density=DENSITY,
+        )
+        # Twice the angular frequency of the first mode, pi c / 2 H.
+        damping = math.pi * material.pressure_wave_speed / HEIGHT
+        return Scene(
+            grid=self._column.grid,
+            material=material,
+            particles_per_side=2,
+            time_step_fraction=0.85,
+            forces=(Gravity(GRAVITY), Damping(damping)),
+            fixed=self._column.fixed,
+        )
+
+    @property
+    def _column(self) -> Column:
+        return Column(height=HEIGHT, cell_count=self.cell_count)
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Let the column come to rest, and hold stress and settlement against the exact ones."""
+        position = simulation.array("particle.position").copy()
+        period = 4 * HEIGHT / simulation.scene.material.pressure_wave_speed
+        step_count = round(PERIODS * period / simulation.plan.time_step)
+        steps = even_steps(step_count)
+        recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
+        return recorded.merge(self._at_rest(simulation, position))
+
+    def _at_rest(self, simulation: Simulation, position: Floats) -> xr.Dataset:
+        """Stress and settlement, beside the exact ones.
+
+        Args:
+            simulation: at rest.
+            position: of the particles at the start [m], shape [particle_count, 2].
+        """
+        column = self._column
+        mass = simulation.array("particle.mass")
+        change = simulation.array("particle.position")[:, 1] - position[:, 1]
+        displacement = column.mean_over_sections(change, mass)
+        height = column.mean_over_sections(position[:, 1], mass)
+        # The settlement of the top lies on the line through the two sections of the last cell.
+        slope = (displacement[-1] - displacement[-2]) / (height[-1] - height[-2])
+        settlement = -(displacement[-1] + slope * (HEIGHT - height[-1]))
+        exact_settlement = self.settlement_ratio * HEIGHT
+        stress = simulation.array("cell.stress")[:, 1]
+        middles = 0.5 * (column.grid.rows[1:] + column.grid.rows[:-1])
+        weight = DENSITY * GRAVITY * HEIGHT
+        exact_stress = -DENSITY * GRAVITY * (HEIGHT - middles)
+        error = max(
+            np.abs(stress - exact_stress).max() / weight,
+            abs(settlement / exact_settlement - 1),
+        )
+        variables = {
+            "error": variable(
+                error,
+                unit="1",
+                meaning="error of stress and settlement",
+                description="the greater of the greatest error of the vertical stress, over that "
+                "at the base, and the relative error of the settlement",
+                role="headline",
+            ),
+            "stress": variable(stress, unit="Pa", meaning="vertical stress", dims=("height",)),
+            "stress_exact": variable(
+                exact_stress,
+                unit="Pa",
+                meaning="vertical stress, exact",
+                dims=("height",),
+                exact_of="stress",
+            ),
+            "settlement": variable(settlement, unit="m", meaning="settlement of the top"),
+            "settlement_exact": variable(
+                exact_settlement,
+                unit="m",
+                meaning="settlement of the top, exact",
+                exact_of="settlement",
+            ),
+        }
+        axis = variable(middles, unit="m", meaning="height of the cell's middle", dims=("height",))
+        return xr.Dataset(variables, coords={"height": axis})

@@ -1,0 +1,214 @@
+"""An elastic thick-walled cylinder under internal pressure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parameters import parameter
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.results import variable
+from mpm_warp.sampling import even_steps, follow
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.simulation import Simulation
+
+INNER_RADIUS = 1.0
+SHEAR_MODULUS = 1e6
+DENSITY = 1700.0
+STRAIN = 1e-5
+"""Displacement of the wall over its radius, of an infinite body."""
+REST_TIME = 60.0
+"""Time to come to rest, in inner radii over the shear wave speed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThickCylinder(CatalogueScene):
+    """A ring between smooth ends, the pressure there from the first step on.
+
+    In axisymmetry one row of cells, in plane strain a quarter of the ring's section, on rays.
+
+    With p the pressure on the inner radius a, b the outer radius and q = p a^2 / (b^2 - a^2)
+    (Lame): sigma_r = q (1 - b^2/r^2), sigma_t = q (1 + b^2/r^2), sigma_z = 2 nu q, and
+    u(a) = p a / (2 G) ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2).
+    """
+
+    summary: ClassVar[str] = "elastic thick-walled cylinder, stresses and wall displacement"
+    version: ClassVar[int] = 3
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+        Verification(
+            resolution="cell_count",
+            resolutions=(10, 20, 40),
+            bounds={"error": 0.01},
+            least_order=1.0,
+            settings=settings,
+        )
+        for settings in ({}, {"section": "plane_strain"})
+    )
+
+    section: str = parameter(
+        "axisymmetric",
+        unit="1",
+        meaning="the half plane through the axis, or the plane across it",
+        choices=("axisymmetric", "plane_strain"),
+    )
+    cell_count: int = parameter(
+        40, unit="1", meaning="cells across the wall", minimum=2, maximum=1000
+    )
+    radius_ratio: float = parameter(
+        3.0, unit="1", meaning="outer over inner radius", minimum=1.1, maximum=100
+    )
+    poissons_ratio: float = parameter(
+        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
+    )
+
+    @property
+    def pressure(self) -> float:
+        """Pressure on the inner wall [Pa]."""
+        return 2 * SHEAR_MODULUS * STRAIN
+
+    def build(self) -> Scene:
+        """The ring under pressure, damped until it is at rest."""
+        grid = self._grid()
+        material = LinearElastic(
+            shear_modulus=SHEAR_MODULUS, poissons_ratio=self.poissons_ratio, density=DENSITY
+        )
+        # Of the order of the lowest frequency, shear wave speed over mean radius.
+        damping = 2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius))
+        return Scene(
+            grid=grid,
+            material=material,
+            particles_per_side=2,
+            time_step_fraction=0.85,
+            forces=(self._load(grid), Damping(damping)),
+            fixed=self._fixed(grid),
+        )
+
+    def _grid(self) -> Grid:
+        outer = self.radius_ratio * INNER_RADIUS
+        columns = np.linspace(0.0, 1.0, self.cell_count + 1)
+        if self.section == "plane_strain":
+            return PolarGrid(
+                columns=columns,
+                rows=np.linspace(0.0, 0.5 * np.pi, self.cell_count + 1),
+                surface_radius=np.full(self.cell_count + 1, INNER_RADIUS),
+                outer_radius=outer,
+                planar=True,
+            )
+        return Grid(
+            columns=columns,
+            rows=np.array([0.0, (outer - INNER_RADIUS) / self.cell_count]),
+            surface_radius=np.full(2, INNER_RADIUS),
+            outer_radius=outer,
+        )
+
+    def _load(self, grid: Grid) -> NodalLoad:
+        """The pressure on the nodes of the inner wall: integrals of N n over it."""
+        rows = np.arange(grid.row_count + 1)
+        if isinstance(grid, PolarGrid):
+            vectors = grid.wall_vectors
+        else:
+            vectors = np.outer(np.full(2, 0.5 * INNER_RADIUS * np.ptp(grid.rows)), [1.0, 0.0])
+        forces = self.pressure * vectors
+        return NodalLoad(nodes=grid.node(np.zeros_like(rows), rows), forces=forces)
+
+    def _fixed(self, grid: Grid) -> Fixed:
+        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        vertical = np.ones_like(radial)
+        if grid.polar:  # two planes of symmetry
+            radial[0] = True
+            vertical[:-1] = False
+        return Fixed.where(radial=radial, vertical=vertical)
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Let the ring come to rest, and hold stresses and displacement against the exact ones."""
+        position = simulation.array("particle.position").copy()
+        rest_time = REST_TIME * self.radius_ratio / simulation.scene.material.shear_wave_speed
+        step_count = round(rest_time / simulation.plan.time_step)
+        steps = even_steps(step_count)
+        recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
+        return recorded.merge(self._at_rest(simulation, position))
+
+    def _at_rest(self, simulation: Simulation, position: Floats) -> xr.Dataset:
+        """Stresses and the wall's displacement, beside the exact ones.
+
+        Args:
+            simulation: at rest.
+            position: of the particles at the start [m], shape [particle_count, 2].
+        """
+        grid = simulation.scene.grid
+        displacement = _wall_displacement(grid, position, simulation.array("particle.position"))
+        radius = np.linspace(INNER_RADIUS, grid.outer_radius, self.cell_count + 1)
+        middles = 0.5 * (radius[1:] + radius[:-1])
+        stresses = simulation.array("cell.stress")
+        if isinstance(grid, PolarGrid):
+            stress = grid.along_rays(stresses)
+        else:
+            stress = stresses[None, :, [0, 3, 1]]
+        exact_stress, exact_displacement = self.exact(middles)
+        weights = middles[:, None]
+        difference = np.mean(np.sum(weights * (stress - exact_stress) ** 2, axis=(1, 2)))
+        stress_error = math.sqrt(difference / np.sum(weights * exact_stress**2))
+        dims = ("radius", "component")
+        variables = {
+            "error": variable(
+                max(stress_error, abs(displacement / exact_displacement - 1)),
+                unit="1",
+                meaning="error of stresses and wall displacement",
+                description="the greater of the L2 norm of the error of radial, hoop and axial "
+                "stress, over that of the exact ones, and the relative error of the displacement",
+                role="headline",
+            ),
+            "stress": variable(
+                stress.mean(axis=0), unit="Pa", meaning="stress, mean over the angle", dims=dims
+            ),
+            "stress_exact": variable(
+                exact_stress, unit="Pa", meaning="stress, exact", dims=dims, exact_of="stress"
+            ),
+            "wall_displacement": variable(
+                displacement, unit="m", meaning="displacement of the inner wall"
+            ),
+            "wall_displacement_exact": variable(
+                exact_displacement,
+                unit="m",
+                meaning="displacement of the inner wall, exact",
+                exact_of="wall_displacement",
+            ),
+        }
+        axis = variable(middles, unit="m", meaning="radius of the cell's middle", dims=("radius",))
+        return xr.Dataset(variables, coords={"radius": axis, "component": ["r", "t", "z"]})
+
+    def exact(self, radius: Floats) -> tuple[Floats, float]:
+        """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""
+        a, b, nu = INNER_RADIUS, self.radius_ratio * INNER_RADIUS, self.poissons_ratio
+        q = self.pressure * a**2 / (b**2 - a**2)
+        ratio = (b / radius) ** 2
+        stress = q * np.stack([1 - ratio, 1 + ratio, np.full_like(ratio, 2 * nu)], axis=-1)
+        wall = self.pressure * a / (2 * SHEAR_MODULUS) * ((1 - 2 * nu) * a**2 + b**2)
+        return stress, wall / (b**2 - a**2)
+
+
+def _wall_displacement(grid: Grid, before: Floats, after: Floats) -> float:
+    """Mean displacement of the inner wall [m].
+
+    It lies on the line through the two rings of particles next to the wall.
+
+    Args:
+        grid: of the ring.
+        before: positions of the particles at the start [m], shape [particle_count, 2].
+        after: the same at rest.
+    """
+    distance, now = (np.hypot(*it.T) if grid.polar else it[:, 0] for it in (before, after))
+    rings = distance.reshape(2 * grid.row_count, -1)[:, :2]
+    change = (now - distance).reshape(2 * grid.row_count, -1)[:, :2]
+    slope = (change[:, 1] - change[:, 0]) / (rings[:, 1] - rings[:, 0])
+    return float(np.mean(change[:, 0] + slope * (INNER_RADIUS - rings[:, 0])))

@@ -1,0 +1,1 @@
+"""Bodies that soil flows around on all sides."""

@@ -1,0 +1,226 @@
+"""A bar or column that strikes a rigid wall: the exact shock, and a run compared with it."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parameters import parameter
+from mpm_warp.results import variable
+from mpm_warp.sampling import follow
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.simulation import Simulation
+
+LENGTH = 1.0
+"""Length before the impact [m]."""
+TRAVEL = 0.75
+"""Part of the bar that the shock has passed at the end; its speed is that over the second half."""
+
+
+@dataclass(frozen=True)
+class Shock:
+    """A bar of speed V comes to rest behind a shock, its stress being M ln l at the stretch l.
+
+    With c^2 = M / rho, a shock that passes the length U of the unstrained bar in a unit of time
+    leaves, by mass and momentum (Rankine and Hugoniot; the law of energy is not needed where stress
+    does not depend on heat),
+
+        l = 1 - V / U,    -M ln l = rho U V,    so that (V / c)^2 = -(V / U) ln(1 - V / U).
+
+    Attributes:
+        modulus: M, of uniaxial strain [Pa], > 0.
+        density: rho of the unstrained bar [kg/m3], > 0.
+        speed: V [m/s], > 0.
+    """
+
+    modulus: float
+    density: float
+    speed: float
+
+    @cached_property
+    def shortening(self) -> float:
+        """V / U: the share of the length that is lost behind the shock."""
+        square = self.speed**2 * self.density / self.modulus
+
+        def excess(shortening: float) -> float:
+            return -shortening * math.log1p(-shortening) - square
+
+        return float(brentq(excess, 0.0, 1.0 - 1e-12))
+
+    @property
+    def front_speed(self) -> float:
+        """U [m/s]."""
+        return self.speed / self.shortening
+
+    @property
+    def stress(self) -> float:
+        """Stress behind the shock, tension positive [Pa]."""
+        return self.modulus * math.log1p(-self.shortening)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sections:
+    """The sections of a bar, each a row of its points, from the wall up.
+
+    Attributes:
+        heights: of the sections before the impact [m], rising, shape [section_count].
+        point_count: points of the bar, which are the first of the simulation.
+        means: from values of all points to means over the sections.
+    """
+
+    heights: Floats
+    point_count: int
+    means: Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Impact(CatalogueScene):
+    """A bar along the second axis that moves down on a wall and comes to rest behind a shock."""
+
+    method: ClassVar[tuple[str, ...]] = ("cell_count",)
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cell_count", resolutions=(40, 80), bounds={"error": 0.02}, extreme=True
+        ),
+    )
+    modulus: ClassVar[float]
+    """Modulus of uniaxial strain [Pa]."""
+    density: ClassVar[float]
+    """Density before the impact [kg/m3]."""
+
+    speed_ratio: float = parameter(
+        0.5, unit="1", meaning="speed of the impact over that of waves", above=0, maximum=0.9
+    )
+    cell_count: int = parameter(
+        80, unit="1", meaning="cells along the length", minimum=20, maximum=1000
+    )
+
+    @property
+    def cell_size(self) -> float:
+        """Side of a cell [m]."""
+        return LENGTH / self.cell_count
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of pressure waves before the impact [m/s]."""
+        return math.sqrt(self.modulus / self.density)
+
+    @property
+    def shock(self) -> Shock:
+        """The exact solution."""
+        speed = self.speed_ratio * self.wave_speed
+        return Shock(modulus=self.modulus, density=self.density, speed=speed)
+
+    @abstractmethod
+    def sections(self, simulation: Simulation) -> Sections:
+        """The sections of the bar in a simulation at its start."""
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Give the bar its speed, and follow the shock until it has passed most of the bar."""
+        sections, shock = self.sections(simulation), self.shock
+        velocity = simulation.array("particle.velocity").copy()
+        velocity[: sections.point_count, 1] = -shock.speed
+        simulation.assign("particle.velocity", velocity)
+        sampler = ShockFront(simulation, shock, sections)
+        moments = [
+            share * TRAVEL * sections.heights[-1] / shock.front_speed for share in (0.5, 1.0)
+        ]
+        curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
+        return curves.assign(sampler.errors())
+
+
+class ShockFront:
+    """Samples where the shock is, and velocity and stress along the bar.
+
+    Args:
+        simulation: of a bar that is about to touch the wall.
+        shock: the exact one.
+        sections: of the bar.
+    """
+
+    def __init__(self, simulation: Simulation, shock: Shock, sections: Sections) -> None:
+        self._simulation = simulation
+        self._shock = shock
+        self._sections = sections
+        self._fronts: list[tuple[float, float]] = []
+        """Times [s] and heights of the front in the unstrained bar [m]."""
+
+    def sample(self) -> None:
+        """Find the front: the height at which half of the velocity is gone."""
+        velocity, half = self._along_bar("velocity"), -0.5 * self._shock.speed
+        first = int(np.flatnonzero(velocity < half)[0])
+        around = [first, first - 1]
+        front = np.interp(half, velocity[around], self._sections.heights[around])
+        self._fronts.append((self._simulation.time, float(front)))
+
+    def dataset(self) -> xr.Dataset:
+        """Stress and velocity along the bar as they are now, and exact."""
+        shock, heights = self._shock, self._sections.heights
+        passed = heights < shock.front_speed * self._simulation.time
+        exact_stress = np.where(passed, shock.stress, 0.0)
+        exact_velocity = np.where(passed, 0.0, -shock.speed)
+
+        def curve(
+            values: Floats, unit: str, meaning: str, exact_of: str | None = None
+        ) -> xr.Variable:
+            return variable(values, unit=unit, meaning=meaning, dims=("place",), exact_of=exact_of)
+
+        return xr.Dataset(
+            {
+                "stress": curve(self._along_bar("stress"), "Pa", "stress at the end"),
+                "stress_exact": curve(exact_stress, "Pa", "stress, exact", "stress"),
+                "velocity": curve(self._along_bar("velocity"), "m s-1", "velocity at the end"),
+                "velocity_exact": curve(exact_velocity, "m s-1", "velocity, exact", "velocity"),
+            },
+            coords={"place": curve(heights, "m", "place in the unstrained bar")},
+        )
+
+    def errors(self) -> dict[str, xr.Variable]:
+        """Errors of speed, stress and velocity, once there are two samples."""
+        shock, heights = self._shock, self._sections.heights
+        (middle_time, middle), (end_time, end) = self._fronts
+        # Between what the first touch has left at the wall and the width of the shock.
+        behind = (heights > 0.25 * end) & (heights < 0.75 * end)
+        front_speed = (end - middle) / (end_time - middle_time)
+        stress = self._along_bar("stress")[behind]
+        velocity = self._along_bar("velocity")[behind]
+        errors = {
+            "front_speed_error": (abs(front_speed / shock.front_speed - 1.0), "error of its speed"),
+            "stress_error": (
+                abs(stress.mean() / shock.stress - 1.0),
+                "error of the mean stress behind it",
+            ),
+            "velocity_error": (
+                abs(velocity.mean()) / shock.speed,
+                "mean velocity behind it over that of the impact",
+            ),
+        }
+        variables = {
+            name: variable(value, unit="1", meaning=meaning, role="error")
+            for name, (value, meaning) in errors.items()
+        }
+        return variables | {
+            "error": variable(
+                max(value for value, _ in errors.values()),
+                unit="1",
+                meaning="greatest error of the shock's speed, stress and velocity",
+                role="headline",
+            ),
+            "stress_scatter": variable(
+                stress.std() / abs(shock.stress),
+                unit="1",
+                meaning="standard deviation of the stress behind the shock over its mean",
+            ),
+        }
+
+    def _along_bar(self, name: str) -> Floats:
+        return self._sections.means(self._simulation.array(f"particle.{name}")[:, 1])

@@ -1,0 +1,1 @@
+"""Single material points on strain paths."""

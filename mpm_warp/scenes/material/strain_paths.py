@@ -1,0 +1,169 @@
+"""Material points on given strain paths, without a grid: a material by itself.
+
+Stress increment, rotation and law are those of any other run. Symbols: sigma stress, D rate of
+strain, R rotation in a step, (f, k) measure of the stress and strength of the yield function.
+
+    sigma  <- law(R sigma R' + dt (K tr D + 2 G dev D))
+    excess <- max(excess, f / k - 1)
+"""
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.errors import Fault
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.elasticity import (
+    make_elastic_trial,
+    make_strain_increment,
+    make_stress_increment,
+)
+from mpm_warp.materials.material import Law, Material
+from mpm_warp.plan.plan import Plan
+from mpm_warp.planning import SHARE_COUNT, make_plan
+from mpm_warp.precision import FLOAT64, Precision
+from mpm_warp.watch.watch import Run, make_watch
+
+NOWHERE = np.full(2, np.nan)
+"""Of material points that have no position."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StrainPaths:
+    """Material points, each strained and turned at a constant velocity gradient for one second.
+
+    Attributes:
+        material: of all points, with or without memory.
+        gradient: velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5].
+        stress: stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4].
+        step_count: steps into which the second is divided, >= 1.
+    """
+
+    material: Material
+    gradient: Floats
+    stress: Floats
+    step_count: int
+
+
+@make_plan.register
+def plan_strain_paths(
+    paths: StrainPaths, share_count: int = SHARE_COUNT, time_step: float | None = None
+) -> Plan:
+    """The plan of a run along strain paths, in double precision.
+
+    Args:
+        paths: what to run.
+        share_count: into how many shares its launches are split, >= 1.
+        time_step: length of a step [s]; default: a second over the number of steps.
+    """
+    material, law = paths.material, paths.material.law(FLOAT64)
+    count = len(paths.gradient)
+    plan = Plan(
+        precision=FLOAT64,
+        share_count=share_count,
+        time_step=time_step or 1.0 / paths.step_count,
+        longest_time_step=math.inf,
+        speed_limit=math.inf,
+        particle_bounds=(NOWHERE, NOWHERE),
+        remedy="try more steps",
+        particle_count=count,
+    )
+    plan.add_array("particle.velocity_gradient", "vec5", paths.gradient)
+    plan.add_array("particle.stress", "vec4", paths.stress)
+    if law.remembers:
+        plan.add_zeros("particle.state", f"vec{len(material.state)}", count)
+    if law.yield_function is not None:
+        plan.add_array("particle.yield_excess", "real", np.full(count, -1.0))
+    plan.add_launch(
+        _make_strain_path(law, FLOAT64),
+        count,
+        gradient="particle.velocity_gradient",
+        time_step=plan.time_step,
+        shear_modulus=material.shear_modulus,
+        bulk_modulus=material.bulk_modulus,
+        properties=law.properties_type(*material.properties),
+        stress="particle.stress",
+        state=plan.find("particle.state"),
+        excess=plan.find("particle.yield_excess"),
+    )
+    return plan
+
+
+class StressWatch:
+    """Looks whether stresses are finite.
+
+    Args:
+        paths: what is run.
+        run: its run.
+    """
+
+    def __init__(self, paths: StrainPaths, run: Run) -> None:
+        self._run = run
+        self.particle_count = len(paths.gradient)
+
+    def prepare(self) -> None:
+        """Nothing is noted before the last step that a look is at."""
+
+    def look(self) -> None:
+        """Look at all stresses.
+
+        Raises:
+            Fault: one is not finite.
+        """
+        finite = np.isfinite(self._run.array("particle.stress")).all(axis=1)
+        if not finite.all():
+            raise Fault(f"the stress of path {int(np.argmin(finite))} is not finite")
+
+
+make_watch.register(StrainPaths, StressWatch)
+
+
+@functools.cache
+def _make_strain_path(law: Law, precision: Precision) -> Any:
+    """The kernel, launched over paths.
+
+    `excess` is how far the stress has been beyond the yield surface at most, over the strength.
+    """
+    real, vec4, vec5 = precision.real, precision.vec4, precision.vec5
+    one = wp.constant(real(1.0))
+    stress_increment = make_stress_increment(precision)
+    strain_increment = make_strain_increment(precision)
+    elastic_trial = make_elastic_trial(precision)
+    update, yield_function, remembers = law.update, law.yield_function, law.remembers
+    properties_type, state_type = law.properties_type, law.state_type
+    yields = yield_function is not None
+
+    @wp.kernel(
+        module=f"mpm_warp.strain_path.{law.key}.{precision.numpy_name}", enable_backward=False
+    )
+    def strain_path(
+        offset: int,
+        gradient: wp.array(dtype=vec5),
+        time_step: real,
+        shear_modulus: real,
+        bulk_modulus: real,
+        properties: properties_type,
+        stress: wp.array(dtype=vec4),
+        state: wp.array(dtype=state_type),
+        excess: wp.array(dtype=real),
+    ):
+        p = offset + wp.tid()
+        increment = stress_increment(gradient[p], time_step, shear_modulus, bulk_modulus)
+        strain = strain_increment(increment, shear_modulus, bulk_modulus)
+        trial = elastic_trial(stress[p], increment)
+        remembered = state_type()
+        if wp.static(remembers):
+            remembered = state[p]
+        sigma, remembered = update(trial, strain, time_step, properties, remembered)
+        stress[p] = sigma
+        if wp.static(remembers):
+            state[p] = remembered
+        if wp.static(yields):
+            measured = yield_function(sigma, properties, remembered)
+            excess[p] = wp.max(excess[p], measured[0] / measured[1] - one)
+
+    return strain_path

@@ -1,0 +1,138 @@
+"""The sliding block against the motion of a rigid one: bounds are those that users rely on."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Value
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+
+PUSHED: dict[str, Value] = {
+    "friction": 0.0,
+    "adhesion": 500.0,
+    "slope": 0.0,
+    "gravity": 0.0,
+    "drive": 1500.0,
+}
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("adhesion", [0.0, 500.0, 2000.0])
+@pytest.mark.parametrize("slope", [0.0, 30.0])
+def test_acceleration_along_the_grid(friction: float, adhesion: float, slope: float) -> None:
+    block = SlidingBlock(friction=friction, adhesion=adhesion, slope=slope, drive=8000.0)
+    assert block.motion.slides
+    assert float(block.run().acceleration_error) <= 0.01
+
+
+@pytest.mark.parametrize(("angle", "offset"), [(5, 0.0), (15, 0.3), (26, 0.6), (45, 0.25)])
+@pytest.mark.parametrize("stiffness_ratio", [None, 1.0])
+def test_acceleration_at_an_angle_to_the_grid(
+    angle: float, offset: float, stiffness_ratio: float | None
+) -> None:
+    block = SlidingBlock(
+        drive=5000.0, grid_angle=angle, grid_offset=offset, stiffness_ratio=stiffness_ratio
+    )
+    assert float(block.run().acceleration_error) <= 0.03
+
+
+@pytest.mark.parametrize("normal_pressure", [500.0, 5e4, 5e5])
+@pytest.mark.parametrize("interface_radius", [None, 2.0])
+@pytest.mark.parametrize("mass_scale", [1.0, 100.0])
+def test_adhesion_does_not_depend_on_pressure_shape_or_mass(
+    normal_pressure: float, interface_radius: float | None, mass_scale: float
+) -> None:
+    block = SlidingBlock(
+        **PUSHED,  # type: ignore[arg-type]
+        normal_pressure=normal_pressure,
+        interface_radius=interface_radius,
+        mass_scale=mass_scale,
+    )
+    assert float(block.run().base_shear_error) <= 0.01
+
+
+@pytest.mark.parametrize(
+    "held",
+    [
+        {"friction": 0.8, "adhesion": 0.0},
+        {"friction": 0.0, "adhesion": 4000.0, "slope": 0.0, "drive": 2000.0},
+    ],
+)
+@pytest.mark.parametrize("grid_angle", [0.0, 20.0])
+def test_block_held_below_slip_does_not_creep(held: dict[str, Value], grid_angle: float) -> None:
+    result = SlidingBlock(**held, grid_angle=grid_angle).run()  # type: ignore[arg-type]
+    assert float(result.creep) <= 1e-4
+
+
+@pytest.mark.parametrize("stiffness_ratio", [0.01, 100.0])
+def test_bodies_of_unlike_stiffness(stiffness_ratio: float) -> None:
+    block = SlidingBlock(drive=5000.0, stiffness_ratio=stiffness_ratio, travel=0.1)
+    assert float(block.run().acceleration_error) <= 0.01
+
+
+def test_force_that_rises_steadily() -> None:
+    result = SlidingBlock(drive=5000.0, driving="ramped").run()
+    assert float(result.acceleration_error) <= 0.01
+
+
+def test_momentum_and_energy_balance() -> None:
+    """Momentum to the step in which a load has a kink; energy to what the transfer dissipates."""
+    block = SlidingBlock(drive=5000.0)
+    result = block.run()
+    kink = float(result.time_step) / block.duration
+    assert float(result.momentum_error) <= kink**2
+    assert float(result.energy_error) <= 0.01
+    work = result.load_work[-1] - result.slip_work[-1] - result.kinetic_energy[-1]
+    assert abs(float(work)) <= 0.01 * float(result.load_work[-1])
+
+
+@pytest.mark.parametrize("stiffness_ratio", [1e-3, 1e3])
+def test_sliding_on_a_base_of_another_stiffness(stiffness_ratio: float) -> None:
+    block = SlidingBlock(
+        stiffness_ratio=stiffness_ratio,
+        cells_per_length=6,
+        height_ratio=0.5,
+        drive=2e4,
+        travel=0.01,
+    )
+    assert float(block.run().error) <= 0.01
+
+
+@pytest.mark.parametrize("grid_angle", [0.0, 20.0])
+def test_block_at_rest_does_not_creep(grid_angle: float) -> None:
+    """A share of the 1e-4 of its length that it may creep in a million steps."""
+    block = SlidingBlock(
+        friction=0.8, cells_per_length=6, height_ratio=0.5, grid_angle=grid_angle, rest_time=50.0
+    )
+    result = block.run()
+    assert float(result.error) <= 1e-4 * float(result.step_count) / 1e6
+
+
+@pytest.mark.parametrize(
+    ("parameters", "key"),
+    [
+        ({"friction": -0.1}, "friction"),
+        ({"slope": 0.0}, "drive"),
+        ({"gravity": 0.0, "drive": 1.0}, "normal_pressure"),
+        ({"height_ratio": 0.2}, "height_ratio"),
+        ({"height_ratio": 1.0, "friction": 0.8}, "height_ratio"),
+        ({"interface_radius": 2.0}, "friction"),
+        ({"interface_radius": 2.0, "friction": 0.0, "grid_angle": 5.0}, "grid_angle"),
+        ({"interface_radius": 0.5, "friction": 0.0}, "interface_radius"),
+    ],
+)
+def test_sliding_block_without_its_exact_solution_is_refused(
+    parameters: dict[str, Value], key: str
+) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        SlidingBlock(**parameters)  # type: ignore[arg-type]
+    assert refusal.value.key == key
+    assert key in str(refusal.value)
+
+
+def test_a_block_at_rest_is_watched_for_as_long_as_it_would_slide_freely() -> None:
+    block = SlidingBlock(friction=0.8, length=2.0)
+    acceleration = block.driving_force / block.mass
+    assert 0.5 * acceleration * block.rest_time**2 == pytest.approx(block.length)
+    assert SlidingBlock(friction=0.8, rest_time=3.0).rest_time == 3.0
