@@ -126,7 +126,7 @@ class RecordedSteps:
             worker_threads(self._threads).run(replay_part, leave)
 
     def _record(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> RecordedLoop:
-        """Record what a thread does of a step, with a barrier after each shared launch."""
+        """Record what a thread does of a step, with barriers before and after shared launches."""
 
         def part_of(launches: Sequence[Launch]) -> Callable[[], None]:
             shared_next = [*(launch.is_shared for launch in launches[1:]), True]

@@ -1,9 +1,9 @@
-"""Elastic stress of a step at large rotations, whatever carries the stress.
+"""The stress of a step: elastic at large rotations, then what the law of the material makes of it.
 
 Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, D its symmetric part, R rotation by the
 spin in a step, K bulk modulus, G shear modulus.
 
-    sigma <- R sigma R' + dt (K tr D + 2 G dev D)
+    sigma <- law(R sigma R' + dt (K tr D + 2 G dev D))
 """
 
 import functools
@@ -11,6 +11,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.materials.material import Law
 from mpm_warp.precision import Precision
 
 
@@ -67,7 +68,7 @@ def make_elastic_trial(precision: Precision) -> Any:
 
 
 @functools.cache
-def make_strain_increment(precision: Precision) -> Any:
+def _make_strain_increment(precision: Precision) -> Any:
     """The function (stress increment, G, K) -> dt D that has made it, (rr, zz, rz, tt)."""
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     two, three = wp.constant(real(2.0)), wp.constant(real(3.0))
@@ -85,3 +86,35 @@ def make_strain_increment(precision: Precision) -> Any:
         )
 
     return strain_increment
+
+
+@functools.cache
+def make_stress_update(law: Law, precision: Precision) -> Any:
+    """The function (stress, stress increment, G, K, time step, properties, state) after a step.
+
+    It gives stress and state; properties and state are those of the law.
+    """
+    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
+    properties_type, state_type = law.properties_type, law.state_type
+    elastic_trial, strain_increment = (
+        make_elastic_trial(precision),
+        _make_strain_increment(precision),
+    )
+    update = law.update
+
+    @wp.func
+    def stress_update(
+        stress: vec4,
+        increment: vec7,
+        shear_modulus: real,
+        bulk_modulus: real,
+        time_step: real,
+        properties: properties_type,
+        state: state_type,
+    ):
+        trial = elastic_trial(stress, increment)
+        strain = strain_increment(increment, shear_modulus, bulk_modulus)
+        sigma, remembered = update(trial, strain, time_step, properties, state)
+        return sigma, remembered
+
+    return stress_update

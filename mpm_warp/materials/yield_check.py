@@ -7,7 +7,6 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.materials.material import Law, Material
-from mpm_warp.plan.launch import make_launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -28,18 +27,14 @@ def add_yield_check(plan: Plan, material: Material) -> None:
         return
     (count,) = plan.arrays["particle.mass"].shape
     blocks = -(-count // BLOCK)
-    plan.between_steps["yield_check"] = make_launch(
+    plan.add_zeros("yield.margin", "real", blocks)
+    plan.add_zeros("yield.particle", "int", blocks)
+    plan.between_steps["yield_check"] = plan.launch(
         _make_yield_check(law, plan.precision),
         blocks,
-        {
-            "count": count,
-            "particle_cell": "particle.cell",
-            "stress": "particle.stress",
-            "state": plan.find("particle.state"),
-            "properties": law.properties_type(*material.properties),
-            "margin": plan.add_zeros("yield.margin", "real", blocks),
-            "worst": plan.add_zeros("yield.particle", "int", blocks),
-        },
+        count=count,
+        particle_state=plan.find("particle.state"),
+        properties=law.properties_type(*material.properties),
     )
 
 
@@ -58,11 +53,11 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
     def yield_check(
         count: int,
         particle_cell: wp.array(dtype=wp.vec2i),
-        stress: wp.array(dtype=vec4),
-        state: wp.array(dtype=state_type),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
         properties: properties_type,
-        margin: wp.array(dtype=real),
-        worst: wp.array(dtype=int),
+        yield_margin: wp.array(dtype=real),
+        yield_particle: wp.array(dtype=int),
     ):
         block = wp.tid()
         first = block * wp.static(BLOCK)
@@ -70,10 +65,10 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
         number = first
         for p in range(first, wp.min(first + wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
-                s = stress[p]
+                s = particle_stress[p]
                 remembered = state_type()
                 if wp.static(remembers):
-                    remembered = state[p]
+                    remembered = particle_state[p]
                 measured = yield_function(s, properties, remembered)
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
@@ -81,7 +76,7 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
                 if beyond > greatest_margin:
                     greatest_margin = beyond
                     number = p
-        margin[block] = greatest_margin
-        worst[block] = number
+        yield_margin[block] = greatest_margin
+        yield_particle[block] = number
 
     return yield_check

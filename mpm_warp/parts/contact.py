@@ -73,21 +73,17 @@ class SurfaceContact:
         shape [node_count, 2], since it was last cleared.
         """
         window_motion = plan.find("window.motion")
-        pressure = self.in_situ_stress * self.normal_areas
+        plan.add_array("contact.nodes", "int", self.nodes)
+        plan.add_array("contact.normals", "vec2", self.normals)
+        plan.add_array("contact.adhesion", "real", self.adhesion_forces)
+        plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
+        plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
         plan.add_launch(
             _make_surface_contact(window_motion is not None, plan.precision),
             len(self.nodes),
-            nodes=plan.add_array("contact.nodes", "int", self.nodes),
-            normals=plan.add_array("contact.normals", "vec2", self.normals),
             friction=self.friction,
-            adhesion=plan.add_array("contact.adhesion", "real", self.adhesion_forces),
-            pressure=plan.add_array("contact.pressure", "real", pressure),
-            mass="node.mass",
-            time_step=plan.time_step,
             speed=self.speed,
             window_motion=window_motion,
-            velocities="node.velocities",
-            impulse=plan.add_zeros("contact.impulse", "vec2", len(self.nodes)),
         )
 
     def share_in_touch(self, forces: Floats) -> float:
@@ -139,38 +135,38 @@ def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.surface_contact.{key}", enable_backward=False)
     def surface_contact(
         offset: int,
-        nodes: wp.array(dtype=int),
-        normals: wp.array(dtype=vec2),
+        contact_nodes: wp.array(dtype=int),
+        contact_normals: wp.array(dtype=vec2),
         friction: real,
-        adhesion: wp.array(dtype=real),
-        pressure: wp.array(dtype=real),
-        mass: wp.array(dtype=real),
+        contact_adhesion: wp.array(dtype=real),
+        contact_pressure: wp.array(dtype=real),
+        node_mass: wp.array(dtype=real),
         time_step: real,
         speed: real,
         window_motion: wp.array(dtype=wp.float64),
-        velocities: wp.array(dtype=vec4),
-        impulse: wp.array(dtype=vec2),
+        node_velocities: wp.array(dtype=vec4),
+        contact_impulse: wp.array(dtype=vec2),
     ):
         k = offset + wp.tid()
-        node = nodes[k]
-        m = mass[node]
+        node = contact_nodes[k]
+        m = node_mass[node]
         if m <= real(0.0):
             return
-        v = velocities[node]
-        n = normals[k]
+        v = node_velocities[node]
+        n = contact_normals[k]
         d = vec2(v[0], v[1])
         if wp.static(travelling):
             # The body sinks through the soil at the speed at which the soil passes the grid.
             d += vec2(real(0.0), real(window_motion[1]))
         else:
             d += vec2(real(0.0), speed)
-        in_situ = pressure[k] * time_step
+        in_situ = contact_pressure[k] * time_step
         pressing = m * wp.dot(d, n) + in_situ
-        J = contact_law(m, d, n, pressing, friction, adhesion[k] * time_step, in_situ)
+        J = contact_law(m, d, n, pressing, friction, contact_adhesion[k] * time_step, in_situ)
         tangential = vec2(J[1], J[2])
         change = -(J[0] * n + tangential) / m
-        velocities[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])
+        node_velocities[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])
         along = wp.dot(tangential, vec2(n[1], -n[0]))
-        impulse[k] += vec2(J[0], along)
+        contact_impulse[k] += vec2(J[0], along)
 
     return surface_contact

@@ -35,7 +35,6 @@ class Damping:
             _make_damping(plan.precision),
             setting.grid.node_count,
             drag=self.rate * plan.time_step,
-            velocities="node.velocities",
         )
 
 
@@ -45,9 +44,9 @@ def _make_damping(precision: Precision) -> Any:
     one = wp.constant(real(1.0))
 
     @wp.kernel(module=f"mpm_warp.damping.{precision.numpy_name}", enable_backward=False)
-    def damping(offset: int, drag: real, velocities: wp.array(dtype=vec4)):
+    def damping(offset: int, drag: real, node_velocities: wp.array(dtype=vec4)):
         node = offset + wp.tid()
-        v = velocities[node]
-        velocities[node] = vec4(v[0] / (one + drag), v[1] / (one + drag), v[2], v[3])
+        v = node_velocities[node]
+        node_velocities[node] = vec4(v[0] / (one + drag), v[1] / (one + drag), v[2], v[3])
 
     return damping

@@ -13,7 +13,6 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.plan.launch import make_launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -23,17 +22,12 @@ def add_energy_audit(plan: Plan, grid: Grid) -> None:
 
     The array "transfer.energy" adds up what each row of nodes has gained in the audited steps [J].
     """
-    energy = plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
+    plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
     before, after = (
-        make_launch(
+        plan.launch(
             _make_kinetic_energy(when, plan.precision),
             grid.row_count + 1,
-            {
-                "column_count": grid.column_count,
-                "mass": "node.mass",
-                "velocities": "node.velocities",
-                "energy": energy,
-            },
+            column_count=grid.column_count,
         )
         for when in ("before", "after")
     )
@@ -56,19 +50,19 @@ def _make_kinetic_energy(when: str, precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.kinetic_energy.{key}", enable_backward=False)
     def kinetic_energy(
         column_count: int,
-        mass: wp.array(dtype=real),
-        velocities: wp.array(dtype=vec4),
-        energy: wp.array(dtype=real),
+        node_mass: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
+        transfer_energy: wp.array(dtype=real),
     ):
         j = wp.tid()
         total = real(0.0)
         for i in range(column_count + 1):
             node = j * (column_count + 1) + i
-            v = velocities[node]
-            total += mass[node] * (
+            v = node_velocities[node]
+            total += node_mass[node] * (
                 v[wp.static(first)] * v[wp.static(first)]
                 + v[wp.static(first + 1)] * v[wp.static(first + 1)]
             )
-        energy[j] = energy[j] + real(0.5 * wp.static(sign)) * total
+        transfer_energy[j] = transfer_energy[j] + real(0.5 * wp.static(sign)) * total
 
     return kinetic_energy

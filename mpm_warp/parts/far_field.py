@@ -60,17 +60,11 @@ class FarField:
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the nodes of the side."""
         count = len(self.nodes)
-        plan.add_launch(
-            _make_far_field(plan.precision),
-            count,
-            nodes=plan.add_array("far_field.nodes", "int", self.nodes),
-            spring=plan.add_array("far_field.spring", "real", self.spring),
-            dashpot=plan.add_array("far_field.dashpot", "vec2", self.dashpot),
-            mass="node.mass",
-            time_step=plan.time_step,
-            displacement=plan.add_zeros("far_field.displacement", "real", count),
-            velocities="node.velocities",
-        )
+        plan.add_array("far_field.nodes", "int", self.nodes)
+        plan.add_array("far_field.spring", "real", self.spring)
+        plan.add_array("far_field.dashpot", "vec2", self.dashpot)
+        plan.add_zeros("far_field.displacement", "real", count)
+        plan.add_launch(_make_far_field(plan.precision), count)
 
 
 @functools.cache
@@ -81,22 +75,23 @@ def _make_far_field(precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.far_field.{precision.numpy_name}", enable_backward=False)
     def far_field(
         offset: int,
-        nodes: wp.array(dtype=int),
-        spring: wp.array(dtype=real),
-        dashpot: wp.array(dtype=vec2),
-        mass: wp.array(dtype=real),
+        far_field_nodes: wp.array(dtype=int),
+        far_field_spring: wp.array(dtype=real),
+        far_field_dashpot: wp.array(dtype=vec2),
+        node_mass: wp.array(dtype=real),
         time_step: real,
-        displacement: wp.array(dtype=real),
-        velocities: wp.array(dtype=vec4),
+        far_field_displacement: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
     ):
         k = offset + wp.tid()
-        if mass[nodes[k]] <= zero:
+        node = far_field_nodes[k]
+        if node_mass[node] <= zero:
             return
-        v = velocities[nodes[k]]
-        rate = time_step / mass[nodes[k]]
-        v_r = (v[0] - rate * spring[k] * displacement[k]) / (one + rate * dashpot[k][0])
-        v_z = v[1] / (one + rate * dashpot[k][1])
-        displacement[k] += time_step * v_r
-        velocities[nodes[k]] = vec4(v_r, v_z, v[2], v[3])
+        v, c, w = node_velocities[node], far_field_dashpot[k], far_field_displacement[k]
+        rate = time_step / node_mass[node]
+        v_r = (v[0] - rate * far_field_spring[k] * w) / (one + rate * c[0])
+        v_z = v[1] / (one + rate * c[1])
+        far_field_displacement[k] = w + time_step * v_r
+        node_velocities[node] = vec4(v_r, v_z, v[2], v[3])
 
     return far_field

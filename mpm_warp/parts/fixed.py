@@ -51,13 +51,9 @@ class Fixed:
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the held nodes."""
-        plan.add_launch(
-            _make_fixed(plan.precision),
-            len(self.nodes),
-            nodes=plan.add_array("fixed.nodes", "int", self.nodes),
-            free=plan.add_array("fixed.free", "vec2", self.free),
-            velocities="node.velocities",
-        )
+        plan.add_array("fixed.nodes", "int", self.nodes)
+        plan.add_array("fixed.free", "vec2", self.free)
+        plan.add_launch(_make_fixed(plan.precision), len(self.nodes))
 
 
 @functools.cache
@@ -67,12 +63,13 @@ def _make_fixed(precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.fixed.{precision.numpy_name}", enable_backward=False)
     def fixed(
         offset: int,
-        nodes: wp.array(dtype=int),
-        free: wp.array(dtype=vec2),
-        velocities: wp.array(dtype=vec4),
+        fixed_nodes: wp.array(dtype=int),
+        fixed_free: wp.array(dtype=vec2),
+        node_velocities: wp.array(dtype=vec4),
     ):
         k = offset + wp.tid()
-        v = velocities[nodes[k]]
-        velocities[nodes[k]] = vec4(free[k][0] * v[0], free[k][1] * v[1], v[2], v[3])
+        node, free = fixed_nodes[k], fixed_free[k]
+        v = node_velocities[node]
+        node_velocities[node] = vec4(free[0] * v[0], free[1] * v[1], v[2], v[3])
 
     return fixed

@@ -35,8 +35,6 @@ class Gravity:
             _make_gravity(plan.precision),
             setting.grid.node_count,
             change=self.acceleration * plan.time_step,
-            mass="node.mass",
-            velocities="node.velocities",
         )
 
 
@@ -47,10 +45,13 @@ def _make_gravity(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.gravity.{precision.numpy_name}", enable_backward=False)
     def gravity(
-        offset: int, change: real, mass: wp.array(dtype=real), velocities: wp.array(dtype=vec4)
+        offset: int,
+        change: real,
+        node_mass: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
     ):
         node = offset + wp.tid()
-        if mass[node] > zero:
-            velocities[node] -= vec4(zero, change, zero, zero)
+        if node_mass[node] > zero:
+            node_velocities[node] -= vec4(zero, change, zero, zero)
 
     return gravity

@@ -15,7 +15,7 @@ from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.parts.part import Setting
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.launch import make_launch, share_bounds
+from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run
 
@@ -41,10 +41,8 @@ def add_inflow(plan: Plan, setting: Setting) -> None:
             plan.add_zeros(of_layer, field.kind, len(slots))
         else:
             plan.add_array(of_layer, field.kind, field.initial[slots])
-        plan.between_steps[name.replace("particle.", "enter.")] = make_launch(
-            _make_enter(field.kind, field.dtype),
-            len(slots),
-            {"slots": "layer.slots", "layer": of_layer, "field": name},
+        plan.between_steps[name.replace("particle.", "enter.")] = plan.launch(
+            _make_enter(field.kind, field.dtype), len(slots), layer=of_layer, field=name
         )
 
 
@@ -136,9 +134,9 @@ def _make_enter(kind: str, dtype: Any) -> Any:
 
     @wp.kernel(module=f"mpm_warp.enter.{kind}.{scalar}", enable_backward=False)
     def enter(
-        slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
+        layer_slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
     ):
         k = wp.tid()
-        field[slots[k]] = layer[k]
+        field[layer_slots[k]] = layer[k]
 
     return enter

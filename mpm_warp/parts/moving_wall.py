@@ -61,15 +61,11 @@ class MovingWall:
         grid = setting.grid
         motion = np.zeros((grid.row_count + 1, 3))
         motion[:, 2] = grid.surface_radius
+        plan.add_array("wall.motion", "vec3", motion)
+        plan.add_array("wall.outward", "vec2", grid.surface_normals)
+        plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
         plan.add_launch(
-            _make_push(plan.precision),
-            grid.row_count + 1,
-            column_count=grid.column_count,
-            wall_motion=plan.add_array("wall.motion", "vec3", motion),
-            outward=plan.add_array("wall.outward", "vec2", grid.surface_normals),
-            mass="node.mass",
-            velocities="node.velocities",
-            impulse=plan.add_zeros("wall.impulse", "real", grid.row_count + 1),
+            _make_push(plan.precision), grid.row_count + 1, column_count=grid.column_count
         )
 
     def add_motion(self, plan: Plan, setting: Setting) -> None:
@@ -78,24 +74,14 @@ class MovingWall:
         plan.add_launch(
             _make_move_wall(plan.precision),
             grid.row_count + 1,
-            time_step=plan.time_step,
             speed=self.speed,
             ramp_time=self.ramp_time,
-            motion="wall.motion",
-            rows="grid.rows",
         )
-        geometry: dict[str, Any] = {
-            "columns": "grid.columns",
-            "rows": "grid.rows",
-            "outer_radius": grid.outer_radius,
-            "column_count": grid.column_count,
-            "integrals": "cell.integrals",
-            "volume": "cell.volume",
-        }
+        geometry = {"outer_radius": grid.outer_radius, "column_count": grid.column_count}
         if isinstance(grid, PolarGrid):
             angular, caps = grid.angular_integrals
-            geometry["angular"] = plan.add_array("wall.angular", "vec5", angular)
-            geometry["caps"] = plan.add_array("wall.caps", "real", caps)
+            plan.add_array("wall.angular", "vec5", angular)
+            plan.add_array("wall.caps", "real", caps)
             plan.add_launch(_make_refit_sectors(plan.precision), grid.cell_count, **geometry)
         else:
             plan.add_launch(_make_refit_cells(plan.precision), grid.cell_count, **geometry)
@@ -125,16 +111,16 @@ def _make_move_wall(precision: Precision) -> Any:
         time_step: real,
         speed: real,
         ramp_time: real,
-        motion: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
+        wall_motion: wp.array(dtype=vec3),
+        grid_rows: wp.array(dtype=vec5),
     ):
         j = wp.tid()
-        before = motion[j]
+        before = wall_motion[j]
         time = before[0] + time_step
         radius = before[2] + time_step * before[1]
-        motion[j] = vec3(time, speed * wp.min(time / ramp_time, real(1.0)), radius)
-        row = rows[j]
-        rows[j] = vec5(row[0], row[1], row[2], radius, row[4])
+        wall_motion[j] = vec3(time, speed * wp.min(time / ramp_time, real(1.0)), radius)
+        row = grid_rows[j]
+        grid_rows[j] = vec5(row[0], row[1], row[2], radius, row[4])
 
     return move_wall
 
@@ -149,27 +135,27 @@ def _make_refit_cells(precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.refit_cells.{precision.numpy_name}", enable_backward=False)
     def refit_cells(
         offset: int,
-        columns: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
+        grid_columns: wp.array(dtype=vec3),
+        grid_rows: wp.array(dtype=vec5),
         outer_radius: real,
         column_count: int,
-        integrals: wp.array2d(dtype=vec3),
-        volume: wp.array(dtype=real),
+        cell_integrals: wp.array2d(dtype=vec3),
+        cell_volume: wp.array(dtype=real),
     ):
         c = offset + wp.tid()
-        column = columns[c % column_count]
-        row = rows[c / column_count]
+        column = grid_columns[c % column_count]
+        row = grid_rows[c / column_count]
         a = row[3] + (outer_radius - row[3]) * column[0]
         w = (outer_radius - row[3]) * column[1]
         h = row[1]
         across = half * (a + half * w) * h
         inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
         hoop = quarter * w * h
-        integrals[c, 0] = vec3(-across, -inner, hoop)
-        integrals[c, 1] = vec3(across, -outer, hoop)
-        integrals[c, 2] = vec3(-across, inner, hoop)
-        integrals[c, 3] = vec3(across, outer, hoop)
-        volume[c] = (a + half * w) * w * h
+        cell_integrals[c, 0] = vec3(-across, -inner, hoop)
+        cell_integrals[c, 1] = vec3(across, -outer, hoop)
+        cell_integrals[c, 2] = vec3(-across, inner, hoop)
+        cell_integrals[c, 3] = vec3(across, outer, hoop)
+        cell_volume[c] = (a + half * w) * w * h
 
     return refit_cells
 
@@ -191,28 +177,28 @@ def _make_refit_sectors(precision: Precision) -> Any:
     @wp.kernel(module=f"mpm_warp.refit_sectors.{precision.numpy_name}", enable_backward=False)
     def refit_sectors(
         offset: int,
-        columns: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
+        grid_columns: wp.array(dtype=vec3),
+        grid_rows: wp.array(dtype=vec5),
         outer_radius: real,
         column_count: int,
-        angular: wp.array2d(dtype=vec5),
-        caps: wp.array(dtype=real),
-        integrals: wp.array2d(dtype=vec3),
-        volume: wp.array(dtype=real),
+        wall_angular: wp.array2d(dtype=vec5),
+        wall_caps: wp.array(dtype=real),
+        cell_integrals: wp.array2d(dtype=vec3),
+        cell_volume: wp.array(dtype=real),
     ):
         c = offset + wp.tid()
         j = c / column_count
-        column = columns[c % column_count]
-        row = rows[j]
+        column = grid_columns[c % column_count]
+        row = grid_rows[j]
         a = row[3] + (outer_radius - row[3]) * column[0]
         w = (outer_radius - row[3]) * column[1]
         P = a * a + a * w + third * w * w
         inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
-        integrals[c, 0] = part(-P, inner, angular[j, 0])
-        integrals[c, 1] = part(P, outer, angular[j, 0])
-        integrals[c, 2] = part(-P, inner, angular[j, 1])
-        integrals[c, 3] = part(P, outer, angular[j, 1])
-        volume[c] = P * w * caps[j]
+        cell_integrals[c, 0] = part(-P, inner, wall_angular[j, 0])
+        cell_integrals[c, 1] = part(P, outer, wall_angular[j, 0])
+        cell_integrals[c, 2] = part(-P, inner, wall_angular[j, 1])
+        cell_integrals[c, 3] = part(P, outer, wall_angular[j, 1])
+        cell_volume[c] = P * w * wall_caps[j]
 
     return refit_sectors
 
@@ -229,17 +215,17 @@ def _make_push(precision: Precision) -> Any:
     def push(
         column_count: int,
         wall_motion: wp.array(dtype=vec3),
-        outward: wp.array(dtype=vec2),
-        mass: wp.array(dtype=real),
-        velocities: wp.array(dtype=vec4),
-        impulse: wp.array(dtype=real),
+        wall_outward: wp.array(dtype=vec2),
+        node_mass: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
+        wall_impulse: wp.array(dtype=real),
     ):
         j = wp.tid()
         node = j * (column_count + 1)
-        v = velocities[node]
-        n = outward[j]
+        v = node_velocities[node]
+        n = wall_outward[j]
         change = wall_motion[j][1] - (v[0] * n[0] + v[1] * n[1])
-        impulse[j] += mass[node] * change
-        velocities[node] = vec4(v[0] + change * n[0], v[1] + change * n[1], v[2], v[3])
+        wall_impulse[j] += node_mass[node] * change
+        node_velocities[node] = vec4(v[0] + change * n[0], v[1] + change * n[1], v[2], v[3])
 
     return push

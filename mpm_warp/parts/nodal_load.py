@@ -26,15 +26,9 @@ class NodalLoad:
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the loaded nodes."""
-        plan.add_launch(
-            _make_nodal_load(plan.precision),
-            len(self.nodes),
-            nodes=plan.add_array("load.nodes", "int", self.nodes),
-            forces=plan.add_array("load.forces", "vec2", self.forces),
-            mass="node.mass",
-            time_step=plan.time_step,
-            velocities="node.velocities",
-        )
+        plan.add_array("load.nodes", "int", self.nodes)
+        plan.add_array("load.forces", "vec2", self.forces)
+        plan.add_launch(_make_nodal_load(plan.precision), len(self.nodes))
 
 
 @functools.cache
@@ -44,17 +38,17 @@ def _make_nodal_load(precision: Precision) -> Any:
 
     @wp.kernel(module=f"mpm_warp.nodal_load.{precision.numpy_name}", enable_backward=False)
     def nodal_load(
-        nodes: wp.array(dtype=int),
-        forces: wp.array(dtype=vec2),
-        mass: wp.array(dtype=real),
+        load_nodes: wp.array(dtype=int),
+        load_forces: wp.array(dtype=vec2),
+        node_mass: wp.array(dtype=real),
         time_step: real,
-        velocities: wp.array(dtype=vec4),
+        node_velocities: wp.array(dtype=vec4),
     ):
         k = wp.tid()
-        node = nodes[k]
-        if mass[node] <= zero:
+        node = load_nodes[k]
+        if node_mass[node] <= zero:
             return
-        change = (time_step / mass[node]) * forces[k]
-        velocities[node] += vec4(change[0], change[1], zero, zero)
+        change = (time_step / node_mass[node]) * load_forces[k]
+        node_velocities[node] += vec4(change[0], change[1], zero, zero)
 
     return nodal_load

@@ -102,13 +102,11 @@ class Window:
         plan.add_launch(
             _make_advance_window(approach is not None),
             1,
-            time_step=plan.time_step,
             speed=self.first_speed,
             ramp_time=self.ramp_time,
             final_speed=self.speed,
             approach_travel=0.0 if approach is None else approach.travel,
             slowing_travel=0.0 if approach is None else approach.slowing_travel,
-            window="window.motion",
         )
 
 
@@ -130,15 +128,15 @@ def _make_advance_window(hurried: bool) -> Any:
         final_speed: wp.float64,
         approach_travel: wp.float64,
         slowing_travel: wp.float64,
-        window: wp.array(dtype=wp.float64),
+        window_motion: wp.array(dtype=wp.float64),
     ):
-        window[2] += time_step * window[1]
-        window[0] += time_step
-        risen = speed * wp.min(window[0] / ramp_time, one)
+        window_motion[2] += time_step * window_motion[1]
+        window_motion[0] += time_step
+        risen = speed * wp.min(window_motion[0] / ramp_time, one)
         if wp.static(hurried):
-            left = wp.clamp((approach_travel - window[2]) / slowing_travel, zero, one)
-            window[1] = wp.min(risen, final_speed + left * (speed - final_speed))
+            left = wp.clamp((approach_travel - window_motion[2]) / slowing_travel, zero, one)
+            window_motion[1] = wp.min(risen, final_speed + left * (speed - final_speed))
         else:
-            window[1] = risen
+            window_motion[1] = risen
 
     return advance_window

@@ -110,27 +110,3 @@ class Launch:
             return arrays[item] if isinstance(item, str) else item
 
         return self.dim, [on_device(item) for item in self.arguments]
-
-
-def make_launch(kernel: Any, over: int | tuple[int, ...], arguments: Mapping[str, Any]) -> Launch:
-    """A launch whose arguments are given by the names that they have in the kernel.
-
-    Args:
-        kernel: a kernel of Warp. One with a parameter `offset` is given `OFFSET` for it.
-        over: threads along each axis.
-        arguments: by name; a text names an array of the plan, None is an array of nothing.
-
-    Raises:
-        TypeError: an argument is missing, or the kernel has none of that name.
-    """
-    names = list(kernel.func.__annotations__)
-    given = {**({"offset": OFFSET} if "offset" in names else {}), **arguments}
-    missing = [name for name in names if name not in given]
-    unknown = [name for name in given if name not in names]
-    if missing or unknown:
-        raise TypeError(
-            f"kernel {kernel.key}: arguments missing: {missing}, unknown: {unknown}; it takes "
-            f"{', '.join(names)}"
-        )
-    dim = over if isinstance(over, tuple) else (over,)
-    return Launch(kernel=kernel, dim=dim, arguments=tuple(given[name] for name in names))

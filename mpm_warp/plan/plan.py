@@ -13,7 +13,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.plan.launch import Launch, make_launch
+from mpm_warp.plan.launch import OFFSET, Launch
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import Precision
 
@@ -120,9 +120,36 @@ class Plan:
         """The name of an array that a part may have added; None where it has not."""
         return name if name in self.arrays else None
 
+    def launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> Launch:
+        """A launch; its arguments go by the names that they have in the kernel.
+
+        What is not given is the array of the same name, `node_mass` being "node.mass", the length
+        of a step for `time_step`, and `OFFSET` for `offset`.
+
+        Args:
+            kernel: a kernel of Warp.
+            over: threads along each axis.
+            arguments: by name; a text names an array, None is an array of nothing.
+
+        Raises:
+            TypeError: an argument is missing, or the kernel has none of that name.
+        """
+        names = list(kernel.func.__annotations__)
+        known: dict[str, Any] = {name.replace(".", "_"): name for name in self.arrays}
+        known |= {"offset": OFFSET, "time_step": self.time_step, **arguments}
+        missing = [name for name in names if name not in known]
+        unknown = [name for name in arguments if name not in names]
+        if missing or unknown:
+            raise TypeError(
+                f"kernel {kernel.key}: arguments missing: {missing}, unknown: {unknown}; it takes "
+                f"{', '.join(names)}"
+            )
+        dim = over if isinstance(over, tuple) else (over,)
+        return Launch(kernel=kernel, dim=dim, arguments=tuple(known[name] for name in names))
+
     def add_launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> None:
-        """Add a launch to the end of the step; its arguments have the kernel's names for them."""
-        self.step.append(make_launch(kernel, over, arguments))
+        """Add a launch to the end of the step; what is given and what not is said in `launch`."""
+        self.step.append(self.launch(kernel, over, **arguments))
 
     def position_after(self, name: str) -> int:
         """Position in the step after the launch of that name."""

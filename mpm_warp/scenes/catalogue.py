@@ -149,7 +149,6 @@ def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]
     layout = "{desc} {percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
     with tqdm(desc=name, total=1.0, disable=not progress, bar_format=layout) as bar:
 
-
         def show(fraction: float) -> None:
             bar.update(fraction - bar.n)
 

@@ -50,19 +50,14 @@ def add_cell_rates(
     plan.add_launch(
         _make_cell_rates(viscous is not None, corrected is not None, internal_flow, plan.precision),
         grid.cell_count,
-        velocities="node.velocities",
-        integrals="cell.integrals",
-        volume="cell.volume",
         column_count=grid.column_count,
-        time_step=plan.time_step,
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
-        dilation_rate=viscous,
+        cell_dilation_rate=viscous,
         correction_weight=weight,
-        correction=corrected,
-        stress_increment="cell.stress_increment",
-        interpolation_weights=plan.find("cell.interpolation_weights"),
-        cell_flow=plan.find("cell.internal_flow"),
+        cell_correction=corrected,
+        cell_interpolation_weights=plan.find("cell.interpolation_weights"),
+        cell_internal_flow=plan.find("cell.internal_flow"),
     )
 
 
@@ -89,39 +84,39 @@ def _make_cell_rates(
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(
         offset: int,
-        velocities: wp.array(dtype=vec4),
-        integrals: wp.array2d(dtype=vec3),
-        volume: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
+        cell_integrals: wp.array2d(dtype=vec3),
+        cell_volume: wp.array(dtype=real),
         column_count: int,
         time_step: real,
         shear_modulus: real,
         bulk_modulus: real,
-        dilation_rate: wp.array(dtype=real),
+        cell_dilation_rate: wp.array(dtype=real),
         correction_weight: real,
-        correction: wp.array(dtype=vec4),
-        stress_increment: wp.array(dtype=vec7),
-        interpolation_weights: wp.array(dtype=vec10),
-        cell_flow: wp.array(dtype=vec4),
+        cell_correction: wp.array(dtype=vec4),
+        cell_stress_increment: wp.array(dtype=vec7),
+        cell_interpolation_weights: wp.array(dtype=vec10),
+        cell_internal_flow: wp.array(dtype=vec4),
     ):
         c = offset + wp.tid()
         node = c + c / column_count
         upper = node + column_count + 1
-        v_00, v_10 = velocities[node], velocities[node + 1]
-        v_01, v_11 = velocities[upper], velocities[upper + 1]
-        L = (one / volume[c]) * (
-            rates(v_00, integrals[c, 0])
-            + rates(v_10, integrals[c, 1])
-            + rates(v_01, integrals[c, 2])
-            + rates(v_11, integrals[c, 3])
+        v_00, v_10 = node_velocities[node], node_velocities[node + 1]
+        v_01, v_11 = node_velocities[upper], node_velocities[upper + 1]
+        L = (one / cell_volume[c]) * (
+            rates(v_00, cell_integrals[c, 0])
+            + rates(v_10, cell_integrals[c, 1])
+            + rates(v_01, cell_integrals[c, 2])
+            + rates(v_11, cell_integrals[c, 3])
         )
         if wp.static(viscous):
-            dilation_rate[c] = L[0] + L[3] + L[4]
+            cell_dilation_rate[c] = L[0] + L[3] + L[4]
         if wp.static(corrected):
-            weight = correction_weight * volume[c]
-            correction[c] = correction_of_cell(v_00, v_10, v_01, v_11, weight)
-        stress_increment[c] = stress_increment_of(L, time_step, shear_modulus, bulk_modulus)
+            weight = correction_weight * cell_volume[c]
+            cell_correction[c] = correction_of_cell(v_00, v_10, v_01, v_11, weight)
+        cell_stress_increment[c] = stress_increment_of(L, time_step, shear_modulus, bulk_modulus)
         if wp.static(interpolated):
-            flow = internal_flow(v_00, v_10, v_01, v_11, interpolation_weights[c])
-            cell_flow[c] = time_step * flow
+            flow = internal_flow(v_00, v_10, v_01, v_11, cell_interpolation_weights[c])
+            cell_internal_flow[c] = time_step * flow
 
     return cell_rates

@@ -42,12 +42,9 @@ def add_cell_stress(
             plan.share_count, bulk_viscosity is not None, free_surface, plan.precision
         ),
         grid.cell_count,
-        stress_sum="cell.stress_sum",
-        mass="cell.mass",
-        dilation_rate=plan.find("cell.dilation_rate"),
-        viscosity=plan.find("cell.viscosity"),
-        full_mass=plan.find("cell.full_mass"),
-        stress="cell.stress",
+        cell_dilation_rate=plan.find("cell.dilation_rate"),
+        cell_viscosity=plan.find("cell.viscosity"),
+        cell_full_mass=plan.find("cell.full_mass"),
     )
 
 
@@ -65,34 +62,34 @@ def _make_cell_stress(
     @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
     def cell_stress(
         offset: int,
-        stress_sum: wp.array2d(dtype=vec4),
-        mass: wp.array2d(dtype=real),
-        dilation_rate: wp.array(dtype=real),
-        viscosity: wp.array(dtype=real),
-        full_mass: wp.array(dtype=real),
-        stress: wp.array(dtype=vec4),
+        cell_stress_sum: wp.array2d(dtype=vec4),
+        cell_mass: wp.array2d(dtype=real),
+        cell_dilation_rate: wp.array(dtype=real),
+        cell_viscosity: wp.array(dtype=real),
+        cell_full_mass: wp.array(dtype=real),
+        cell_stress: wp.array(dtype=vec4),
     ):
         c = offset + wp.tid()
         sums, m = vec4(), real(0.0)
         for share in range(wp.static(share_count)):
-            part = mass[share, c]
+            part = cell_mass[share, c]
             if part != zero:
-                sums += stress_sum[share, c]
+                sums += cell_stress_sum[share, c]
                 m += part
-                stress_sum[share, c] = vec4()
-                mass[share, c] = zero
+                cell_stress_sum[share, c] = vec4()
+                cell_mass[share, c] = zero
         mean = (one / m) * sums
         total = mean[0] + mean[1] + mean[2] + mean[3]
         # A cell that is empty for a moment keeps the stress it had: soil is all around it. So does
         # one whose soil is not finite, until the watch finds the particle.
         if total - total == zero:
             if wp.static(viscous):
-                q = viscosity[c] * dilation_rate[c]
+                q = cell_viscosity[c] * cell_dilation_rate[c]
                 mean += vec4(q, q, zero, q)
             if wp.static(free_surface):
-                mean *= wp.min(m / full_mass[c], one)
-            stress[c] = mean
+                mean *= wp.min(m / cell_full_mass[c], one)
+            cell_stress[c] = mean
         elif wp.static(free_surface):
-            stress[c] = vec4()
+            cell_stress[c] = vec4()
 
     return cell_stress

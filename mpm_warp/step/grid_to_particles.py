@@ -16,7 +16,7 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
-from mpm_warp.materials.elasticity import make_elastic_trial, make_strain_increment
+from mpm_warp.materials.elasticity import make_stress_update
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -47,22 +47,13 @@ def add_grid_to_particles(
             grid.polar, law, flow_displacement, window_top is not None, plan.precision
         ),
         plan.arrays["particle.mass"].shape,
-        velocities="node.velocities",
-        stress_increment="cell.stress_increment",
-        cell_flow=plan.find("cell.internal_flow"),
-        columns="grid.columns",
-        rows="grid.rows",
+        cell_internal_flow=plan.find("cell.internal_flow"),
         outer_radius=grid.outer_radius,
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
-        time_step=plan.time_step,
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
         properties=law.properties_type(*material.properties),
-        position="particle.position",
-        velocity="particle.velocity",
-        stress="particle.stress",
-        state=plan.find("particle.state"),
-        particle_cell="particle.cell",
+        particle_state=plan.find("particle.state"),
         window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
     )
@@ -77,11 +68,7 @@ def _make_grid_to_particles(
     vec5, vec7 = precision.vec5, precision.vec7
     location = make_location(polar, precision)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
-    elastic_trial, strain_increment = (
-        make_elastic_trial(precision),
-        make_strain_increment(precision),
-    )
-    update, remembers = law.update, law.remembers
+    stress_update, remembers = make_stress_update(law, precision), law.remembers
     properties_type, state_type = law.properties_type, law.state_type
     interpolated = flow_displacement is not None
     flow = flow_displacement.key if flow_displacement is not None else "bilinear"
@@ -91,21 +78,21 @@ def _make_grid_to_particles(
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
         offset: int,
-        velocities: wp.array(dtype=vec4),
-        stress_increment: wp.array(dtype=vec7),
-        cell_flow: wp.array(dtype=vec4),
-        columns: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
+        node_velocities: wp.array(dtype=vec4),
+        cell_stress_increment: wp.array(dtype=vec7),
+        cell_internal_flow: wp.array(dtype=vec4),
+        grid_columns: wp.array(dtype=vec3),
+        grid_rows: wp.array(dtype=vec5),
         outer_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
         shear_modulus: real,
         bulk_modulus: real,
         properties: properties_type,
-        position: wp.array(dtype=vec2),
-        velocity: wp.array(dtype=vec2),
-        stress: wp.array(dtype=vec4),
-        state: wp.array(dtype=state_type),
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
         particle_cell: wp.array(dtype=wp.vec2i),
         window_motion: wp.array(dtype=wp.float64),
         top: real,
@@ -116,46 +103,51 @@ def _make_grid_to_particles(
         if wp.static(travelling):
             if i < 0:
                 return
-        x = position[p]
-        where = natural(x, columns[i], rows[j], outer_radius)
+        x = particle_position[p]
+        where = natural(x, grid_columns[i], grid_rows[j], outer_radius)
         xi, eta = where[0], where[1]
 
         node = j * (cell_counts[0] + 1) + i
         upper = node + cell_counts[0] + 1
-        lower_left, lower_right = velocities[node], velocities[node + 1]
-        upper_left, upper_right = velocities[upper], velocities[upper + 1]
+        lower_left, lower_right = node_velocities[node], node_velocities[node + 1]
+        upper_left, upper_right = node_velocities[upper], node_velocities[upper + 1]
         # (v, u) at the particle: v the velocity after the step, u before it.
         left = lower_left + eta * (upper_left - lower_left)
         right = lower_right + eta * (upper_right - lower_right)
         here = left + xi * (right - left)
         v = vec2(here[0], here[1])
         u = vec2(here[2], here[3])
-        velocity[p] += v - u
+        particle_velocity[p] += v - u
 
         c = j * cell_counts[0] + i
-        increment = stress_increment[c]
-        trial = elastic_trial(stress[p], increment)
-        strain = strain_increment(increment, shear_modulus, bulk_modulus)
         remembered = state_type()
         if wp.static(remembers):
-            remembered = state[p]
-        sigma, remembered = update(trial, strain, time_step, properties, remembered)
-        stress[p] = sigma
+            remembered = particle_state[p]
+        sigma, remembered = stress_update(
+            particle_stress[p],
+            cell_stress_increment[c],
+            shear_modulus,
+            bulk_modulus,
+            time_step,
+            properties,
+            remembered,
+        )
+        particle_stress[p] = sigma
         if wp.static(remembers):
-            state[p] = remembered
+            particle_state[p] = remembered
 
         x += time_step * v
         if wp.static(interpolated):
-            x += flow_displacement(cell_flow[c], xi, eta)
+            x += flow_displacement(cell_internal_flow[c], xi, eta)
         if wp.static(travelling):
             x += vec2(real(0.0), time_step * real(window_motion[1]))
             if x[1] >= top:
                 particle_cell[p] = wp.vec2i(-1, -1)
                 return
-        cell = settle(x, cell, columns, rows, outer_radius, cell_counts)
+        cell = settle(x, cell, grid_columns, grid_rows, outer_radius, cell_counts)
         particle_cell[p] = cell
         if cell[0] == 0:  # the column along the surface
-            x = outside_surface(x, rows[cell[1]])
-        position[p] = x
+            x = outside_surface(x, grid_rows[cell[1]])
+        particle_position[p] = x
 
     return grid_to_particles

@@ -40,17 +40,10 @@ def add_momentum(plan: Plan, grid: Grid, material: Material, *, corrected: bool)
     plan.add_launch(
         _make_momentum(plan.share_count, corrected, plan.precision),
         (grid.row_count + 1, grid.column_count + 1),
-        momenta="node.momentum",
-        stress="cell.stress",
-        integrals="cell.integrals",
         column_count=grid.column_count,
         row_count=grid.row_count,
-        time_step=plan.time_step,
-        least_mass="node.least_mass",
         absurd_speed=ABSURD_SPEED * plan.speed_limit,
-        correction=plan.find("cell.correction"),
-        mass="node.mass",
-        velocities="node.velocities",
+        cell_correction=plan.find("cell.correction"),
     )
 
 
@@ -76,54 +69,54 @@ def _make_momentum(share_count: int, corrected: bool, precision: Precision) -> A
     @wp.kernel(module=f"mpm_warp.momentum.{key}", enable_backward=False)
     def momentum(
         offset: int,
-        momenta: wp.array2d(dtype=vec4),
-        stress: wp.array(dtype=vec4),
-        integrals: wp.array2d(dtype=vec3),
+        node_momentum: wp.array2d(dtype=vec4),
+        cell_stress: wp.array(dtype=vec4),
+        cell_integrals: wp.array2d(dtype=vec3),
         column_count: int,
         row_count: int,
         time_step: real,
-        least_mass: wp.array(dtype=real),
+        node_least_mass: wp.array(dtype=real),
         absurd_speed: real,
-        correction: wp.array(dtype=vec4),
-        mass: wp.array(dtype=real),
-        velocities: wp.array(dtype=vec4),
+        cell_correction: wp.array(dtype=vec4),
+        node_mass: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
     ):
         row, i = wp.tid()
         j = offset + row
         node = j * (column_count + 1) + i
         sums = vec4()
         for share in range(wp.static(share_count)):
-            part = momenta[share, node]
+            part = node_momentum[share, node]
             if part[0] != zero:
                 sums += part
-                momenta[share, node] = vec4()
+                node_momentum[share, node] = vec4()
         m = sums[0]
-        mass[node] = m
+        node_mass[node] = m
         if m <= zero:
-            velocities[node] = vec4()
+            node_velocities[node] = vec4()
             return
         force = vec2()
         cell = j * column_count + i
         if j < row_count:
             if i < column_count:
-                force -= pull(stress[cell], integrals[cell, 0])
+                force -= pull(cell_stress[cell], cell_integrals[cell, 0])
             if i > 0:
-                force -= pull(stress[cell - 1], integrals[cell - 1, 1])
+                force -= pull(cell_stress[cell - 1], cell_integrals[cell - 1, 1])
         if j > 0:
             cell -= column_count
             if i < column_count:
-                force -= pull(stress[cell], integrals[cell, 2])
+                force -= pull(cell_stress[cell], cell_integrals[cell, 2])
             if i > 0:
-                force -= pull(stress[cell - 1], integrals[cell - 1, 3])
+                force -= pull(cell_stress[cell - 1], cell_integrals[cell - 1, 3])
         before = (one / m) * vec2(sums[1], sums[2])
         if wp.static(corrected):
-            given_back = correction_at_node(correction, i, j, column_count, row_count)
-            before += (half / wp.max(half * m, least_mass[node])) * given_back
+            given_back = correction_at_node(cell_correction, i, j, column_count, row_count)
+            before += (half / wp.max(half * m, node_least_mass[node])) * given_back
         if not wp.dot(before, before) < absurd_speed * absurd_speed:
             # The particle that gave it such a velocity is left alone until the watch finds it.
-            velocities[node] = vec4()
+            node_velocities[node] = vec4()
             return
-        after = before + (time_step / wp.max(m, least_mass[node])) * force
-        velocities[node] = vec4(after[0], after[1], before[0], before[1])
+        after = before + (time_step / wp.max(m, node_least_mass[node])) * force
+        node_velocities[node] = vec4(after[0], after[1], before[0], before[1])
 
     return momentum

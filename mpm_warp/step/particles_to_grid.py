@@ -35,13 +35,6 @@ def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> N
     plan.add_launch(
         _make_particles_to_grid(grid.polar, has_empty_slots, plan.precision),
         plan.arrays["particle.mass"].shape,
-        position="particle.position",
-        velocity="particle.velocity",
-        stress="particle.stress",
-        mass="particle.mass",
-        particle_cell="particle.cell",
-        columns="grid.columns",
-        rows="grid.rows",
         outer_radius=grid.outer_radius,
         column_count=grid.column_count,
         node_momentum=ShareRow("node.momentum"),
@@ -69,13 +62,13 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Preci
     @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
     def particles_to_grid(
         offset: int,
-        position: wp.array(dtype=vec2),
-        velocity: wp.array(dtype=vec2),
-        stress: wp.array(dtype=vec4),
-        mass: wp.array(dtype=real),
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_stress: wp.array(dtype=vec4),
+        particle_mass: wp.array(dtype=real),
         particle_cell: wp.array(dtype=wp.vec2i),
-        columns: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
+        grid_columns: wp.array(dtype=vec3),
+        grid_rows: wp.array(dtype=vec5),
         outer_radius: real,
         column_count: int,
         node_momentum: wp.array(dtype=vec4),
@@ -88,15 +81,15 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Preci
         if wp.static(has_empty_slots):
             if i < 0:
                 return
-        where = natural(position[p], columns[i], rows[j], outer_radius)
+        where = natural(particle_position[p], grid_columns[i], grid_rows[j], outer_radius)
         xi, eta = where[0], where[1]
-        m = mass[p]
+        m = particle_mass[p]
 
         c = j * column_count + i
-        wp.atomic_add(cell_stress_sum, c, m * stress[p])
+        wp.atomic_add(cell_stress_sum, c, m * particle_stress[p])
         wp.atomic_add(cell_mass, c, m)
 
-        v = velocity[p]
+        v = particle_velocity[p]
         node = j * (column_count + 1) + i
         upper = node + column_count + 1
         wp.atomic_add(node_momentum, node, share((one - xi) * (one - eta) * m, v))

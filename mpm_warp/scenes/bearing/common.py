@@ -123,9 +123,7 @@ class Bearing(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Press the body into the ground, and hold the limit of its load against the exact one."""
         scene = simulation.scene
-        sampler = LoadSampler(
-            simulation, length=RADIUS, load=lambda nodal: self.load(scene, nodal)
-        )
+        sampler = LoadSampler(simulation, length=RADIUS, load=lambda nodal: self.load(scene, nodal))
         steps = sampler.steps(self.displacement / self.rigidity_index * RADIUS, SAMPLE_COUNT)
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
         return recorded.assign(sampler.curve.limit_beside(self.exact_load, self.exact_source))
