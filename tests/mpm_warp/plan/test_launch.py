@@ -1,10 +1,10 @@
-"""A launch: its arguments by their names, and the shares that it is split into."""
+"""A launch, and the shares that it is split into."""
 
 import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.plan.launch import OFFSET, WORTH_SHARING, ShareRow, make_launch, share_bounds
+from mpm_warp.plan.launch import OFFSET, WORTH_SHARING, Launch, ShareRow, share_bounds
 
 
 @wp.kernel(enable_backward=False)
@@ -23,33 +23,11 @@ def clear(values: wp.array(dtype=wp.float64)):
     values[wp.tid()] = wp.float64(0.0)
 
 
-def test_arguments_are_given_by_name_in_any_order() -> None:
-    launch = make_launch(scale, 10, {"values": "cell.volume", "factor": 3.0})
-    assert launch.arguments == (OFFSET, 3.0, "cell.volume")
-    assert launch.dim == (10,)
+def test_a_launch_has_the_name_of_its_kernel_and_knows_its_arrays() -> None:
+    launch = Launch(kernel=scale, dim=(10,), arguments=(OFFSET, 3.0, "cell.volume"))
     assert launch.name == "scale"
     assert launch.arrays == ("cell.volume",)
-    assert make_launch(clear, (2, 3), {"values": None}).dim == (2, 3)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "missing", "unknown"),
-    [
-        ({"values": "cell.volume"}, ["factor"], []),
-        ({"values": "cell.volume", "factor": 3.0, "power": 2.0}, [], ["power"]),
-        ({"value": "cell.volume", "factor": 3.0}, ["values"], ["value"]),
-        ({}, ["factor", "values"], []),
-    ],
-)
-def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_takes(
-    arguments: dict[str, object], missing: list[str], unknown: list[str]
-) -> None:
-    with pytest.raises(TypeError) as refused:
-        make_launch(scale, 10, arguments)
-    message = str(refused.value)
-    assert f"arguments missing: {missing}, unknown: {unknown};" in message
-    assert message.endswith("it takes offset, factor, values")
-    assert scale.key in message
+    assert launch.item_count == 10
 
 
 @pytest.mark.parametrize(("length", "count"), [(10, 4), (3, 4), (0, 4), (1001, 1), (7, 7)])
@@ -62,8 +40,8 @@ def test_shares_make_up_the_whole_and_are_as_even_as_can_be(length: int, count: 
 
 
 def test_a_share_begins_where_the_one_before_it_ends_and_has_a_row_of_its_own() -> None:
-    launch = make_launch(
-        add_up, (10, 3), {"values": "cell.volume", "total": ShareRow("cell.total")}
+    launch = Launch(
+        kernel=add_up, dim=(10, 3), arguments=(OFFSET, "cell.volume", ShareRow("cell.total"))
     )
     shares = [launch.share(number, 4) for number in range(4)]
     assert [share.arguments[0] for share in shares] == [0, 2, 5, 7]
@@ -76,7 +54,7 @@ def test_a_share_begins_where_the_one_before_it_ends_and_has_a_row_of_its_own() 
 
 def test_a_share_is_called_with_its_row_of_an_array() -> None:
     values, total = np.arange(10.0), np.zeros((4, 1))
-    launch = make_launch(add_up, 10, {"values": "values", "total": ShareRow("total")})
+    launch = Launch(kernel=add_up, dim=(10,), arguments=(OFFSET, "values", ShareRow("total")))
     arrays = {
         "values": wp.array(values, dtype=wp.float64, device="cpu"),
         "total": wp.array(total, dtype=wp.float64, device="cpu"),
@@ -90,11 +68,11 @@ def test_a_share_is_called_with_its_row_of_an_array() -> None:
 
 def test_only_launches_worth_it_are_shared_and_all_that_add_up() -> None:
     def scaled(count: int) -> bool:
-        return make_launch(scale, count, {"factor": 1.0, "values": "values"}).is_shared
+        return Launch(kernel=scale, dim=(count,), arguments=(OFFSET, 1.0, "values")).is_shared
 
     assert scaled(WORTH_SHARING)
     assert not scaled(WORTH_SHARING - 1)
-    assert not make_launch(clear, 10 * WORTH_SHARING, {"values": "values"}).is_shared
-    adding = make_launch(add_up, 10, {"values": "values", "total": ShareRow("total")})
+    assert not Launch(kernel=clear, dim=(10 * WORTH_SHARING,), arguments=("values",)).is_shared
+    adding = Launch(kernel=add_up, dim=(10,), arguments=(OFFSET, "values", ShareRow("total")))
     assert adding.is_shared
     assert adding.adds_up

@@ -4,19 +4,20 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.plan.launch import make_launch
+from mpm_warp.plan.launch import OFFSET
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import PRECISIONS
 
 
 @wp.kernel(enable_backward=False)
-def first(offset: int, values: wp.array(dtype=wp.float64)):
-    values[offset + wp.tid()] = wp.float64(1.0)
+def scale(offset: int, time_step: float, factor: float, cell_volume: wp.array(dtype=float)):
+    k = offset + wp.tid()
+    cell_volume[k] = time_step * factor * cell_volume[k]
 
 
 @wp.kernel(enable_backward=False)
-def second(values: wp.array(dtype=wp.float64)):
-    values[wp.tid()] = wp.float64(2.0)
+def clear(values: wp.array(dtype=float)):
+    values[wp.tid()] = 0.0
 
 
 @pytest.fixture(params=PRECISIONS)
@@ -71,22 +72,57 @@ def test_only_arrays_that_were_added_are_found(plan: Plan) -> None:
     assert plan.arrays["cell.correction"].shape == (4, 3)
 
 
-def test_a_launch_is_added_at_the_end_by_the_names_of_its_arguments(plan: Plan) -> None:
-    values = plan.add_zeros("cell.values", "real", 5)
-    plan.add_launch(second, 5, values=values)
-    plan.add_launch(first, 5, values=values)
-    assert [launch.name for launch in plan.step] == ["second", "first"]
-    assert plan.position_after("second") == 1
-    with pytest.raises(TypeError, match=r"unknown: \['value'\]"):
-        plan.add_launch(first, 5, value=values)
-    assert len(plan.step) == 2
+def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> None:
+    """An array by its own name, the length of a step, and what is given, in any order."""
+    plan.add_zeros("cell.volume", "real", 10)
+    launch = plan.launch(scale, 10, factor=3.0)
+    assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume")
+    assert launch.dim == (10,)
+    assert launch.kernel is scale
+    assert plan.launch(clear, (2, 3), values=None).arguments == (None,)
+    assert plan.launch(clear, (2, 3), values=None).dim == (2, 3)
+
+
+def test_what_is_given_comes_before_what_goes_by_its_name(plan: Plan) -> None:
+    plan.add_zeros("cell.volume", "real", 10)
+    launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
+    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "missing", "unknown"),
+    [
+        ({"cell_volume": "v"}, ["factor"], []),
+        ({"cell_volume": "v", "factor": 3.0, "power": 2.0}, [], ["power"]),
+        ({"volume": "v", "factor": 3.0}, ["cell_volume"], ["volume"]),
+        ({}, ["factor", "cell_volume"], []),
+    ],
+)
+def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_takes(
+    plan: Plan, arguments: dict[str, object], missing: list[str], unknown: list[str]
+) -> None:
+    with pytest.raises(TypeError) as refused:
+        plan.add_launch(scale, 10, **arguments)
+    message = str(refused.value)
+    assert f"arguments missing: {missing}, unknown: {unknown};" in message
+    assert message.endswith("it takes offset, time_step, factor, cell_volume")
+    assert scale.key in message
+    assert plan.step == []
+
+
+def test_launches_are_added_at_the_end_and_found_by_name(plan: Plan) -> None:
+    values = plan.add_zeros("cell.volume", "real", 5)
+    plan.add_launch(clear, 5, values=values)
+    plan.add_launch(scale, 5, factor=2.0)
+    assert [launch.name for launch in plan.step] == ["clear", "scale"]
+    assert plan.position_after("clear") == 1
 
 
 def test_all_launches_are_listed_once(plan: Plan) -> None:
     """Of a step, of what an audited step has besides, and of what the host orders between steps."""
-    values = plan.add_zeros("cell.values", "real", 5)
-    plan.add_launch(first, 5, values=values)
-    audit, between = (make_launch(second, 5, {"values": values}) for _ in range(2))
+    plan.add_zeros("cell.volume", "real", 5)
+    plan.add_launch(scale, 5, factor=2.0)
+    audit, between = (plan.launch(clear, 5, values="cell.volume") for _ in range(2))
     plan.audited_step = [audit, *plan.step]
     plan.between_steps["check"] = between
     assert plan.launches == [*plan.step, audit, between]
