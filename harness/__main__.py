@@ -5,10 +5,10 @@ import sys
 
 
 def main() -> int:
-    """Run the command line; the exit code. See `harness.cli.main`."""
+    """Run the command line; the exit code. See `harness.cli.main.main`."""
     try:
         # Ctrl-C may come while this is imported.
-        from harness.cli import main as run
+        from harness.cli.main import main as run
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
     return run()

@@ -1,1 +1,46 @@
-"""Axisymmetric and plane-strain material point method on NVIDIA Warp kernels."""
+"""Axisymmetric and plane-strain material point method on NVIDIA Warp kernels.
+
+Every name that a script needs can be imported from here: the scenes of the catalogue, and what a
+scene of one's own is made of.
+
+    from mpm_warp import ConePenetration
+
+    result = ConePenetration(rigidity_index=150).run(progress=True)
+
+`import mpm_warp` by itself takes no time. The simulator is imported with the first of its names.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mpm_warp.public_names import *
+else:
+
+    def __getattr__(name: str) -> object:
+        """A public name, and the simulator with it."""
+        missing = f"module {__name__!r} has no attribute {name!r}"
+        # Python asks for names of its own, and for those of modules before it imports them.
+        if name.startswith("_") or find_spec(f"{__name__}.{name}") is not None:
+            raise AttributeError(missing)
+        names = _public_names()
+        if name not in names:
+            nearest = import_module("mpm_warp.parameters").did_you_mean(name, names)
+            raise AttributeError(f"{missing}{nearest}")
+        return names[name]
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return sorted(_public_names())
+
+
+def _public_names() -> dict[str, object]:
+    """Those that are listed, and the scenes of the catalogue, listed or not."""
+    listed = vars(import_module("mpm_warp.public_names"))
+    scenes = import_module("mpm_warp.scenes.discovery").own_scenes()
+    public = {name: value for name, value in listed.items() if not name.startswith("_")}
+    return public | {scene.__name__: scene for scene in scenes.values()}

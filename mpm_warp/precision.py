@@ -1,9 +1,35 @@
 """The floating point types of a run, chosen once and captured by every kernel."""
 
+import os
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import warp as wp
+
+
+def _start_warp_in_silence() -> None:
+    """Start Warp without its greeting, and without its remark where there is no GPU.
+
+    What a user has set `warp.config.log_level` to other than its default is kept.
+    """
+    if wp.config.log_level == wp.LOG_INFO:
+        wp.config.log_level = wp.LOG_WARNING
+    if sys.stderr is None:  # there is no standard error to keep clean
+        wp.init()
+        return
+    kept = os.dup(2)
+    with Path(os.devnull).open("w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)  # the remark does not come from Python
+        try:
+            wp.init()
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+
+
+_start_warp_in_silence()  # whatever is simulated needs the types below, and so comes by here
 
 
 @dataclass(frozen=True)

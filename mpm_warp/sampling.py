@@ -12,6 +12,7 @@ from mpm_warp.errors import SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import costs
+from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
 
@@ -82,7 +83,19 @@ def even_steps(step_count: int, count: int = 20) -> list[int]:
         count: how many of them are wanted, >= 1; there are fewer where there are fewer steps.
     """
     steps = np.linspace(0, step_count, count + 1).round().astype(int)
-    return np.unique(steps)[1:].tolist()
+    even: list[int] = np.unique(steps)[1:].tolist()
+    return even
+
+
+def soil_scene(simulation: Simulation) -> Scene:
+    """What is run, where it is soil in a grid.
+
+    Raises:
+        TypeError: it is of another kind.
+    """
+    if not isinstance(simulation.scene, Scene):
+        raise TypeError(f"a {type(simulation.scene).__name__} is not soil in a grid")
+    return simulation.scene
 
 
 def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:

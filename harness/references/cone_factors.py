@@ -11,15 +11,25 @@ import math
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    import numpy as np
-    import xarray as xr
+import numpy as np
+import xarray as xr
 
-Quantity: TypeAlias = "float | np.ndarray | xr.DataArray"
+from harness.errors import HarnessError
+from mpm_warp.parameters import nearest_name
+
+Quantity: TypeAlias = float | np.ndarray | xr.DataArray
+COMPARED = "cone_factor"
+"""The result that the references are of."""
+NEEDED = ("rigidity_index", "adhesion_factor")
+"""Parameters that every comparison with them depends on."""
 QUOTED = "coefficients as commonly quoted; the original was not read"
 """How an entry is known whose source could not be consulted."""
+
+
+class UnknownReferenceError(HarnessError):
+    """No reference has that id; the message is one line and names the nearest one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,9 +108,6 @@ class ConeFactor:
 
 
 def _ln(number: Quantity) -> Quantity:
-    # Imported here because the references can be named without it; see the package.
-    import numpy as np
-
     return np.log(number)
 
 
@@ -210,8 +217,6 @@ def envelope(conditions: Conditions) -> tuple[Quantity, Quantity]:
     It is no confidence interval: its few members differ in criterion, in which strength they
     mean, and in method.
     """
-    import numpy as np
-
     values = [reference.evaluate(conditions) for reference in ENVELOPE]
     return functools.reduce(np.minimum, values), functools.reduce(np.maximum, values)
 
@@ -219,3 +224,22 @@ def envelope(conditions: Conditions) -> tuple[Quantity, Quantity]:
 def envelope_applies(conditions: Conditions) -> Quantity:
     """Whether all references that form the envelope apply, element by element."""
     return functools.reduce(operator.and_, (member.applies(conditions) for member in ENVELOPE))
+
+
+def reference_ids() -> tuple[str, ...]:
+    """Ids of all references, in the order of the registry."""
+    return tuple(reference.id for reference in CONE_FACTORS)
+
+
+def cone_factor_reference(reference_id: str) -> ConeFactor:
+    """The literature cone factor called `reference_id`.
+
+    Raises:
+        UnknownReferenceError: there is none of that id.
+    """
+    by_id = {reference.id: reference for reference in CONE_FACTORS}
+    if reference_id not in by_id:
+        raise UnknownReferenceError(
+            f"unknown reference {reference_id!r}{nearest_name(reference_id, by_id)}"
+        )
+    return by_id[reference_id]

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault
-
-if TYPE_CHECKING:
-    from mpm_warp.plan.plan import Plan
 
 SLACK = 1.05
 """Ratio of the time step to the wanted one up to which it stays: a change takes some time."""
@@ -29,13 +26,13 @@ class TimeStepControl:
         first: the first time step, which none exceeds [s].
         fraction: time step over the critical one, > 0.
         critical: the critical time step [s], by a function that gives arrays of the run by name.
-        replan: the same plan with another time step [s].
+        replan: gives the plan of the run with another time step [s].
     """
 
     first: float
     fraction: float
     critical: Callable[[Callable[[str], NDArray[Any]]], float]
-    replan: Callable[[float], Plan]
+    replan: Callable[[float], Any]
 
     def __post_init__(self) -> None:
         self._critical_before = self.first / self.fraction

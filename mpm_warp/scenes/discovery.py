@@ -55,11 +55,13 @@ def scene_class(name: str) -> type[CatalogueScene]:
 
 
 def _all_scenes() -> Mapping[str, Offered]:
-    return _by_name([*_own_scenes().items(), *((it.name, it) for it in entry_points(group=GROUP))])
+    others = [(it.name, it) for it in entry_points(group=GROUP)]
+    return _by_name([*own_scenes().items(), *others])
 
 
 @functools.cache
-def _own_scenes() -> Mapping[str, Offered]:
+def own_scenes() -> Mapping[str, Offered]:
+    """The scenes of this package, by name."""
     names = pkgutil.walk_packages([str(Path(__file__).parent)], f"{__package__}.")
     modules = [importlib.import_module(it.name) for it in names]
     return _by_name(

@@ -218,7 +218,7 @@ class SoilWatch(ParticleWatch):
 
 @functools.singledispatch
 def make_watch(scene: object, run: Run) -> Watch:
-    """The watch on a run of a scene. Kinds of scenes register their own, else it is of particles."""
+    """The watch on a run of a scene: of each particle, where its kind has registered no other."""
     return ParticleWatch(run)
 
 

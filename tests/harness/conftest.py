@@ -8,12 +8,15 @@ from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 
+import numpy as np
 import pytest
+import xarray as xr
 
-from harness import case_files
-from harness.cases import cases_of
-from harness.cli import main
-from harness.study import Study, load_study
+from harness.archive import case_files
+from harness.archive.conventions import FORMAT_VERSION
+from harness.cli.main import main
+from harness.compare.finest_error import with_finest_error
+from harness.study.study import Study, load_study
 
 SMALL = """
     title = "A study for tests"
@@ -44,6 +47,42 @@ def small(small_file: Path) -> Study:
 
 
 @pytest.fixture
+def two_soils() -> xr.Dataset:
+    """Two soils on three meshes with errors; the finest case of the second soil has failed."""
+    shape = ("rigidity_index", "cells_per_radius")
+    factor = np.array([[9.9, 9.18, 9.0], [11.0, 10.1, np.nan]])
+    seconds = np.array([[1.0, 2.0, 8.0], [1.0, 2.5, np.nan]])
+    status = np.array([["completed"] * 3, ["completed", "completed", "diverged"]])
+    made = xr.Dataset(
+        {
+            "cone_factor": (shape, factor, {"long_name": "cone factor", "role": "headline"}),
+            "run_time": (shape, seconds),
+            "case_time": (shape, np.nan_to_num(seconds, nan=3.0)),
+            "particle_updates": (shape, 1e6 * seconds),
+            "status": (shape, status),
+            "message": (shape, np.where(status == "completed", "", "velocity of <particle 3>")),
+            "case_key": (shape, np.char.add("key ", status)),
+            "adhesion_factor": ((), 0.0, {"role": "parameter", "units": "1"}),
+            "apex_angle": 60.0,
+            "poissons_ratio": 0.49,
+            "material": "tresca",
+        },
+        coords={
+            "rigidity_index": ("rigidity_index", [50.0, 100.0], {"role": "parameter"}),
+            "cells_per_radius": ("cells_per_radius", [1.5, 2.0, 4.0], {"role": "parameter"}),
+        },
+        attrs={
+            "scene": "cone_penetration",
+            "scene_version": 1,
+            "study": "made",
+            "title": "Made <up>",
+            "format_version": FORMAT_VERSION,
+        },
+    )
+    return with_finest_error(made, ["cells_per_radius"])
+
+
+@pytest.fixture
 def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[list[str]], str]:
     """Runs a command that is to be refused, and gives the one line with which it is."""
 
@@ -63,7 +102,7 @@ def written() -> Callable[[Study, Path], dict[str, tuple[int, int]]]:
 
     def marks(study: Study, out: Path) -> dict[str, tuple[int, int]]:
         folder = case_files.case_folder(out, study)
-        done = [case for case in cases_of(study) if case_files.is_complete(folder, case)]
+        done = [case for case in study.cases if case_files.is_complete(folder, case)]
         stats = {case.key: case_files.case_file(folder, case).stat() for case in done}
         return {key: (stat.st_ino, stat.st_mtime_ns) for key, stat in stats.items()}
 

@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-
 from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.simulation import Simulation
 from mpm_warp.travel import Travel
+
+from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-9
 """What sums over samples and nodes are exact to, generously."""

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-
 from mpm_warp.watch.health import SimulationDiverged
+
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
 from mpm_warp.simulation import TimeLoop

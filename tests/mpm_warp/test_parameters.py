@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from mpm_warp.parameters import (
     ParameterError,
@@ -13,7 +14,6 @@ from mpm_warp.parameters import (
     parameters_of,
 )
 from mpm_warp.scenes import UnknownSceneError, scene_class, scene_names
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.penetration import SAMPLE_SPACING, Penetration
 from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.simulation import Simulation
 from mpm_warp.travel import Travel
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-12
 SMOOTH = ConePenetration(

@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.penetrometer import PenetrometerSurface
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.contact import SurfaceContact
 
 ROUNDING = 1e-12
 HALF_ANGLE = np.radians(30.0)

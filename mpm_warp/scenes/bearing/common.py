@@ -14,7 +14,7 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.fixed import Fixed
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.limit_load import LoadSampler
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
@@ -122,7 +122,7 @@ class Bearing(CatalogueScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Press the body into the ground, and hold the limit of its load against the exact one."""
-        scene = simulation.scene
+        scene = soil_scene(simulation)
         sampler = LoadSampler(simulation, length=RADIUS, load=lambda nodal: self.load(scene, nodal))
         steps = sampler.steps(self.displacement / self.rigidity_index * RADIUS, SAMPLE_COUNT)
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)

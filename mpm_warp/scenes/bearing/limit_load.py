@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
-from mpm_warp.sampling import ContactForces
+from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.simulation import Simulation
 
 PLATEAU_SHARE = 0.25
@@ -102,7 +102,7 @@ class LoadSampler:
     @property
     def travel_per_step(self) -> float:
         """How far the surface sinks in a step [m]."""
-        contact = self._simulation.scene.contact
+        contact = soil_scene(self._simulation).contact
         assert contact is not None, "nothing is pressed into the soil"
         return contact.speed * self._simulation.plan.time_step
 
@@ -113,7 +113,8 @@ class LoadSampler:
         """
         shares = np.arange(1, sample_count + 1) / sample_count
         steps = np.rint(shares * displacement / self.travel_per_step)
-        return np.unique(np.maximum(steps, 1.0)).astype(int).tolist()
+        due: list[int] = np.unique(np.maximum(steps, 1.0)).astype(int).tolist()
+        return due
 
     def sample(self) -> None:
         """Take down the displacement, and the mean load since the sample before."""

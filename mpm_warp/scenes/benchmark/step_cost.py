@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import time
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,13 +12,13 @@ import xarray as xr
 
 from mpm_warp.benchmark.clocks import ClockedExecution
 from mpm_warp.benchmark.speed import LEAST_STEPS, Companion, Run, StageTimes, ThreadGain
-from mpm_warp.execution.batch import Batch
 from mpm_warp.execution import THREAD_COUNTS
+from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import variable
-from mpm_warp.sampling import cost
+from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -127,7 +126,6 @@ class StepCost(CatalogueScene):
         simulation = Simulation(self.build(), execution)
         companion = self._companion(simulation, execution)
         run = self._stirred(simulation)
-        begun = time.perf_counter()
         step_count = run.steps_within(self.sample_time)
         samples = []
         for number in range(self.samples):
@@ -182,7 +180,7 @@ class StepCost(CatalogueScene):
 
     def _stirred(self, simulation: Simulation) -> Run:
         """Give the soil its stresses and the window its speed."""
-        scene = simulation.scene
+        scene = soil_scene(simulation)
         strength = 0.01 * scene.material.shear_modulus
         block = np.random.default_rng(0).uniform(-strength, strength, (BLOCK, 4))
         stress = simulation.arrays["particle.stress"]

@@ -18,7 +18,7 @@ from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.results import variable
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.shared_parameters import yield_criterion
@@ -150,7 +150,7 @@ class Cavity(CatalogueScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
-        wall = simulation.scene.moving_wall
+        wall = soil_scene(simulation).moving_wall
         assert wall is not None
         duration = ((self.expansion - 1.0) * RADIUS + wall.ramp_travel) / wall.speed
         curve = _PressureCurve(self, simulation)
@@ -164,7 +164,7 @@ class Cavity(CatalogueScene):
             description="greatest difference over the whole curve, over the limit pressure",
             role="headline",
         )
-        shape = self.shape(simulation.scene.grid, curve.on_rows)
+        shape = self.shape(soil_scene(simulation).grid, curve.on_rows)
         return recorded.assign(error=error).assign(shape)
 
     def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
@@ -192,7 +192,7 @@ class _PressureCurve:
         self._radius = RADIUS
         self._expansion: list[float] = []
         self._pressure: list[float] = []
-        self.on_rows = np.zeros(simulation.scene.grid.row_count + 1)
+        self.on_rows = np.zeros(soil_scene(simulation).grid.row_count + 1)
 
     def sample(self) -> None:
         """Take down the radius and the mean pressure since the sample before."""
@@ -203,7 +203,7 @@ class _PressureCurve:
         self.on_rows = simulation.array("wall.impulse") / (simulation.time - self._sampled_at)
         simulation.assign("wall.impulse", 0.0)
         middle = 0.5 * (self._radius + radius)
-        area = self._cavity.wall_area(simulation.scene.grid, middle)
+        area = self._cavity.wall_area(soil_scene(simulation).grid, middle)
         self._expansion.append(middle / RADIUS)
         self._pressure.append(self.on_rows.sum() / area / STRENGTH)
         self._radius, self._sampled_at = radius, simulation.time

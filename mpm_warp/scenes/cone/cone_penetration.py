@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import InaccurateRun
@@ -17,7 +16,7 @@ from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import variable
-from mpm_warp.sampling import follow, transferred_energy
+from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
@@ -246,7 +245,7 @@ class ConePenetration(CatalogueScene):
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work.
         """
-        window = simulation.scene.window
+        window = soil_scene(simulation).window
         assert window is not None
         curves = PenetrationCurves(
             simulation,
@@ -254,10 +253,11 @@ class ConePenetration(CatalogueScene):
             unsteady=unsteady_penetration(window, self.cone_radius),
             tolerance=self.steady_tolerance,
         )
+        spacing = SAMPLE_SPACING * self.cone_radius
         sample_count = round(self.penetration / SAMPLE_SPACING)
         recorded = follow(
             simulation,
-            SAMPLE_SPACING * self.cone_radius * np.arange(1, sample_count + 1),
+            [sample * spacing for sample in range(1, sample_count + 1)],
             simulation.travel_to,
             [curves],
             progress,

@@ -15,7 +15,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.window import Window
 from mpm_warp.results import variable
-from mpm_warp.sampling import ContactForces, follow
+from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
@@ -166,7 +166,7 @@ class _LoadCurve:
     """Samples the load on the cone: means over the travel since the sample before."""
 
     def __init__(self, simulation: Simulation) -> None:
-        contact = simulation.scene.contact
+        contact = soil_scene(simulation).contact
         assert isinstance(contact, PenetrometerContact)
         self._simulation = simulation
         self._contact = contact

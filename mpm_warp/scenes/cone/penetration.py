@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
-from mpm_warp.sampling import ContactForces
+from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact, PenetrometerForces
 from mpm_warp.simulation import Simulation
 
@@ -34,7 +34,7 @@ class PenetrationCurves:
     def __init__(
         self, simulation: Simulation, *, radius: float, unsteady: float, tolerance: float
     ) -> None:
-        contact = simulation.scene.contact
+        contact = soil_scene(simulation).contact
         assert isinstance(contact, PenetrometerContact)
         self._simulation = simulation
         self._contact = contact

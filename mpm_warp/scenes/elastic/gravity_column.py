@@ -15,7 +15,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.damping import Damping
 from mpm_warp.parts.gravity import Gravity
 from mpm_warp.results import variable
-from mpm_warp.sampling import even_steps, follow
+from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.waves.column import Column
@@ -79,7 +79,7 @@ class GravityColumn(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the column come to rest, and hold stress and settlement against the exact ones."""
         position = simulation.array("particle.position").copy()
-        period = 4 * HEIGHT / simulation.scene.material.pressure_wave_speed
+        period = 4 * HEIGHT / soil_scene(simulation).material.pressure_wave_speed
         step_count = round(PERIODS * period / simulation.plan.time_step)
         steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)

@@ -17,7 +17,7 @@ from mpm_warp.parts.damping import Damping
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.nodal_load import NodalLoad
 from mpm_warp.results import variable
-from mpm_warp.sampling import even_steps, follow
+from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.simulation import Simulation
@@ -132,7 +132,7 @@ class ThickCylinder(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the ring come to rest, and hold stresses and displacement against the exact ones."""
         position = simulation.array("particle.position").copy()
-        rest_time = REST_TIME * self.radius_ratio / simulation.scene.material.shear_wave_speed
+        rest_time = REST_TIME * self.radius_ratio / soil_scene(simulation).material.shear_wave_speed
         step_count = round(rest_time / simulation.plan.time_step)
         steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
@@ -145,7 +145,7 @@ class ThickCylinder(CatalogueScene):
             simulation: at rest.
             position: of the particles at the start [m], shape [particle_count, 2].
         """
-        grid = simulation.scene.grid
+        grid = soil_scene(simulation).grid
         displacement = _wall_displacement(grid, position, simulation.array("particle.position"))
         radius = np.linspace(INNER_RADIUS, grid.outer_radius, self.cell_count + 1)
         middles = 0.5 * (radius[1:] + radius[:-1])

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.scenes.waves.column import Column
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.impact.impact import LENGTH, Impact, Sections
+from mpm_warp.scenes.waves.column import Column
 from mpm_warp.simulation import Simulation
 
 POISSONS_RATIO = 0.3

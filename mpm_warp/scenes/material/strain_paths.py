@@ -17,16 +17,13 @@ import warp as wp
 
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import (
-    make_elastic_trial,
-    make_strain_increment,
-    make_stress_increment,
-)
+from mpm_warp.materials.elasticity import make_stress_increment, make_stress_update
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.precision import FLOAT64, Precision
-from mpm_warp.watch.watch import Run, make_watch
+from mpm_warp.watch.watch import make_watch
 
 NOWHERE = np.full(2, np.nan)
 """Of material points that have no position."""
@@ -81,14 +78,11 @@ def plan_strain_paths(
     plan.add_launch(
         _make_strain_path(law, FLOAT64),
         count,
-        gradient="particle.velocity_gradient",
-        time_step=plan.time_step,
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
         properties=law.properties_type(*material.properties),
-        stress="particle.stress",
-        state=plan.find("particle.state"),
-        excess=plan.find("particle.yield_excess"),
+        particle_state=plan.find("particle.state"),
+        particle_yield_excess=plan.find("particle.yield_excess"),
     )
     return plan
 
@@ -131,9 +125,9 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     real, vec4, vec5 = precision.real, precision.vec4, precision.vec5
     one = wp.constant(real(1.0))
     stress_increment = make_stress_increment(precision)
-    strain_increment = make_strain_increment(precision)
-    elastic_trial = make_elastic_trial(precision)
-    update, yield_function, remembers = law.update, law.yield_function, law.remembers
+    stress_update = make_stress_update(law, precision)
+    yield_function: Any = law.yield_function
+    remembers = law.remembers
     properties_type, state_type = law.properties_type, law.state_type
     yields = yield_function is not None
 
@@ -142,28 +136,38 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     )
     def strain_path(
         offset: int,
-        gradient: wp.array(dtype=vec5),
+        particle_velocity_gradient: wp.array(dtype=vec5),
         time_step: real,
         shear_modulus: real,
         bulk_modulus: real,
         properties: properties_type,
-        stress: wp.array(dtype=vec4),
-        state: wp.array(dtype=state_type),
-        excess: wp.array(dtype=real),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
+        particle_yield_excess: wp.array(dtype=real),
     ):
         p = offset + wp.tid()
-        increment = stress_increment(gradient[p], time_step, shear_modulus, bulk_modulus)
-        strain = strain_increment(increment, shear_modulus, bulk_modulus)
-        trial = elastic_trial(stress[p], increment)
+        increment = stress_increment(
+            particle_velocity_gradient[p], time_step, shear_modulus, bulk_modulus
+        )
         remembered = state_type()
         if wp.static(remembers):
-            remembered = state[p]
-        sigma, remembered = update(trial, strain, time_step, properties, remembered)
-        stress[p] = sigma
+            remembered = particle_state[p]
+        sigma, remembered = stress_update(
+            particle_stress[p],
+            increment,
+            shear_modulus,
+            bulk_modulus,
+            time_step,
+            properties,
+            remembered,
+        )
+        particle_stress[p] = sigma
         if wp.static(remembers):
-            state[p] = remembered
+            particle_state[p] = remembered
         if wp.static(yields):
             measured = yield_function(sigma, properties, remembered)
-            excess[p] = wp.max(excess[p], measured[0] / measured[1] - one)
+            particle_yield_excess[p] = wp.max(
+                particle_yield_excess[p], measured[0] / measured[1] - one
+            )
 
     return strain_path

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from mpm_warp.watch.health import yield_excess
 
 from mpm_warp.benchmark.bare_step import MATERIAL, BareStep
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.watch.health import yield_excess
 
 COUNT = 400
 ROUNDING = 1e-12

@@ -13,10 +13,9 @@ from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.bodies.loads import Load
 from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.errors import SceneError
 from mpm_warp.simulation import Simulation
-from mpm_warp.errors import SimulationDiverged
 
 MATERIAL = LinearElastic(shear_modulus=1e6, poissons_ratio=0.2, density=1000.0)
 GRID = UniformGrid(lower=(0.0, 0.0), cell_size=1.0, cell_counts=(8, 8))

@@ -11,6 +11,10 @@ import numpy as np
 import pytest
 import warp as wp
 import xarray as xr
+from mpm_warp.scenes.base import ReadyScene
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.watch.health import SimulationDiverged
 
 import mpm_warp.execution.batch
 from mpm_warp.execution.batch import Batch
@@ -20,12 +24,8 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.base import ReadyScene
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.gravity_column import GravityColumn
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.simulation import Simulation
-from mpm_warp.watch.health import SimulationDiverged
 
 SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
 VECTOR_1 = wp.types.vector(1, wp.float64)

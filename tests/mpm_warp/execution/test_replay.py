@@ -11,18 +11,18 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import warp as wp
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.scenes.sliding_block import SlidingBlock
+from mpm_warp.scenes.thick_cylinder import ThickCylinder
+from mpm_warp.travel import Travel
 
 import mpm_warp.execution.recorded_steps
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, Replay, ThreadChoice
 from mpm_warp.execution.shares import has_dynamic_chunks
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.scenes.sliding_block import SlidingBlock
-from mpm_warp.scenes.thick_cylinder import ThickCylinder
 from mpm_warp.simulation import Simulation
-from mpm_warp.travel import Travel
 
 CONE = ConePenetration(
     cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from mpm_warp.scenes.cone_penetration import ConePenetration
+from mpm_warp.scenes.gravity_column import GravityColumn
+from mpm_warp.scenes.thick_cylinder import ThickCylinder
 
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.shares import has_dynamic_chunks, share_of
 from mpm_warp.plan.plan import OFFSET, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.scenes.thick_cylinder import ThickCylinder
 
 CONE = ConePenetration(cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4)
 FEW_ROWS = ThickCylinder(cell_count=120)

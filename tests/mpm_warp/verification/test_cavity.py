@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cavity_sphere import CavitySphere
+
+from mpm_warp.grid.fitted import Grid
 from mpm_warp.simulation import Simulation
 
 RADII = np.array([1.01, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0])

@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import xarray as xr
-
 from mpm_warp.scenes.cavity_sphere import CavitySphere
 from mpm_warp.scenes.circular_footing import CircularFooting
 from mpm_warp.scenes.cone_bearing import ConeBearing

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-
 from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
 
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-
 from mpm_warp.scenes.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.circular_footing import CircularFooting
 

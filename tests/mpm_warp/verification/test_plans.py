@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
+from mpm_warp.scenes.gravity_column import GravityColumn
 
 from mpm_warp.plan.plan import StepPlan
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.elastic_column_wave import ElasticColumnWave
-from mpm_warp.scenes.gravity_column import GravityColumn
 
 STEP = ["particles_to_grid", "cell_stress", "node_update", "cell_rates", "grid_to_particles"]
 

@@ -1,0 +1,1 @@
+"""Results on disk: a netCDF file for each case, and one collected from them for each study."""

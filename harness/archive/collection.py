@@ -1,0 +1,183 @@
+"""The results of a study's cases, gathered in one dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import read_case
+from harness.archive.conventions import (
+    CASE,
+    COMPLETED,
+    DAMAGED,
+    FORMAT_VERSION,
+    MISSING,
+    Role,
+    parameter_attributes,
+    spoken,
+    stored_name,
+    with_role,
+)
+from harness.archive.provenance import OF_CASE
+from harness.study.cases import Case
+from harness.study.designs import Range
+from harness.study.study import Study
+from mpm_warp.parameters import Parameter, Value
+
+Variables = dict[Hashable, xr.Variable]
+
+
+def collect(study: Study, folder: Path) -> xr.Dataset:
+    """Gather the results of a study's cases in one dataset.
+
+    The dims of a full design are the varied parameters, in the study's order. Any other study,
+    and one of several scenes or with exclusions, has the dim `case`, along which what varies
+    stands as coordinates, `scene` too. Then come the scene's own dims, which are the union over
+    all cases.
+
+    Every parameter is there by name: what the study varies is a coordinate, what is the same in all
+    cases a scalar, what the scene derives from varied ones a variable over the cases. It is not a
+    number where a scene has no such parameter. A parameter that shares its name with a result is
+    called ``<name>_parameter``; a result whose name a scene before has used over other dims is
+    called ``<scene>_<name>``.
+
+    A case that did not complete is not a number; its `status` and `message` say why, also where its
+    file is of no use. Where, when and with what the cases were computed are attributes where all
+    agree that were computed, otherwise variables over the cases, an empty text where a case file
+    does not say.
+
+    Args:
+        study: the study.
+        folder: where its case files are.
+    """
+    results = [_result(folder, case) for case in study.cases]
+    gathered = _gathered(results)
+    axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}
+    definitions = {name: it for part in study.parts for name, it in part.parameters.items()}
+    names = {name: stored_name(name, {*gathered.variables, *gathered.dims}) for name in definitions}
+    if study.is_grid:
+        varied = study.parts[0].varied
+        axes = {names[name]: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
+    grid = {name: len(values) for name, values in axes.items()}
+
+    variables = {
+        name: _over_grid(grid, it.values, it.attrs, it.dims[1:]) if it.dims[:1] == (CASE,) else it
+        for name, it in gathered.variables.items()
+        if name != CASE
+    }
+    texts = {
+        "status": ("outcome of the case", _attributes(results, "status", MISSING)),
+        "message": ("why the case did not complete", _attributes(results, "message")),
+        "case_key": ("name of the case's file", [case.key for case in study.cases]),
+    }
+    variables |= {
+        name: _over_grid(grid, np.array(values), {"long_name": meaning})
+        for name, (meaning, values) in texts.items()
+    }
+    attributes: dict[str, str | int] = {
+        "title": study.title,
+        "study": study.name,
+        "design": study.design.kind,
+        "scene": " ".join(part.name for part in study.parts),
+        "scene_version": study.cases[0].scene_version,
+        "format_version": FORMAT_VERSION,
+    }
+    for name in OF_CASE:
+        said = _attributes(results, name)
+        known = set(said) - {""}
+        if len(known) > 1:
+            variables[name] = _over_grid(grid, np.array(said), {"long_name": spoken(name)})
+        elif known:
+            attributes[name] = known.pop()
+
+    coordinates: Variables = {}
+    assigned = {name for part in study.parts for name in part.assigned}
+    for name, definition in definitions.items():
+        stored, labels = names[name], parameter_attributes(definition)
+        values = [case.parameters.get(name) for case in study.cases]
+        if stored in axes:
+            coordinates[stored] = xr.Variable(stored, list(axes[stored]), labels)
+        elif len(set(values)) == 1:
+            variables[stored] = xr.Variable((), _filled(values, definition)[0], labels)
+        else:
+            is_derived = definition.default is None and name not in assigned
+            place = variables if is_derived else coordinates
+            place[stored] = _over_grid(grid, _filled(values, definition), labels)
+    if CASE in axes:
+        coordinates[CASE] = xr.Variable(CASE, np.arange(len(study.cases)), {"long_name": CASE})
+    if len(study.parts) > 1:
+        columns = {
+            "scene": [case.scene for case in study.cases],
+            "scene_version": [case.scene_version for case in study.cases],
+        }
+        coordinates |= {
+            name: xr.Variable(CASE, values, {"long_name": spoken(name)})
+            for name, values in columns.items()
+        }
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def _result(folder: Path, case: Case) -> xr.Dataset | None:
+    """What the file of a case holds, None where there is none; where it is of no use, why."""
+    try:
+        return read_case(folder, case)
+    except ArchiveError as error:
+        return xr.Dataset(attrs={"status": DAMAGED, "message": str(error)})
+
+
+def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
+    """The scenes' own variables over the dim `case`, padded with not a number."""
+    completed = {
+        place: result
+        for place, result in enumerate(results)
+        if result is not None and result.attrs["status"] == COMPLETED
+    }
+    if not completed:
+        return xr.Dataset()
+    dims: dict[Hashable, tuple[Hashable, ...]] = {}
+    own = []
+    for result in completed.values():
+        variables = result.drop_vars(with_role(result, Role.PARAMETER)).reset_coords()
+        others = {
+            name: f"{result.attrs['scene']}_{name}"
+            for name, array in variables.data_vars.items()
+            if dims.setdefault(name, array.dims) != array.dims
+        }
+        own.append(variables.rename(others))
+    joined = xr.concat(
+        own,
+        dim=CASE,
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        join="outer",
+        combine_attrs="override",
+    )
+    places = joined.assign_coords({CASE: list(completed)})
+    return places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
+
+
+def _over_grid(
+    grid: Mapping[str, int],
+    values: np.ndarray,
+    attributes: Mapping[Hashable, object] | Mapping[str, str],
+    own_dims: Sequence[Hashable] = (),
+) -> xr.Variable:
+    """Values of all cases, over the dims of the study and then their own."""
+    shape = (*grid.values(), *values.shape[1:])
+    return xr.Variable((*grid, *own_dims), values.reshape(shape), attributes)
+
+
+def _filled(values: Sequence[Value | None], definition: Parameter) -> np.ndarray:
+    """Values of a parameter; not a number, or an empty text, where there is none."""
+    nothing = "" if definition.kind is str else np.nan
+    return np.array([nothing if value is None else value for value in values])
+
+
+def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str = "") -> list[str]:
+    """What the files of all cases say under a name."""
+    return [otherwise if it is None else str(it.attrs.get(name, otherwise)) for it in results]

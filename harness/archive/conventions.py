@@ -1,0 +1,196 @@
+"""Conventions of datasets: what the variables of every result are called and what they mean.
+
+A result has the status of each case as the variable `status`, over the dims of cases: the varied
+parameters where a study runs all their combinations, else the single dim `case`. What the study
+varies is a coordinate along these dims. A variable's attribute ``role`` says what it is to the
+harness, which knows no other names of results than those below.
+
+=============  =====================================================================================
+``headline``   the scalar that the scene is run for
+``exact``      an exact value or curve; the attribute ``exact_of`` names the variable it belongs to
+``error``      a scalar error against an exact solution
+``measured``   a time, a speed or an amount of memory: it differs from run to run
+``parameter``  an input of the scene
+``reference``  a value from the literature; ``deviation``: the result's relative deviation from it
+=============  =====================================================================================
+
+The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
+`inaccurate`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable
+from enum import StrEnum
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+
+FORMAT_VERSION = 1
+"""Version of the layout of case files and study files alike."""
+
+COMPLETED = "completed"
+MISSING = "missing"
+CRASHED = "crashed"
+TIMED_OUT = "timed_out"
+DAMAGED = "damaged"
+UNTIMED = "untimed"
+
+ROLE, LIMIT = "role", "limit"
+
+
+class Role(StrEnum):
+    """What a variable is to the harness."""
+
+    HEADLINE, EXACT, ERROR = "headline", "exact", "error"
+    MEASURED, PARAMETER = "measured", "parameter"
+    REFERENCE, DEVIATION = "reference", "deviation"
+
+
+CASE = "case"
+"""The dim of cases where the varied parameters are no dims."""
+PER_CASE = ("status", "message", "case_key")
+"""Texts that every collected result has for each case."""
+TOLERANCES = "tolerances"
+"""Attribute of a result with the tolerances of its study, as JSON."""
+RUN_TIME, PARTICLE_UPDATES = "run_time", "particle_updates"
+"""Costs that every scene tells."""
+CASE_TIME, PEAK_MEMORY, REPEAT = "case_time", "peak_memory", "repeat"
+"""Costs that the harness measures of a case, and the dim of timed runs."""
+
+_SUFFIX = "_parameter"
+_MEASURED_BEFORE = (
+    *(RUN_TIME, "setup_time", "compile_time", CASE_TIME, PEAK_MEMORY),
+    *("run_time_minimum", "run_time_sample", REPEAT),
+)
+"""What was measured in results from before variables had roles."""
+
+
+def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
+    """Names of the variables that have one of these roles."""
+    return [str(name) for name, it in dataset.variables.items() if it.attrs.get(ROLE) in roles]
+
+
+def limited(dataset: xr.Dataset) -> list[str]:
+    """Names of the variables whose size has a limit."""
+    return [str(name) for name, it in dataset.data_vars.items() if LIMIT in it.attrs]
+
+
+def stored_name(parameter: str, taken: Iterable[Hashable]) -> str:
+    """What a parameter is called among variables of which one may have its name already."""
+    return f"{parameter}{_SUFFIX}" if parameter in taken else parameter
+
+
+def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
+    """The parameters in a dataset: by their own names, what they are called there."""
+    return {name.removesuffix(_SUFFIX): name for name in with_role(dataset, Role.PARAMETER)}
+
+
+def parameter_attributes(definition: Parameter) -> dict[str, str]:
+    """Attributes of a variable that holds a parameter."""
+    attributes = {
+        # The long name labels an axis, for which most meanings are too long.
+        "long_name": spoken(definition.name),
+        "description": f"{definition.meaning}; {definition.allowed}",
+        ROLE: Role.PARAMETER,
+    }
+    return attributes if definition.kind is str else {"units": definition.unit} | attributes
+
+
+def spoken(name: Hashable) -> str:
+    """A variable's name as words."""
+    return str(name).removesuffix(_SUFFIX).replace("_", " ")
+
+
+def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:
+    """The dims of cases."""
+    return tuple(map(str, dataset["status"].dims))
+
+
+def varied_names(dataset: xr.Dataset) -> list[str]:
+    """What a study varies: the dims of cases, or the coordinates along the dim `case`."""
+    if case_dims(dataset) != (CASE,):
+        return list(case_dims(dataset))
+    along = (str(name) for name, array in dataset.coords.items() if array.dims == (CASE,))
+    return [name for name in along if name not in (CASE, "scene_version")]
+
+
+def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
+    """The values of a variable, by name or given, one for each case in their order.
+
+    Args:
+        dataset: the result of a study.
+        variable: a number, or an array over the dims of cases, or some or none of them; or the name
+            of one, and not a number where the dataset does not have it.
+    """
+    values = dataset.get(variable, np.nan) if isinstance(variable, str) else variable
+    flat: np.ndarray = (
+        xr.DataArray(values)
+        .broadcast_like(dataset["status"])
+        .transpose(*case_dims(dataset))
+        .values.ravel()
+    )
+    return flat
+
+
+def labels_of(dataset: xr.Dataset) -> list[str]:
+    """What each case is called: the varied values, in words."""
+    names = varied_names(dataset)
+    if not names:
+        return [str(dataset.attrs["scene"])] * dataset["status"].size
+    columns = [over_cases(dataset, name).tolist() for name in names]
+    return [
+        ", ".join(
+            f"{name}={value}" for name, value in zip(names, row, strict=True) if is_there(value)
+        )
+        for row in zip(*columns, strict=True)
+    ]
+
+
+def scenes_of(dataset: xr.Dataset) -> list[str]:
+    """The scene of each case."""
+    if "scene" in dataset.coords:
+        return [str(name) for name in over_cases(dataset, "scene")]
+    return [str(dataset.attrs.get("scene", ""))] * dataset["status"].size
+
+
+def is_there(value: object) -> bool:
+    """Whether a stored value of a parameter is one: another scene's is not a number, or no text."""
+    return value is not None and str(value) not in ("", "nan")
+
+
+def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
+    """A result from before variables had roles, with those of parameters and measurements."""
+    if any(ROLE in it.attrs for it in dataset.variables.values()):
+        return dataset
+    roles = dict.fromkeys(_MEASURED_BEFORE, Role.MEASURED)
+    if "status" in dataset.variables:
+        varied = [name for name in varied_names(dataset) if name != "scene"]
+        # Over no dim of cases but one case alone are results, and what is the same in all cases.
+        fixed = [
+            str(name)
+            for name, it in dataset.data_vars.items()
+            if case_dims(dataset) and it.ndim == 0 and "description" in it.attrs
+        ]
+        roles |= dict.fromkeys([*varied, *fixed, *_called_now(dataset)], Role.PARAMETER)
+    roles |= {
+        str(name): role
+        for name in dataset.data_vars
+        for role in (Role.REFERENCE, Role.DEVIATION)
+        if str(name).startswith(f"{role}_")
+    }
+    told = dataset.copy()
+    for name, role in roles.items():
+        if name in told.variables:
+            told.variables[name].attrs[ROLE] = role
+    return told
+
+
+def _called_now(dataset: xr.Dataset) -> list[str]:
+    """The variables that hold parameters which the scenes of a dataset have now."""
+    scenes = [it for it in str(dataset.attrs.get("scene", "")).split() if it in scene_names()]
+    names = dict.fromkeys(name for scene in scenes for name in parameters_of(scene_class(scene)))
+    return [stored if (stored := f"{name}{_SUFFIX}") in dataset else name for name in names]

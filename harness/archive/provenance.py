@@ -1,0 +1,114 @@
+"""Where a result comes from: sources, versions, commit, machine, command line, time."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.metadata
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+import mpm_warp
+
+SOURCES = "sources"
+"""Attribute of a case file: the digest of the code that computed the case."""
+PACKAGES = ("mpm-warp", "warp-lang", "numpy", "xarray", "netCDF4")
+OF_CASE = (
+    "command_line",
+    "commit",
+    "python_version",
+    *(f"{name.lower().replace('-', '_')}_version" for name in PACKAGES),
+    "platform",
+    "processor",
+    "cores",
+    "device",
+    SOURCES,
+    "time_written",
+)
+"""What the file of a case says of where, when and with what the case was computed."""
+
+
+def provenance() -> dict[str, str]:
+    """Attributes for a result file that is written now by this process."""
+    time = datetime.now(UTC).isoformat(timespec="seconds")
+    return {"Conventions": "CF-1.11", **_of_process(), "time_written": time}
+
+
+def provenance_of_collector() -> dict[str, str]:
+    """Attributes for a dataset of cases, which may all have been computed elsewhere and before."""
+    conventions = "Conventions"  # of the file, whoever computed what is in it
+    return {
+        name if name == conventions else f"collected_{name}": value
+        for name, value in provenance().items()
+    }
+
+
+@functools.cache
+def sources_digest(scene: type) -> str:
+    """16 hexadecimal digits that tell the code that computes a scene from any other.
+
+    The digest is over all ``.py`` files of the package `mpm_warp`, and over the file that defines
+    the scene where that is elsewhere. It is worked out once a process, in some 10 ms: a process
+    computes with the sources that it has loaded.
+
+    Args:
+        scene: class of the scene.
+    """
+    package = Path(mpm_warp.__path__[0])
+    files = sorted(package.rglob("*.py"))
+    own = getattr(sys.modules.get(scene.__module__), "__file__", None)
+    if own is not None and not Path(own).is_relative_to(package):
+        files.append(Path(own))
+    digest = hashlib.sha256()
+    for file in files:
+        name = file.relative_to(package) if file.is_relative_to(package) else file.name
+        digest.update(f"{name}\0".encode() + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
+def _of_process() -> dict[str, str]:
+    return {
+        "command_line": shlex.join(sys.argv),
+        "commit": _commit(),
+        "python_version": platform.python_version(),
+        **{f"{name.lower().replace('-', '_')}_version": _version(name) for name in PACKAGES},
+        "platform": platform.platform(),
+        "processor": _processor(),
+        "cores": str(os.cpu_count()),
+    }
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _commit() -> str:
+    """What ``git describe`` says of the checkout that this file is in, else "unknown"."""
+    checkout = Path(__file__).resolve().parents[2]
+    git = shutil.which("git")
+    # Without a .git here, git would describe whatever repository contains the installation.
+    if git is None or not (checkout / ".git").exists():
+        return "unknown"
+    command = [git, "-C", str(checkout), "describe", "--always", "--dirty"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    return result.stdout.strip() or "unknown"
+
+
+def _processor() -> str:
+    """Name of the processor's model; on Linux :mod:`platform` does not know it."""
+    models = Path("/proc/cpuinfo")
+    if models.exists():
+        for line in models.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()

@@ -1,0 +1,95 @@
+"""Commands on results: beside the literature and each other, as pictures, as a page."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import xarray as xr
+
+from harness.archive.atomic_files import prepare
+from harness.archive.study_files import read_study
+from harness.cli.exit_codes import DONE, INCOMPLETE
+from harness.compare.cone_factor_table import cone_factor_table
+from harness.compare.cone_factors import NothingToCompareError
+from harness.compare.differences import difference_rows, differences, unshared
+from harness.compare.recommend import recommend, results_in
+from harness.compare.tolerances import has_tolerances, misses
+from harness.errors import HarnessError, tell
+from harness.pictures.pictures import NothingToDrawError, draw
+from harness.pictures.report import write_report
+
+
+def compare(options: argparse.Namespace) -> int:
+    """Print a result beside the literature, or beside another result."""
+    if options.tolerance is not None and options.other is None:
+        raise HarnessError("--tolerance: is for two results; give OTHER, or put it into the study")
+    dataset = read_study(options.file)
+    if options.other is not None:
+        return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
+    try:
+        print(cone_factor_table(dataset))
+    except NothingToCompareError as error:
+        if not has_tolerances(dataset):
+            raise HarnessError(f"{options.file}: {error}") from None
+    return list_misses(dataset)
+
+
+def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
+    found, lonely = differences(first, second)
+    for line in unshared(first, second):
+        tell(line)
+    print(*difference_rows(found, tolerance), *lonely, sep="\n")
+    return INCOMPLETE if lonely or any(it.size > tolerance for it in found) else DONE
+
+
+def list_misses(dataset: xr.Dataset) -> int:
+    """Tell which tolerances the results miss; the exit code."""
+    lines = misses(dataset)
+    for line in lines:
+        tell(f"tolerance missed: {line}")
+    if not lines and has_tolerances(dataset):
+        tell("all tolerances are kept")
+    return INCOMPLETE if lines else DONE
+
+
+def show(dataset: xr.Dataset, folder: Path) -> None:
+    """Print the table and draw the pictures, as far as the scene has what they show."""
+    try:
+        print(cone_factor_table(dataset))
+    except NothingToCompareError as error:
+        tell(str(error))
+    try:
+        print(*draw(dataset, folder), sep="\n")
+    except (NothingToCompareError, NothingToDrawError) as error:
+        tell(str(error))
+
+
+def plot(options: argparse.Namespace) -> int:
+    """Draw the pictures of a result."""
+    dataset = read_study(options.file)
+    folder = options.out or options.file.parent
+    prepare(folder)
+    try:
+        pictures = draw(dataset, folder)
+    except NothingToDrawError as error:
+        raise HarnessError(f"{options.file}: {error}") from None
+    print(*pictures, sep="\n")
+    return DONE
+
+
+def report(options: argparse.Namespace) -> int:
+    """Write a page on results."""
+    write_report([read_study(file) for file in options.file], options.out)
+    print(options.out)
+    return DONE
+
+
+def show_recommendation(options: argparse.Namespace) -> int:
+    """Print the cheapest settings that keep an error."""
+    found = recommend(options.scene, options.error, results_in(options.results))
+    if found is None:
+        print(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
+        return INCOMPLETE
+    print(f"{options.scene}: {found}")
+    return DONE

@@ -1,0 +1,110 @@
+"""Commands that compute: a study, a case again, what a step costs, scenes with exact solutions."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+
+import xarray as xr
+
+from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.case_files import write_netcdf
+from harness.archive.conventions import COMPLETED, over_cases
+from harness.archive.provenance import provenance
+from harness.archive.study_files import study_file
+from harness.cli.exit_codes import DONE, INCOMPLETE, end_at_sigterm
+from harness.cli.result_commands import list_misses, show
+from harness.compare.step_cost_table import bench_rows
+from harness.errors import HarnessError, tell
+from harness.pictures.work_precision import draw_work_precision
+from harness.run.device import check_device, start_warp_in_silence
+from harness.run.progress import Display
+from harness.run.rerun import read_for_rerun, rerun, verdict
+from harness.run.run_study import on_cluster, on_this_machine, run_study
+from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
+from harness.study.study import Study, load_study
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a study, show its result and list what is missing."""
+    end_at_sigterm()
+    if options.dask is not None and options.case_timeout < math.inf:
+        raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
+    if options.dask is not None and (
+        options.threads or options.device != "cpu" or options.batch > 1
+    ):
+        raise HarnessError(
+            "--threads, --device and --batch are of this machine; leave them out with --dask"
+        )
+    study = load_study(options.study, options.set)
+    _ = study.cases  # what is wrong with them is told before anything is started
+    runner = (
+        on_this_machine(
+            study,
+            options.workers,
+            options.case_timeout,
+            device=options.device,
+            threads=options.threads,
+            batch=options.batch,
+        )
+        if options.dask is None
+        else on_cluster(study, options.dask)
+    )
+    dataset = run_study(study, options.out, runner, fresh=options.fresh)
+    show(dataset, options.out)
+    print(study_file(options.out, study))
+    incomplete = _list_incomplete(study, dataset)
+    return list_misses(dataset) or incomplete
+
+
+def _list_incomplete(study: Study, dataset: xr.Dataset) -> int:
+    status, message = over_cases(dataset, "status"), over_cases(dataset, "message")
+    lost = [it for it in zip(study.cases, status, message, strict=True) if it[1] != COMPLETED]
+    for case, how, why in lost:
+        tell(f"{case.label}: {how}: {why}")
+    return INCOMPLETE if lost else DONE
+
+
+def rerun_case(options: argparse.Namespace) -> int:
+    """Run one case again and compare it with its file, bit by bit."""
+    end_at_sigterm()
+    check_device(options.device)
+    case, before = read_for_rerun(options.file, options.case)
+    with Display(1, sys.stderr) as display:
+        again = rerun(case, display, device=options.device, threads=options.threads)
+    same, words = verdict(before, again)
+    print(f"{case.key}: {words}")
+    return DONE if same else INCOMPLETE
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Measure what a step costs."""
+    end_at_sigterm()
+    study = load_study("bench", options.set)
+    runner = on_this_machine(study, None, math.inf, device=options.device)
+    dataset = run_study(study, options.out, runner, fresh=True)
+    print(*bench_rows(dataset), sep="\n")
+    print(study_file(options.out, study))
+    return _list_incomplete(study, dataset)
+
+
+def verify_scenes(options: argparse.Namespace) -> int:
+    """Hold scenes against their exact solutions."""
+    checks = checks_of(options.scene, extreme=options.extreme)
+    start_warp_in_silence()
+    if options.out is not None:
+        prepare(options.out)
+    lines, results = [heading()], []
+    print(lines[0])
+    for check in checks:
+        results.append(verify(check))
+        lines.append(table_rows(results[-1]))
+        print(lines[-1], flush=True)
+        if options.out is not None:
+            dataset = as_dataset(results).assign_attrs(provenance())
+            write_netcdf(dataset, options.out / "verify.nc")
+            write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
+    if options.out is not None:
+        draw_work_precision(as_dataset(results), options.out / "verify.png")
+    return INCOMPLETE if any(result.shortfalls for result in results) else DONE

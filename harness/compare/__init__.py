@@ -1,0 +1,1 @@
+"""Results held against references, tolerances and each other."""

@@ -1,0 +1,202 @@
+"""Two results beside each other: relative differences case by case, or every bit of one case."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.conventions import (
+    COMPLETED,
+    Role,
+    case_dims,
+    is_there,
+    labels_of,
+    over_cases,
+    parameter_names,
+    scenes_of,
+    with_role,
+)
+from harness.archive.provenance import OF_CASE
+from harness.errors import HarnessError
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Value, from_mapping, parameters_of
+from mpm_warp.scenes import scene_class
+
+Identity = tuple[str, frozenset[tuple[str, object]]]
+"""Scene and parameters of a case."""
+
+
+class NotComparableError(HarnessError):
+    """Two results have no case or no number in common; the message is one line."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The largest relative difference of one result over the cases of two datasets.
+
+    Attributes:
+        name: of the result.
+        size: difference over the first's value; infinite where only one has a number.
+        label: the case.
+    """
+
+    name: str
+    size: float
+    label: str
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference], list[str]]:
+    """Set two results side by side, case by case of the same parameters.
+
+    Parameters are the same after the scene has filled in what a result does not have: a default
+    for a parameter that was added later, and what the scene derives from the others. A parameter
+    that the scene no longer has counts where both results have it, or where it varies.
+
+    Returns:
+        The largest difference of each scalar result, times and memory left aside where they are
+        not what the scene is run for; and the cases that only one of them has or has completed, a
+        line each.
+
+    Raises:
+        NotComparableError: they have no case in common, or nothing there that can be compared.
+    """
+    shared = parameter_names(first).keys() & parameter_names(second).keys()
+    ours, theirs = _identities(first, shared), _identities(second, shared)
+    common = [identity for identity in ours if identity in theirs]
+    if not common:
+        raise NotComparableError("nothing to compare: no case has the same parameters in both")
+    labels = labels_of(first), labels_of(second)
+    lonely = [
+        f"only in the {which}: {text[place]}"
+        for which, text, mine, other in (
+            ("first", labels[0], ours, theirs),
+            ("second", labels[1], theirs, ours),
+        )
+        for identity, place in mine.items()
+        if identity not in other
+    ]
+    here, there = [ours[it] for it in common], [theirs[it] for it in common]
+    lonely += [
+        f"{before} in the first, {after} in the second: {labels[0][place]}"
+        for place, before, after in zip(
+            here,
+            over_cases(first, "status")[here],
+            over_cases(second, "status")[there],
+            strict=True,
+        )
+        if (before == COMPLETED) != (after == COMPLETED)
+    ]
+    measured = {*with_role(first, Role.MEASURED), *with_role(second, Role.MEASURED)}
+    found = []
+    is_compared = False
+    for name in sorted((_scalar_results(first) | _scalar_results(second)) - measured):
+        before, after = over_cases(first, name)[here], over_cases(second, name)[there]
+        is_compared |= not (np.isnan(before) & np.isnan(after)).all()
+        sizes = _relative(before, after)
+        worst = int(np.argmax(sizes))
+        found.append(Difference(name, float(sizes[worst]), labels[0][here[worst]]))
+    if not is_compared and not lonely:
+        raise NotComparableError("nothing to compare: no case has a scalar result in either")
+    return found, lonely
+
+
+def unshared(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+    """The parameters that only one of two results has, a line for each that has some."""
+    ours, theirs = parameter_names(first).keys(), parameter_names(second).keys()
+    return [
+        f"only the {which} has {', '.join(sorted(names))}: compared where at the default"
+        for which, names in (("first", ours - theirs), ("second", theirs - ours))
+        if names
+    ]
+
+
+def difference_rows(found: Sequence[Difference], tolerance: float) -> list[str]:
+    """A line a result, the largest difference and where it is."""
+    width = max((len(it.name) for it in found), default=0)
+    rows = []
+    for it in found:
+        verdict = "MISSED" if it.size > tolerance else "ok"
+        rows.append(f"{it.name:{width}}  {it.size:9.3g}  {verdict:6}  {it.label}")
+    return rows
+
+
+def differing(one: xr.Dataset, other: xr.Dataset, *, measures_machine: bool = False) -> list[str]:
+    """Names of the variables of two results of a case that are not the same to the last bit.
+
+    Left aside are parameters, measurements, and what tells where and when a case was computed.
+
+    Args:
+        one: a result.
+        other: another.
+        measures_machine: whether what the scene is run for is a measurement too.
+    """
+    roles = [Role.MEASURED, Role.PARAMETER, *([Role.HEADLINE] if measures_machine else [])]
+    aside = {*OF_CASE, *with_role(one, *roles), *with_role(other, *roles)}
+    names = sorted({*map(str, one.variables), *map(str, other.variables)} - aside)
+    return [
+        name
+        for name in names
+        if not (name in one.variables and name in other.variables and _same(one, other, name))
+    ]
+
+
+def _same(one: xr.Dataset, other: xr.Dataset, name: str) -> bool:
+    # `identical` would take 0 for -0.
+    first, second = one[name].variable, other[name].variable
+    same_kind = (first.dims, first.shape, first.dtype) == (second.dims, second.shape, second.dtype)
+    return same_kind and (
+        first.values.tobytes() == second.values.tobytes()
+        if first.dtype.kind != "O"
+        else first.values.tolist() == second.values.tolist()
+    )
+
+
+def _relative(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    same = (before == after) | (np.isnan(before) & np.isnan(after))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.abs(after - before) / np.abs(before)
+    return np.where(same, 0.0, np.where(np.isnan(relative), np.inf, relative))
+
+
+def _scalar_results(dataset: xr.Dataset) -> set[str]:
+    return {
+        str(name)
+        for name, array in dataset.data_vars.items()
+        if array.dims == case_dims(dataset) and array.dtype.kind in "iuf"
+    } - set(with_role(dataset, Role.PARAMETER, Role.REFERENCE, Role.DEVIATION))
+
+
+def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity, int]:
+    """The place of each case, by its scene and all its parameters."""
+    names = parameter_names(dataset)
+    columns = [over_cases(dataset, stored).tolist() for stored in names.values()]
+    of_cases = scenes_of(dataset)
+    scenes = {name: scene_class(name) for name in of_cases}
+    places = {}
+    for place, (name, *values) in enumerate(zip(of_cases, *columns, strict=True)):
+        scene = scenes[name]
+        given = {key: it for key, it in zip(names, values, strict=True) if is_there(it)}
+        known = {
+            key: definition.kind(given.pop(key))
+            for key, definition in parameters_of(scene).items()
+            if key in given
+        }
+        # What is left are parameters that the scene no longer has.
+        others = {key: it for key, it in given.items() if key in shared or dataset[names[key]].ndim}
+        identity = frozenset({**_complete(scene, known), **others}.items())
+        places[name, identity] = place
+    return places
+
+
+def _complete(scene: type, given: dict[str, Value]) -> dict[str, Value | None]:
+    """All parameters of a scene, defaults and those that it derives filled in."""
+    try:
+        return dataclasses.asdict(from_mapping(scene, given))
+    except ParameterError:  # a case that the scene refuses has nothing derived
+        defaults = {name: it.default for name, it in parameters_of(scene).items()}
+        return {**defaults, **given}

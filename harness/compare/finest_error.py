@@ -1,0 +1,72 @@
+"""The error of each case against the costliest one, where no exact solution is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.conventions import (
+    PARTICLE_UPDATES,
+    ROLE,
+    Role,
+    over_cases,
+    parameter_names,
+    spoken,
+    with_role,
+)
+from harness.study import study
+
+
+def error_name(dataset: xr.Dataset) -> str | None:
+    """The error that a result holds, the exact one first; None where it holds neither."""
+    return next((name for name in (study.ERROR, study.ERROR_FINEST) if name in dataset), None)
+
+
+def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
+    """Add the error of each case against the costliest one, where no exact error is known.
+
+    Cases are alike that differ only in parameters of the method. The costliest of them, by particle
+    updates, is the reference, and has itself no error.
+
+    Args:
+        dataset: the result of a study of one scene.
+        method: the parameters of the method, which the scene names.
+    """
+    headlines = with_role(dataset, Role.HEADLINE)
+    if study.ERROR in dataset or not (method and headlines and PARTICLE_UPDATES in dataset):
+        return dataset
+    values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, PARTICLE_UPDATES)
+    error = np.full(values.shape, np.nan)
+    for cases in _alike(dataset, method):
+        sound = cases[np.isfinite(values[cases])]
+        if len(sound) < 2:
+            continue
+        finest = sound[np.argmax(cost[sound])]
+        others = sound[sound != finest]
+        error[others] = np.abs(values[others] / values[finest] - 1.0)
+    if not np.isfinite(error).any():
+        return dataset
+    labels = {
+        "units": "1",
+        "long_name": f"error of the {spoken(headlines[0])}",
+        "description": "relative difference from the case with most particle updates among those "
+        "that differ in the method alone; that one has none",
+        ROLE: Role.ERROR,
+    }
+    status = dataset["status"]
+    return dataset.assign({study.ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)})
+
+
+def _alike(dataset: xr.Dataset, method: Sequence[str]) -> list[np.ndarray]:
+    """Indices of the cases that agree in all parameters but those of the method, by group."""
+    columns = [
+        over_cases(dataset, stored).tolist()
+        for name, stored in parameter_names(dataset).items()
+        if name not in method
+    ]
+    groups: dict[str, list[int]] = {}
+    for case, values in enumerate(zip(*columns, strict=True)):
+        groups.setdefault(repr(values), []).append(case)
+    return [np.array(group) for group in groups.values()]

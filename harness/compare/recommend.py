@@ -1,0 +1,159 @@
+"""The cheapest settings, among results at hand, that reach an error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import xarray as xr
+
+from harness.archive.conventions import COMPLETED, RUN_TIME, over_cases, varied_names
+from harness.archive.study_files import read_study
+from harness.compare.finest_error import error_name
+from harness.errors import HarnessError
+from mpm_warp.parameters import Value, parameters_of
+from mpm_warp.scenes import scene_class
+
+DERIVED = "derived"
+"""Value of a parameter of the method that the scene works out itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recommendation:
+    """Settings of a scene, and what they were measured to cost and to be worth.
+
+    Attributes:
+        settings: parameters of the method that differ between the cases at hand.
+        run_time: longest wall-clock time of the time loop, over all cases with them [s].
+        error: greatest error of these cases, dimensionless.
+        case_count: how many there are.
+        file: the result that they are from.
+    """
+
+    settings: dict[str, Value]
+    run_time: float
+    error: float
+    case_count: int
+    file: Path
+
+    def __str__(self) -> str:
+        text = ", ".join(f"{name} = {value}" for name, value in self.settings.items())
+        cases = "case" if self.case_count == 1 else "cases"
+        return (
+            f"{text or 'default settings'}: error {self.error:.2%} and {self.run_time:.3g} s at "
+            f"most, over {self.case_count} {cases} of {self.file}"
+        )
+
+
+def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation | None:
+    """The cheapest settings whose error is at most `largest_error` in every case that has them.
+
+    Args:
+        scene: name of the scene.
+        largest_error: dimensionless, > 0.
+        files: results; what is no study, not of the scene, or without errors is passed over.
+
+    Raises:
+        HarnessError: no result of the scene has an error; the message says whether any is there.
+        ArchiveError: a file is damaged.
+    """
+    known = scene_class(scene)
+    # What refines an exact solution is a parameter of the method too.
+    method = list(dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)]))
+    results = {file: _of_scene(scene, read_study(file)) for file in files if _has(file, scene)}
+    kinds = {name: parameters_of(known)[name].kind for name in method}
+    found = [it for file, dataset in results.items() for it in _measured(kinds, dataset, file)]
+    if not found:
+        raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
+    good = [it for it in found if it.error <= largest_error]
+    return min(good, key=lambda it: it.run_time, default=None)
+
+
+def results_in(folder: Path) -> list[Path]:
+    """The files that may be results, sorted.
+
+    Raises:
+        HarnessError: there is no such folder.
+    """
+    if not folder.is_dir():
+        raise HarnessError(f"--results {folder}: no such folder")
+    return sorted(folder.glob("*.nc"))
+
+
+def _has(file: Path, scene: str) -> bool:
+    """Whether a file is the result of a study of the scene, or cannot be read, which is told."""
+    try:
+        with netCDF4.Dataset(file) as opened:
+            attributes = opened.__dict__
+    except (OSError, RuntimeError, ValueError):
+        return True
+    return "study" in attributes and scene in str(attributes.get("scene")).split()
+
+
+def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
+    """The cases of one scene of several, and what varies among them."""
+    if "scene" not in dataset.coords:
+        return dataset
+    cases = dataset.isel(case=np.flatnonzero(dataset["scene"].values == scene))
+    alike = [name for name, it in cases.coords.items() if np.unique(it.values).size == 1]
+    return cases.drop_vars(alike)
+
+
+def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:
+    return [name for name in varied_names(dataset) if name in method]
+
+
+def _why_nothing(method: Collection[str], results: Collection[xr.Dataset]) -> str:
+    if not method:
+        return "has no errors: neither an exact solution nor parameters of the method"
+    if not results or any(_varied(method, dataset) for dataset in results):
+        return "no result with errors is at hand; run a study of it first"
+    return f"no result at hand has errors, for none varies the method: {', '.join(method)}"
+
+
+def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> list[Recommendation]:
+    """What each combination of settings of the method cost and was worth.
+
+    Args:
+        kinds: types of the parameters of the method, by name.
+        dataset: the result of a study.
+        file: where it is from.
+    """
+    name = error_name(dataset)
+    if name is None or RUN_TIME not in dataset:
+        return []
+    error, seconds = over_cases(dataset, name), over_cases(dataset, RUN_TIME)
+    done = over_cases(dataset, "status") == COMPLETED
+    varied = _varied(kinds, dataset)
+    columns = [_settings(over_cases(dataset, it), kinds[it]) for it in varied]
+    groups: dict[tuple[Value, ...], list[int]] = {}
+    for case in range(error.size):
+        groups.setdefault(tuple(column[case] for column in columns), []).append(case)
+    found = []
+    for values, cases in groups.items():
+        errors = error[cases]
+        # The reference has no error of its own, and nothing is known of its settings by it.
+        judged = np.isfinite(errors) | ~done[cases]
+        if judged.any():
+            worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
+            found.append(
+                Recommendation(
+                    settings=dict(zip(varied, values, strict=True)),
+                    run_time=float(np.nanmax(seconds[cases])) if done[cases].any() else np.inf,
+                    error=worst,
+                    case_count=len(cases),
+                    file=file,
+                )
+            )
+    return found
+
+
+def _settings(values: np.ndarray, kind: type) -> list[Value]:
+    """Values of a parameter in its own type, as a file of several scenes does not keep them."""
+    return [
+        DERIVED if isinstance(it, float) and math.isnan(it) else kind(it) for it in values.tolist()
+    ]

@@ -1,0 +1,188 @@
+"""The stability map: where a study is stable, by which margin, and what gives way first beyond."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize, to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
+
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
+from harness.pictures.stability import Values, limit_label
+from harness.pictures.stability_shares import SHARE_HEADING, Shares, share_row, shares
+from harness.pictures.stability_strips import STRIP_HEADING, Strip, strip_row, strips
+from harness.study.designs import ONE_AT_A_TIME
+
+STATUSES = {
+    COMPLETED: ("o", "#009E73"),
+    "inaccurate": ("^", "#E69F00"),
+    "diverged": ("X", "#D55E00"),
+    "refused": ("s", "#666666"),
+    TIMED_OUT: ("D", "#56B4E9"),
+    CRASHED: ("P", "#CC79A7"),
+    "failed": ("v", "#0072B2"),
+}
+"""Marker and colour of each status, in Okabe and Ito's colours."""
+OTHER = ("*", "black")
+"""Those of any other status."""
+WIDTH, STRIP_HEIGHT = 6.4, 0.62
+BESIDE = 64
+"""Letters of a line beside a strip."""
+LIMIT_COLOURS = colormaps["viridis"]
+"""Of a result's size over its limit, 0 to 1."""
+
+
+def stability_figure(dataset: xr.Dataset) -> Figure:
+    """A strip for each parameter: of single cases, or of the shares of random ones.
+
+    Args:
+        dataset: result for which :func:`harness.pictures.stability.shows_stability` holds.
+    """
+    if dataset.attrs["design"] == ONE_AT_A_TIME:
+        return _figure_of_strips(strips(dataset), limit_label(dataset))
+    return _figure_of_shares(shares(dataset), limit_label(dataset))
+
+
+def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """The map in words: a heading, then a row for each parameter."""
+    if dataset.attrs["design"] == ONE_AT_A_TIME:
+        return [STRIP_HEADING, *map(strip_row, strips(dataset))]
+    return [SHARE_HEADING, *map(share_row, shares(dataset))]
+
+
+def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
+    figure, rows = _rows([strip.values for strip in found])
+    for axes, strip in zip(rows, found, strict=True):
+        _draw_strip(axes, strip)
+    shown = _in_order(name for strip in found for name in strip.status.tolist())
+    is_scaled = any(np.isfinite(strip.limit_share).any() for strip in found)
+    handles = [_mark(it, "white" if is_scaled and it == COMPLETED else None) for it in shown]
+    handles.append(Line2D([], [], color="black", lw=1, label="default"))
+    handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
+    _legend(figure, handles)
+    if is_scaled:
+        axes = figure.add_axes((0.0, -0.7 / len(rows), 1.0, 0.12 / len(rows)))
+        scale = ScalarMappable(Normalize(0.0, 1.0), LIMIT_COLOURS)
+        figure.colorbar(scale, cax=axes, orientation="horizontal")
+        axes.set_xlabel(f"{limit}, of completed cases", fontsize=7)
+        axes.tick_params(labelsize=6)
+    return figure
+
+
+def _mark(status: str, colour: str | None) -> Line2D:
+    """The mark of a status in the legend."""
+    marker, own = _look(status)
+    return Line2D([], [], ls="", marker=marker, color=colour or own, mec="black", label=status)
+
+
+def _draw_strip(axes: Axes, strip: Strip) -> None:
+    stable, numbers = strip.stable, strip.values.numbers
+    if stable.size and not strip.values.categories:
+        axes.plot(stable[[0, -1]], [0, 0], color="0.8", lw=8, solid_capstyle="round", gid="stable")
+    axes.axvline(strip.default, color="black", lw=1, gid="default")
+    for number, status, share in zip(
+        numbers, strip.status.tolist(), strip.limit_share, strict=True
+    ):
+        marker, colour = _look(status)
+        if np.isfinite(share):
+            colour = to_hex(LIMIT_COLOURS(share))
+        axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
+    _scale(axes, strip.values)
+    axes.set_ylim(-1, 1)
+    axes.set_yticks([])
+    sides = [f"{name}: {strip.margin(side)}" for side, name in ((-1, "below"), (1, "above"))]
+    _write_beside(axes, sides)
+
+
+def _figure_of_shares(found: Sequence[Shares], limit: str) -> Figure:
+    figure, rows = _rows([it.values for it in found])
+    for axes, it in zip(rows, found, strict=True):
+        _draw_shares(axes, it)
+    handles: list[Artist] = [
+        Patch(color=_look(name)[1], label=name) for name in _in_order(found[0].counts)
+    ]
+    if any(np.isfinite(it.limit_share).any() for it in found):
+        handles.append(Line2D([], [], color="black", lw=2, label=f"{limit}, median of completed"))
+    _legend(figure, handles)
+    return figure
+
+
+def _draw_shares(axes: Axes, it: Shares) -> None:
+    places, base = np.arange(it.case_count.size), np.zeros(it.case_count.size)
+    for status in _in_order(it.counts):
+        height = it.counts[status] / it.case_count
+        axes.bar(places, height, 0.9, base, color=_look(status)[1], gid=status)
+        base += height
+    axes.hlines(it.limit_share, places - 0.45, places + 0.45, color="black", lw=2)
+    parts = zip(places.tolist(), it.case_count.tolist(), strict=True)
+    axes.set_xticks(places, [f"{it.text(part)} ({count})" for part, count in parts])
+    axes.set_xlim(-0.5, places.size - 0.5)
+    axes.set_ylim(0, 1)
+    axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
+    least = int(np.argmin(it.completed))
+    range_text = f"{it.completed.min():.0%} to {it.completed.max():.0%} complete"
+    _write_beside(axes, [range_text, f"least at {it.text(least)}: {it.failures(least)}"])
+
+
+def _rows(all_values: Sequence[Values]) -> tuple[Figure, list[Axes]]:
+    """Axes one below the other, each with a parameter's name."""
+    count = len(all_values)
+    figure = Figure(figsize=(WIDTH, STRIP_HEIGHT * count), dpi=200)
+    rows = list(figure.subplots(count, 1, squeeze=False)[:, 0])
+    figure.subplots_adjust(left=0, right=1, bottom=0, top=1, hspace=1.0)
+    for axes, values in zip(rows, all_values, strict=True):
+        axes.spines[["top", "right", "left"]].set_visible(False)
+        label = textwrap.fill(values.label, 22)
+        axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
+        axes.tick_params(axis="x", labelsize=6, pad=1)
+    return figure, rows
+
+
+def _scale(axes: Axes, values: Values) -> None:
+    """Dress the axis of a strip."""
+    if values.categories:
+        axes.set_xticks(range(len(values.categories)), values.categories)
+        axes.margins(x=0.2)
+        return
+    if values.logarithmic:
+        # Linear between zero, if it is there, and the smallest other value.
+        smallest = values.numbers[values.numbers > 0.0].min()
+        if values.numbers.min() > 0.0:
+            few = values.numbers.max() < 1000.0 * smallest
+            axes.set_xscale("log")
+            axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
+        else:
+            axes.set_xscale("symlog", linthresh=smallest)
+        axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+
+
+def _write_beside(axes: Axes, lines: Iterable[str]) -> None:
+    text = "\n".join(textwrap.fill(line, BESIDE, max_lines=2) for line in lines)
+    axes.text(1.02, 0.5, text, transform=axes.transAxes, va="center", fontsize=7)
+
+
+def _legend(figure: Figure, handles: Sequence[Artist]) -> None:
+    figure.legend(
+        handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncols=5, fontsize=7, frameon=False
+    )
+
+
+def _look(status: str) -> tuple[str, str]:
+    return STATUSES.get(status, OTHER)
+
+
+def _in_order(statuses: Iterable[str]) -> list[str]:
+    """Each status once, in the order of `STATUSES`, others last."""
+    present = set(statuses)
+    return [*(it for it in STATUSES if it in present), *sorted(present - set(STATUSES))]

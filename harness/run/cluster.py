@@ -1,0 +1,107 @@
+"""Cases on a Dask cluster. Their results come back and are written here, to the same archive."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+import xarray as xr
+from distributed import Client, KilledWorker, as_completed
+from distributed.comm.addressing import get_address_host_port
+
+from harness.archive.case_files import Outcome, is_complete, write_case
+from harness.archive.conventions import COMPLETED, CRASHED
+from harness.archive.provenance import provenance
+from harness.errors import HarnessError, in_one_line
+from harness.run.pool import Watcher
+from harness.run.worker import Result, compute
+from harness.study.cases import Case
+
+PATIENCE = 10.0
+"""Seconds to wait for the scheduler's answer."""
+
+_TURN = threading.Lock()
+
+
+class ClusterError(HarnessError):
+    """The cluster cannot be reached, or is lost; the message is one line."""
+
+
+def compute_in_turn(case: Case) -> Result:
+    """Run a case in a worker of the cluster.
+
+    Threads of one worker take turns, or a case would be charged with the memory of another.
+    """
+    with _TURN:
+        return compute(case)
+
+
+def connect(address: str) -> Client:
+    """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed.
+
+    Raises:
+        ClusterError: it cannot be reached.
+    """
+    # What they remark would run into the progress display; what matters is told by ClusterError.
+    for name in logging.root.manager.loggerDict:
+        if name.startswith(("asyncio", "distributed", "tornado")):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        get_address_host_port(address)  # a client would take 20 s to give up a malformed one
+        return Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        reason = " ".join(str(error).split())
+        raise ClusterError(f"--dask {address}: cannot be reached: {reason}") from None
+
+
+def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher: Watcher) -> None:
+    """Run cases on a Dask cluster; each result is in `folder` before `watcher` hears of it.
+
+    A case whose worker dies is run again by another, until the scheduler takes the case itself for
+    the reason; then it is `crashed`. An exception, such as Ctrl-C raises, takes the cases back;
+    the results so far are kept.
+
+    Args:
+        cases: what to run.
+        folder: where the case files are.
+        client: of the cluster.
+        watcher: is told what goes on.
+
+    Raises:
+        ClusterError: the scheduler is lost.
+        ArchiveError: a result cannot be written.
+    """
+    # Not pure: a case that is asked for again has failed before.
+    case_of = {client.submit(compute_in_turn, case, pure=False): case for case in cases}
+    ended = as_completed(list(case_of), loop=client.loop, with_results=True, raise_errors=False)
+    for future, answer in ended:
+        case = case_of.pop(future)  # with it the cluster lets go of the result
+        if isinstance(answer, Result):
+            watcher.finished(case, _kept(folder, case, answer))
+        elif future.status == "error":
+            watcher.finished(case, _kept(folder, case, _loss(answer[1])))
+        else:
+            raise ClusterError("the scheduler of the Dask cluster is lost")
+
+
+def _kept(folder: Path, case: Case, result: Result) -> Outcome:
+    """Write a result, unless another run has completed the case meanwhile."""
+    if is_complete(folder, case):
+        return Outcome(COMPLETED, "by another run")
+    # Computed there, with all that this says of the machine, but asked for here.
+    asked = {"command_line": provenance()["command_line"]}
+    outcome, dataset = result.outcome, result.dataset.assign_attrs(asked)
+    write_case(folder, case, dataset, outcome.status, outcome.message)
+    return outcome
+
+
+def _loss(error: BaseException) -> Result:
+    """What becomes of a case that the cluster gives no result for."""
+    if isinstance(error, KilledWorker):
+        times = error.allowed_failures + 1
+        outcome = Outcome(CRASHED, f"each of {times} workers that ran the case died")
+    else:
+        outcome = Outcome("failed", f"on the cluster: {in_one_line(error)}")
+    return Result(outcome, xr.Dataset())

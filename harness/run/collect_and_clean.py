@@ -1,0 +1,189 @@
+"""The results of a study looked after: how its cases stand, one dataset of them, what is left."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError, abandoned
+from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
+from harness.archive.collection import collect
+from harness.archive.conventions import CASE_TIME, COMPLETED, DAMAGED, UNTIMED, over_cases
+from harness.archive.provenance import SOURCES, sources_digest
+from harness.archive.study_files import study_file, write_study
+from harness.compare.cone_factors import NothingToCompareError, with_references
+from harness.compare.finest_error import with_finest_error
+from harness.compare.tolerances import with_tolerances
+from harness.errors import tell
+from harness.study.cases import Case
+from harness.study.study import Study
+from mpm_warp.parameters import Value
+
+Parameters = Mapping[str, Value | None]
+
+
+def check_begun(study: Study, out: Path) -> None:
+    """Refuse a study of which no case has a file: there is nothing to collect.
+
+    Raises:
+        ArchiveError: none has.
+    """
+    folder = case_folder(out, study)
+    if not any(case_file(folder, case).exists() for case in study.cases):
+        raise ArchiveError(
+            f"{folder}: has no case of this study; "
+            "run it first, or give each --set that it was run with"
+        )
+
+
+def collect_and_write(study: Study, out: Path) -> xr.Dataset:
+    """Collect a study, compare it with its references, and write its dataset.
+
+    Raises:
+        ArchiveError: the dataset cannot be written.
+    """
+    dataset = collect(study, case_folder(out, study))
+    if len(study.parts) == 1:
+        dataset = with_finest_error(dataset, study.parts[0].scene.method)
+    dataset = with_tolerances(dataset, study.tolerances)
+    try:
+        dataset = with_references(dataset, study.references)
+    except NothingToCompareError as error:
+        tell(str(error))
+    write_study(study_file(out, study), dataset)
+    return dataset
+
+
+def outcomes(study: Study, out: Path) -> list[Outcome]:
+    """How the cases of a study stand, in their order."""
+    folder = case_folder(out, study)
+    read = [read_outcome(folder, case) for case in study.cases]
+    return [
+        replace(outcome, status=UNTIMED)
+        if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats
+        else outcome
+        for outcome in read
+    ]
+
+
+def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
+    """How the cases of a collected dataset stand; times are of completed ones."""
+    seconds = np.nan_to_num(over_cases(dataset, CASE_TIME)).tolist()
+    of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
+    sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
+    return [
+        Outcome(str(status), seconds=time, sources=str(digest))
+        for status, time, digest in zip(
+            over_cases(dataset, "status"), seconds, sources, strict=True
+        )
+    ]
+
+
+def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
+    """Say in one line how many results were computed by other sources of the simulator.
+
+    A result belongs to a case of the same scene, of the same version, with the same parameters; so
+    a raised version of a scene has all its cases run anew. Sources may also change while the
+    version stays: a kernel is edited, or a comment. What that does to the numbers nobody can tell,
+    so nothing is computed again unasked, and nothing is handed on in silence: results are kept, and
+    this line says so until ``run --fresh`` has computed them anew. A result whose file does not say
+    by which sources it was computed counts among these.
+    """
+    digests = {part.name: sources_digest(part.scene) for part in study.parts}
+    completed = [
+        (case, outcome)
+        for case, outcome in zip(study.cases, outcomes, strict=True)
+        if outcome.status == COMPLETED
+    ]
+    count = sum(outcome.sources != digests[case.scene] for case, outcome in completed)
+    if count:
+        tell(
+            f"{study.name}: {count} of {counted(len(completed), 'result')} computed by other "
+            "sources of the simulator, of the same version; kept: `harness run --fresh` computes "
+            "them anew"
+        )
+
+
+def status_rows(cases: Sequence[Case], outcomes: Sequence[Outcome]) -> list[str]:
+    """A line a case, and one of all."""
+    rows = [f"{'case':16}  {'status':9}  {'time':>9}  parameters"]
+    for case, outcome in zip(cases, outcomes, strict=True):
+        time = f"{outcome.seconds:.1f} s" if outcome.seconds else ""
+        why = f": {outcome.message}" if outcome.message else ""
+        rows.append(f"{case.key}  {outcome.status:9}  {time:>9}  {case.label}{why}")
+    return [*rows, summary(outcomes)]
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """How many cases of each status there are, and how long they took."""
+    counts = Counter(outcome.status for outcome in outcomes)
+    told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    seconds = sum(it.seconds for it in outcomes)
+    return f"{counted(len(outcomes), 'case')}: {told}; {seconds:.1f} s in all"
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things in words: ``1 file``, ``2 files``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def leftovers(study: Study, out: Path) -> dict[Path, str]:
+    """Files that are no results of the study as it is now, and what they are.
+
+    These are damaged files, results of cases that the study does not have (with other parameters,
+    or of another version of the simulator), and what processes that were killed left half-written.
+    """
+    folder = case_folder(out, study)
+    found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
+    present = {case_file(folder, case): case for case in study.cases}
+    keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
+    for path in sorted(folder.glob("*.nc")):
+        if path not in present:
+            found[path] = _stranger(path, keys, shared)
+        elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
+            found[path] = outcome.message.removeprefix(f"{path}: ")
+    return found
+
+
+def _stranger(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
+    """What a file in the folder of a study's cases is whose name is the key of none.
+
+    Args:
+        path: the file.
+        keys: of the study's cases.
+        shared: by scene, the parameters that are the same in all of these.
+    """
+    try:
+        with netCDF4.Dataset(path) as file:
+            parameters = dict(json.loads(file.parameters))
+            key, scene = str(file.case_key), str(file.scene)
+            told = f"{scene} version {file.scene_version}, {file.status}"
+    except (OSError, RuntimeError, ValueError, TypeError, AttributeError):
+        return "not a case file, or a damaged one"
+    if key in keys:
+        return f"a copy of case {key}"
+    if scene not in shared:
+        return f"no case of this study: {told}: another scene"
+    others = ", ".join(
+        f"{name}={value}"
+        for name, value in parameters.items()
+        if name not in shared[scene] or value != shared[scene][name]
+    )
+    return f"no case of this study: {told}: {others or 'the same parameters'}"
+
+
+def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:
+    """By scene, the parameters that are the same in all of its cases."""
+    shared: dict[str, Parameters] = {}
+    for case in cases:
+        before = shared.get(case.scene, case.parameters)
+        same = {name: value for name, value in before.items() if value == case.parameters[name]}
+        shared[case.scene] = same
+    return shared

@@ -1,0 +1,143 @@
+"""From cases to results: a pool of worker processes, each replaced when it dies."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections import deque
+from collections.abc import Sequence
+from multiprocessing import resource_tracker
+from multiprocessing.connection import wait
+from pathlib import Path
+from typing import Protocol
+
+from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import Outcome, is_complete
+from harness.archive.conventions import COMPLETED, MISSING
+from harness.run.worker_process import WorkerProcess, end_all
+from harness.study.cases import Case
+from mpm_warp.execution import THREAD_COUNTS
+
+LONGEST_WAIT = 3600.0
+"""Seconds to wait for news at a time: the system takes no more than some weeks."""
+
+
+class Watcher(Protocol):
+    """Is told what goes on while cases run."""
+
+    def advanced(self, case: Case, fraction: float) -> None:
+        """A running case has come to `fraction`, 0 to 1."""
+
+    def finished(self, case: Case, outcome: Outcome) -> None:
+        """A case has ended, well or not."""
+
+
+def run_cases(
+    cases: Sequence[Case],
+    folder: Path,
+    worker_count: int,
+    watcher: Watcher,
+    *,
+    device: str = "cpu",
+    threads: int | None = None,
+    time_limit: float = math.inf,
+    repeats: int = 0,
+    batch: int = 1,
+) -> None:
+    """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
+
+    Whatever becomes of a case, the others go on. An exception, such as Ctrl-C raises, ends the
+    workers; the results so far are kept. A case that another run has completed meanwhile is not
+    run again.
+
+    Args:
+        cases: what to run, in this order.
+        folder: where the case files are.
+        worker_count: greatest number of processes at work.
+        watcher: is told what goes on.
+        device: where the cases are computed.
+        threads: for each case; None: the cases at work share the cores, whose number may be more
+            than theirs where there are few, or few left.
+        time_limit: time that a case may take [s]; one that takes more is ended. Cases that a
+            process runs together have the sum of theirs.
+        repeats: times to run each case again to measure its run time warm.
+        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
+            those of them that are not done are run again one by one.
+
+    Raises:
+        ArchiveError: a result cannot be written.
+    """
+    # Starting this helper of multiprocessing lets signals through that are held; so it comes first.
+    resource_tracker.ensure_running()
+    waiting = deque(cases)
+    alone: deque[Case] = deque()
+    workers: list[WorkerProcess] = []
+    ready = list[tuple[WorkerProcess, list[Case]]]()
+
+    def next_case(queue: deque[Case]) -> Case | None:
+        while queue:
+            case = queue.popleft()
+            if not is_complete(folder, case, repeats):
+                return case
+            watcher.finished(case, Outcome(COMPLETED, "by another run"))
+        return None
+
+    def next_cases() -> list[Case]:
+        if case := next_case(alone):
+            return [case]
+        count = min(batch, math.ceil(len(waiting) / worker_count))
+        return [case for _ in range(count) if (case := next_case(waiting))]
+
+    def hear(worker: WorkerProcess) -> None:
+        for case, news in worker.news(time_limit):
+            if isinstance(news, float):
+                watcher.advanced(case, news)
+            elif news.status == MISSING:
+                raise ArchiveError(news.message)  # of no use to compute what is not kept
+            else:
+                watcher.finished(case, news)
+
+    try:
+        while waiting or alone or workers:
+            while len(workers) < worker_count and (following := next_cases()):
+                workers.append(WorkerProcess(folder, device, repeats))
+                ready.append((workers[-1], following))
+            # A case may take long to its first report, and is told of its threads no sooner.
+            for worker in workers:
+                worker.allow(threads or share_of_cores(len(workers)))
+            for worker, following in ready:
+                worker.begin(following)
+            ready.clear()
+            for worker in _with_news(workers, time_limit):
+                hear(worker)
+                if worker.is_at_work:
+                    continue
+                alone.extend(worker.left.values())
+                following = next_cases() if worker.process.is_alive() else []
+                if following:
+                    ready.append((worker, following))
+                else:
+                    workers.remove(worker)
+                    end_all([worker])
+    finally:
+        end_all(workers)
+
+
+def share_of_cores(cases_at_work: int) -> int:
+    """Threads of each of the cases that share the cores of this machine."""
+    cores = (os.cpu_count() or 1) // cases_at_work
+    return max((count for count in THREAD_COUNTS if count <= cores), default=1)
+
+
+def cases_at_once(threads: int | None) -> int:
+    """Cases that have the cores of this machine, of so many threads each; None: of one."""
+    return max(1, (os.cpu_count() or 1) // (threads or 1))
+
+
+def _with_news(workers: Sequence[WorkerProcess], time_limit: float) -> list[WorkerProcess]:
+    """Wait for workers that have something to say or have taken too long."""
+    deadline = min((worker.deadline(time_limit) for worker in workers), default=0.0)
+    left = min(max(0.0, deadline - time.monotonic()), LONGEST_WAIT)
+    wait([worker.connection for worker in workers], left)
+    return [it for it in workers if it.connection.poll() or it.is_late(time_limit)]

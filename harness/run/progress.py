@@ -1,0 +1,70 @@
+"""Progress of a study: a bar on a terminal, and a line for each case that has ended."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TextIO
+
+from tqdm import tqdm
+
+from harness.archive.case_files import Outcome
+from harness.study.cases import Case
+
+
+class Display:
+    """Shows cases as they run; a context that leaves the terminal's line clean.
+
+    Args:
+        total: number of cases to run.
+        stream: where to write; the bar is drawn where that is a terminal.
+    """
+
+    def __init__(self, total: int, stream: TextIO) -> None:
+        self.total = total
+        self.stream = stream
+        self.done = 0
+        self.running: dict[str, float] = {}
+        self.bar = tqdm(
+            total=total,
+            file=stream,
+            disable=not stream.isatty(),
+            leave=False,
+            miniters=0,
+            smoothing=0,  # the time left follows from the mean speed so far
+            bar_format="{bar:24} {desc}{remaining} left",
+        )
+
+    def __enter__(self) -> Display:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.bar.close()
+
+    def advanced(self, case: Case, fraction: float) -> None:
+        """A running case has come to `fraction`, 0 to 1."""
+        self.running[case.key] = fraction
+        self._update()
+
+    def finished(self, case: Case, outcome: Outcome) -> None:
+        """A case has ended, well or not."""
+        self.done += 1
+        self.running.pop(case.key, None)
+        told = ", ".join(filter(None, (outcome.status, outcome.headline, outcome.message)))
+        line = f"[{self.done}/{self.total}] {case.label}: {told}, {outcome.seconds:.1f} s"
+        tqdm.write(line, file=self.stream)
+        self.stream.flush()
+        self._update()
+
+    def _update(self) -> None:
+        """Bring the bar to the cases done, and the mean progress of those running."""
+        told = [f"{self.done}/{self.total} cases"]
+        if self.running:
+            mean = sum(self.running.values()) / len(self.running)
+            told.append(f"{len(self.running)} running, at {mean:.0%}")
+        self.bar.set_description_str(", ".join([*told, ""]), refresh=False)
+        self.bar.update(self.done + sum(self.running.values()) - self.bar.n)

@@ -1,0 +1,174 @@
+"""One case again, from its file alone: does it give the same bits?"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.case_files import read_case
+from harness.archive.conventions import COMPLETED, parameter_names
+from harness.archive.provenance import OF_CASE, SOURCES
+from harness.archive.study_files import read_result
+from harness.compare.differences import differing
+from harness.run.pool import Watcher, run_cases
+from harness.study.cases import Case
+from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
+from mpm_warp.scenes import scene_class
+
+PROVENANCE = (
+    "commit",
+    SOURCES,
+    "mpm_warp_version",
+    "warp_lang_version",
+    "numpy_version",
+    "python_version",
+    "platform",
+    "processor",
+    "device",
+)
+"""What may be the reason where results differ."""
+
+
+def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
+    """A case and its result, from its own file or from a collected one.
+
+    Args:
+        path: the file.
+        key: which case; a case file has but one.
+
+    Raises:
+        ArchiveError: there is no such case, or another version of the simulator computed it, or
+            the file lacks what is needed.
+        UnknownSceneError: the simulator has no such scene.
+    """
+    dataset = read_result(path)
+    if "study" in dataset.attrs:
+        dataset = _cell(path, dataset, key)
+    elif "case_key" not in dataset.attrs:
+        raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
+    elif key is not None and key != dataset.attrs["case_key"]:
+        raise ArchiveError(f"{path}: is the file of case {dataset.attrs['case_key']} alone")
+    case = _case(path, dataset)
+    if case.key != dataset.attrs["case_key"]:
+        raise ArchiveError(
+            f"{path}: the parameters there are not those of case {dataset.attrs['case_key']}"
+        )
+    return case, dataset
+
+
+def _case(path: Path, dataset: xr.Dataset) -> Case:
+    """What is to be run for a result, which is as the file of a case has it or a cell of many."""
+    try:
+        scene, key = str(dataset.attrs["scene"]), str(dataset.attrs["case_key"])
+        version = int(dataset.attrs["scene_version"])
+        _status(dataset)
+    except (KeyError, TypeError, ValueError):
+        raise _incomplete(path, "scene, scene_version or status") from None
+    known = scene_class(scene)
+    if version != known.version:  # whose parameters may be others
+        raise ArchiveError(
+            f"{path}: was computed by version {version} of {scene}, "
+            f"this simulator has version {known.version}"
+        )
+    try:
+        if "study" in dataset.attrs:
+            parameters = _parameters_of_cell(dataset, parameters_of(known))
+        else:
+            parameters = dict(json.loads(dataset.attrs["parameters"]))
+    except (KeyError, TypeError, ValueError):
+        raise _incomplete(path, "a parameter") from None
+    return Case(scene=scene, scene_version=version, parameters=parameters, label=key)
+
+
+def _incomplete(path: Path, what: str) -> ArchiveError:
+    return ArchiveError(f"{path}: {what} is missing or malformed; it cannot be run again")
+
+
+def rerun(
+    case: Case, watcher: Watcher, *, device: str = "cpu", threads: int | None = None
+) -> xr.Dataset:
+    """Run a case in a worker process, as a study does, and leave no file."""
+    with tempfile.TemporaryDirectory(prefix="harness-rerun-") as name:
+        folder = Path(name)
+        prepare(folder)
+        run_cases([case], folder, 1, watcher, device=device, threads=threads)
+        again = read_case(folder, case)
+    if again is None:
+        raise ArchiveError(f"case {case.key}: left no result")
+    return again
+
+
+def verdict(before: xr.Dataset, again: xr.Dataset) -> tuple[bool, str]:
+    """Whether both results of a case are the same to the last bit, and that in words."""
+    statuses = [_status(dataset) for dataset in (before, again)]
+    if statuses != [COMPLETED, COMPLETED]:
+        return False, f"not to be compared: {statuses[0]} before, {statuses[1]} again"
+    is_cell = "status" in before.variables
+    names = differing(
+        _as_before(before, again) if is_cell else before,
+        again,
+        measures_machine=scene_class(before.attrs["scene"]).runs_alone,
+    )
+    if not names:
+        return True, "bit-identical"
+    return False, f"differs in {', '.join(names)}{_changes(before.attrs, again.attrs)}"
+
+
+def _status(dataset: xr.Dataset) -> str:
+    return str(dataset.status.item() if "status" in dataset.variables else dataset.attrs["status"])
+
+
+def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
+    """A case of a collected dataset, with what is said of it alone as attributes."""
+    keys = dataset.case_key
+    places = np.argwhere(keys.values == key)
+    if key is None or not len(places):
+        problem = "no case is named" if key is None else f"no case {key}"
+        near = did_you_mean(key or "", map(str, keys.values.flat))
+        # There may be thousands of keys, none of which says anything.
+        listed = f"; there are {keys.size}, `harness status {dataset.attrs['study']}` lists them"
+        raise ArchiveError(f"{path}: {problem}{near or listed}")
+    cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+    own = ("case_key", "scene", "scene_version", *OF_CASE)
+    return cell.assign_attrs({name: cell[name].item() for name in own if name in cell})
+
+
+def _parameters_of_cell(
+    cell: xr.Dataset, definitions: Mapping[str, Parameter]
+) -> dict[str, Value | None]:
+    """All parameters of a case of a collected dataset; not a number is what the scene derives."""
+    names = parameter_names(cell)
+    parameters: dict[str, Value | None] = {}
+    for name, definition in definitions.items():
+        stored = cell[names[name]].item()
+        derived = isinstance(stored, float) and np.isnan(stored)
+        parameters[name] = None if derived else definition.kind(stored)
+    return parameters
+
+
+def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
+    """The case as its own file had it: without padding, each number in its own type."""
+    variables = {}
+    for name, array in again.variables.items():
+        of_scene = f"{cell.attrs['scene']}_{name}"
+        stored = of_scene if of_scene in cell.variables else name
+        if stored in cell.variables:
+            places = {dim: again[dim] for dim in array.dims if dim in cell.indexes}
+            variables[name] = cell[stored].sel(places).variable.astype(array.dtype)
+    return xr.Dataset(variables)
+
+
+def _changes(before: Mapping[str, Any], again: Mapping[str, Any]) -> str:
+    changed = [
+        f"{name} {before.get(name) or 'unknown'} -> {again[name]}"
+        for name in PROVENANCE
+        if before.get(name) != again[name]
+    ]
+    return f"; {', '.join(changed)}" if changed else "; on the same machine with the same versions"

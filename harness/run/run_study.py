@@ -1,0 +1,151 @@
+"""A study is run: what is not done yet, on this machine or on a cluster; then it is collected."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError, abandoned, prepare
+from harness.archive.case_files import Outcome, case_folder, discard
+from harness.archive.conventions import COMPLETED, DAMAGED
+from harness.errors import HarnessError, tell
+from harness.run.collect_and_clean import (
+    collect_and_write,
+    counted,
+    outcomes,
+    summary,
+    tell_of_other_sources,
+)
+from harness.run.device import check_device
+from harness.run.pool import Watcher, cases_at_once, run_cases
+from harness.run.progress import Display
+from harness.study.cases import Case
+from harness.study.study import Study
+
+RunCases = Callable[[Sequence[Case], Path, Watcher], None]
+"""Runs cases, keeps their results in a folder, and tells a watcher."""
+
+
+def on_this_machine(
+    study: Study,
+    worker_count: int | None,
+    time_limit: float,
+    *,
+    device: str = "cpu",
+    threads: int | None = None,
+    batch: int = 1,
+) -> RunCases:
+    """How to run the cases of a study in worker processes here.
+
+    Args:
+        study: where it asks for timed runs, or its scenes measure the machine, one process runs
+            alone.
+        worker_count: processes at work; None: as many as there are cores for their threads.
+        time_limit: time that a case may take [s].
+        device: where the cases are computed.
+        threads: of each case; None: those that are idle, or one where the study asks for timing.
+        batch: greatest number of cases that a process computes together.
+
+    Raises:
+        HarnessError: there is no such device, or cases to be timed are to run at the same time.
+    """
+    check_device(device)
+    repeats = study.timing_repeats
+    alone = repeats > 0 or any(part.scene.runs_alone for part in study.parts)
+    for option, count in (("--batch", batch), ("--workers", worker_count or 1)):
+        if alone and count > 1:
+            raise HarnessError(f"{study.name}: cases are timed one at a time, without {option}")
+    workers = 1 if alone else worker_count or cases_at_once(threads)
+    if repeats:
+        tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
+    return lambda cases, folder, watcher: run_cases(
+        cases,
+        folder,
+        workers,
+        watcher,
+        device=device,
+        threads=1 if threads is None and repeats else threads,
+        time_limit=time_limit,
+        repeats=repeats,
+        batch=batch,
+    )
+
+
+def on_cluster(study: Study, address: str) -> RunCases:
+    """How to run the cases of a study on a Dask cluster.
+
+    Raises:
+        HarnessError: the study asks for timed runs, or Dask is not installed.
+        ClusterError: the scheduler at `address` cannot be reached.
+    """
+    if study.timing_repeats:
+        raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
+    try:
+        # Dask is an optional dependency.
+        from harness.run.cluster import connect, run_on_cluster
+    except ModuleNotFoundError as error:
+        raise HarnessError(f"--dask: {error}: pip install 'mpm-warp[cluster]'") from None
+    client = connect(address)
+
+    def run(cases: Sequence[Case], folder: Path, watcher: Watcher) -> None:
+        with client:
+            run_on_cluster(cases, folder, client, watcher)
+
+    return run
+
+
+def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Dataset:
+    """Run the cases of a study that are not done, or all of them if `fresh`, and collect it.
+
+    A case is done when it has completed, and been timed as often as its study asks for. Done cases
+    that were computed by other sources of the simulator are kept, and one line says so. However
+    the run ends, what is done is in the archive, and collected.
+
+    Args:
+        study: what to run.
+        out: folder of results.
+        run: how the cases are run.
+        fresh: whether what is done already is run again.
+
+    Raises:
+        HarnessError: results cannot be written, or a cluster is lost.
+        KeyboardInterrupt: Ctrl-C.
+    """
+    folder = case_folder(out, study)
+    prepare(folder)
+    for partial in (*abandoned(out), *abandoned(folder)):
+        partial.unlink(missing_ok=True)
+    if fresh:
+        discard(folder, study.cases)
+    stand = outcomes(study, out)
+    pending = _pending(study, stand, folder)
+    done_count = len(study.cases) - len(pending)
+    tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
+    tell_of_other_sources(study, stand)
+    try:
+        with Display(len(pending), sys.stderr) as display:
+            run(pending, folder, display)
+    except (KeyboardInterrupt, HarnessError, OSError) as error:
+        stand = outcomes(study, out)
+        can_write = not isinstance(error, ArchiveError)
+        if can_write and any(outcome.status == COMPLETED for outcome in stand):
+            collect_and_write(study, out)
+        tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
+        raise
+    return collect_and_write(study, out)
+
+
+def _pending(study: Study, stand: Sequence[Outcome], folder: Path) -> list[Case]:
+    """The cases that are to be run; damaged files of theirs are removed."""
+    pending = []
+    for case, outcome in zip(study.cases, stand, strict=True):
+        if outcome.status == DAMAGED:
+            tell(f"{outcome.message}; the case is run again")
+            discard(folder, [case])
+        if outcome.status != COMPLETED:
+            pending.append(case)
+    return pending

@@ -1,0 +1,190 @@
+"""What a worker process does: it runs one case after the other, and keeps each result itself."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import time
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import Outcome, write_case
+from harness.archive.conventions import COMPLETED, MISSING, RUN_TIME, Role, spoken, with_role
+from harness.archive.provenance import SOURCES, provenance, sources_digest
+from harness.compare.differences import differing
+from harness.errors import in_one_line
+from harness.run.device import start_warp_in_silence
+from harness.run.measuring import Measurement, with_samples, without_idle_time
+from harness.study.cases import Case
+from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.execution import Execution
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scenes import Progress, scene_class
+
+REPORT_INTERVAL = 0.1
+"""Seconds between two reports of progress."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of a case.
+
+    Attributes:
+        outcome: how it ended.
+        dataset: what the scene returned, if it completed; what it cost and where it was computed.
+    """
+
+    outcome: Outcome
+    dataset: xr.Dataset
+
+
+def compute(
+    case: Case,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    repeats: int = 0,
+) -> Result:
+    """Run a case in this process.
+
+    An exception that the scene raises is the outcome of the case, by its attribute ``status``
+    where it has one; it is not raised again.
+
+    Args:
+        case: the case.
+        progress: is told the fraction done now and then.
+        execution: where it is computed, and on how many threads; default: one of the processor.
+        repeats: times to run it again to measure its run time warm.
+    """
+    execution = execution or Execution()
+    measurement = Measurement()
+    status, message = COMPLETED, ""
+    try:
+        dataset = _run(case, progress, execution, repeats)
+    except Exception as error:
+        curves = getattr(error, "curves", None)
+        dataset = xr.Dataset() if curves is None else curves
+        status = getattr(error, "status", "failed")
+        message = in_one_line(error)
+    headlines = [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
+    headline = ", ".join(f"{spoken(name)} {dataset[name].item():.4g}" for name in headlines)
+    idle_time = execution.idle_time
+    dataset = without_idle_time(dataset, idle_time)
+    dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
+        provenance(), device=execution.device, cases_together=execution.case_count
+    )
+    return Result(Outcome(status, message, headline, measurement.seconds(idle_time)), dataset)
+
+
+def run_case(
+    case: Case,
+    folder: Path,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    repeats: int = 0,
+) -> Outcome:
+    """Run a case in this process and write its file, whatever becomes of it.
+
+    The arguments are those of :func:`compute`, and the folder of the study's cases.
+
+    Raises:
+        ArchiveError: the result cannot be written.
+    """
+    result = compute(case, progress, execution, repeats)
+    write_case(folder, case, result.dataset, result.outcome.status, result.outcome.message)
+    return result.outcome
+
+
+def serve(connection: Connection, folder: Path, device: str, repeats: int) -> None:
+    """Run the cases that come over `connection`, until the other end is gone.
+
+    A tuple of cases is run together. A number that comes instead, before cases or during them, is
+    that of the threads to use from then on. Sent back are pairs of the number of a case in its
+    tuple and a fraction done, 0 as the cases begin, or in the end an :class:`Outcome`. To be called
+    first thing in a fresh process, whose signals it makes its own.
+    """
+    # Ctrl-C goes to the whole process group, but it is the parent that decides.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # An exception, unlike the signal's default action, removes a half-written file.
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    start_warp_in_silence()
+
+    def run(number: int, case: Case, execution: Execution) -> None:
+        reporter = _Reporter(connection, number, execution)
+        try:
+            outcome = run_case(case, folder, reporter, execution, repeats)
+        except ArchiveError as error:
+            outcome = Outcome(MISSING, str(error))
+        connection.send((number, outcome))
+
+    threads = 1
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            message = connection.recv()
+            if isinstance(message, int):
+                threads = message
+                continue
+            connection.send((0, 0.0))
+            if len(message) == 1:
+                execution = Execution(device, threads)
+                run(0, message[0], execution)
+            else:
+                execution = batch = Batch(device, threads)
+                batch.run([partial(run, *it, batch) for it in enumerate(message)])
+            threads = execution.threads
+
+
+def _run(case: Case, progress: Progress | None, execution: Execution, repeats: int) -> xr.Dataset:
+    """The dataset of the scene and its sources, with the run times of `repeats` more runs."""
+    scene = scene_class(case.scene)
+    if scene.version != case.scene_version:  # as on a cluster with another installation
+        raise RuntimeError(
+            f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
+        )
+    run_count = repeats + 1
+
+    def run(number: int) -> xr.Dataset:
+        def report(fraction: float) -> None:
+            if progress is not None:
+                progress((number + fraction) / run_count)
+
+        return from_mapping(scene, case.parameters).run(report, execution)
+
+    dataset = run(0).assign_attrs({SOURCES: sources_digest(scene)})
+    samples = []
+    for number in range(1, run_count):
+        again = run(number)
+        if names := differing(dataset, again, measures_machine=scene.runs_alone):
+            raise ArithmeticError(f"run {number + 1} gave another {', '.join(names)}")
+        samples.append(float(again[RUN_TIME]))
+    return with_samples(dataset, samples) if samples else dataset
+
+
+class _Reporter:
+    """Sends fractions done, now and then, and takes the number of threads that comes back.
+
+    It ends the process where nobody listens any more.
+    """
+
+    def __init__(self, connection: Connection, number: int, execution: Execution) -> None:
+        self.connection = connection
+        self.number = number
+        self.execution = execution
+        self.next_report = 0.0
+
+    def __call__(self, fraction: float) -> None:
+        now = time.monotonic()
+        if now < self.next_report:
+            return
+        self.next_report = now + REPORT_INTERVAL
+        try:
+            self.connection.send((self.number, fraction))
+            while self.connection.poll():
+                self.execution.threads = self.connection.recv()
+        except (EOFError, ConnectionError):
+            sys.exit()  # not an Exception, so it is no outcome of the case

@@ -1,0 +1,161 @@
+"""The parent's end of a worker process."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from harness.archive.atomic_files import discard_partial
+from harness.archive.case_files import Outcome, is_complete, write_case
+from harness.archive.conventions import CASE_TIME, COMPLETED, CRASHED, TIMED_OUT
+from harness.run.measuring import case_time
+from harness.run.worker import serve
+from harness.study.cases import Case
+
+GRACE = 2.0
+"""Seconds that workers have to end after they were told to."""
+SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Environment that keeps numerical libraries of a worker to one thread."""
+
+# A fresh interpreter: a forked one would share the state of Warp and of the netCDF library.
+_PROCESSES = multiprocessing.get_context("spawn")
+
+
+class WorkerProcess:
+    """The parent's end of a worker process.
+
+    Attributes:
+        given: cases that it was given to run together.
+        left: those that are not done, by their number among them.
+        is_at_work: whether it is at them.
+    """
+
+    def __init__(self, folder: Path, device: str, repeats: int) -> None:
+        self.folder = folder
+        self.repeats = repeats
+        self.threads = 1
+        self.connection, theirs = _PROCESSES.Pipe()
+        self.process = _PROCESSES.Process(
+            target=serve, args=(theirs, folder, device, repeats), daemon=True
+        )
+        # Inherited by the worker, whose libraries load with one thread; those here have loaded.
+        os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
+        with _interrupts_held():  # the worker inherits that and never sees a SIGINT
+            self.process.start()
+        # With this copy closed, the death of the worker reads as an end of file.
+        theirs.close()
+
+    def begin(self, cases: Sequence[Case]) -> None:
+        """Give the worker cases to run together."""
+        self.given = tuple(cases)
+        self.left = dict(enumerate(cases))
+        self.is_at_work = True
+        self.fraction = 0.0
+        self.began = math.inf  # a new worker needs its time to start
+        self._send(self.given)
+
+    def allow(self, threads: int) -> None:
+        """Tell the worker how many threads to use from now on."""
+        if threads != self.threads:
+            self.threads = threads
+            self._send(threads)
+
+    def _send(self, message: tuple[Case, ...] | int) -> None:
+        with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
+            self.connection.send(message)
+
+    def deadline(self, time_limit: float) -> float:
+        """When its cases have taken too long, on the monotonic clock [s]."""
+        return self.began + time_limit * len(self.given)
+
+    def is_late(self, time_limit: float) -> bool:
+        """Whether its cases have taken too long."""
+        return time.monotonic() >= self.deadline(time_limit)
+
+    def news(self, time_limit: float) -> list[tuple[Case, float | Outcome]]:
+        """What the worker has to say, or what became of its cases."""
+        if not self.connection.poll():
+            assert self.is_late(time_limit)
+            end_all([self])
+            return self._lost(TIMED_OUT, f"ended after {time_limit:g} s")
+        try:
+            number, news = self.connection.recv()
+        except (EOFError, OSError):
+            self.process.join()
+            code = self.process.exitcode or 0
+            end = signal.Signals(-code).name if code < 0 else f"code {code}"
+            return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
+        case = self.given[number]
+        if isinstance(news, float):
+            self.fraction = news
+            self.began = min(self.began, time.monotonic())
+        else:
+            del self.left[number]
+            self.is_at_work = bool(self.left)
+        return [(case, news)]
+
+    def _lost(self, status: str, end: str) -> list[tuple[Case, float | Outcome]]:
+        """Note what became of the cases of a worker that is no more, but not of all of many."""
+        self.is_at_work = False
+        news: list[tuple[Case, float | Outcome]] = []
+        for number, case in list(self.left.items()):
+            if is_complete(self.folder, case, self.repeats):
+                outcome = Outcome(COMPLETED)  # it came to write the result, not to tell of it
+            elif len(self.given) == 1:
+                seconds = max(0.0, time.monotonic() - self.began)
+                message = f"{end}, at {self.fraction:.0%} of the case"
+                outcome = Outcome(status, message, seconds=seconds)
+                dataset = xr.Dataset({CASE_TIME: case_time(seconds)})
+                write_case(self.folder, case, dataset, status, message)
+            else:
+                continue
+            del self.left[number]
+            news.append((case, outcome))
+        return news
+
+
+def end_all(workers: Sequence[WorkerProcess]) -> None:
+    """End worker processes at once, and remove what they were writing."""
+    with _interrupts_held():
+        for worker in workers:
+            worker.process.terminate()
+        deadline = time.monotonic() + GRACE
+        for worker in workers:
+            worker.process.join(max(0.0, deadline - time.monotonic()))
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+            worker.connection.close()
+            assert worker.process.pid is not None  # it was started
+            discard_partial(worker.folder, worker.process.pid)
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM wait until the block is over.
+
+    Python's own handlers are put off, because any thread may be handed a signal of the process,
+    one of a numerical library too. SIGINT is blocked besides, which a worker inherits.
+    """
+    came: list[int] = []
+    handlers = {
+        number: signal.signal(number, lambda number, frame: came.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in came:
+            signal.raise_signal(late)

@@ -1,0 +1,113 @@
+"""From a study to its cases. A case is named by the hash of all that decides its numbers."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from harness.study.designs import (
+    LATIN_HYPERCUBE,
+    Combination,
+    Design,
+    combination_count,
+    combinations,
+    rounded,
+)
+from harness.study.expressions import ExpressionError
+from harness.study.scene_part import LARGEST_STUDY, ScenePart
+from harness.study.tables import StudyError
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Value, from_mapping
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One run of a scene.
+
+    Attributes:
+        scene: name of the scene.
+        scene_version: version of the scene that the parameters are meant for.
+        parameters: all parameters of the scene, derived defaults filled in; None is one that the
+            scene derives only when it runs.
+        label: the varied values, for people.
+    """
+
+    scene: str
+    scene_version: int
+    parameters: Mapping[str, Value | None]
+    label: str
+
+    @property
+    def key(self) -> str:
+        """16 hexadecimal digits: the same parameters of the same scene version, the same key."""
+        identity = [self.scene, self.scene_version, self.parameters]
+        canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(canonical.encode()).hexdigest()[:16]
+
+
+def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Case, ...]:
+    """All cases of a study, each once, scene by scene in the order of the design.
+
+    A combination that a scene does not allow is an error in every design but the Latin hypercube,
+    where chance has chosen it: there it is a case that its scene will refuse.
+
+    Args:
+        parts: what the study does with each scene.
+        design: how the varied values are combined.
+        where: the study's file, for messages.
+
+    Raises:
+        StudyError: a scene does not allow a combination, or none of a Latin hypercube; or there are
+            too many cases, or none.
+    """
+    count = sum(combination_count(design, it.varied, it.listed) for it in parts)
+    if count > LARGEST_STUDY:
+        raise StudyError(f"{where}: gives {count} cases; a study has at most {LARGEST_STUDY}")
+    cases: dict[str, Case] = {}
+    refusals: dict[str, StudyError] = {}
+    for part in parts:
+        of_many = [part.name] if len(parts) > 1 else []
+        for values in combinations(design, part.varied, part.listed, part.parameters):
+            text = [f"{name}={value}" for name, value in values.items()]
+            label = ", ".join([*of_many, *text]) or part.name
+            try:
+                complete, refusal = _complete(part, values)
+                if refusal is not None and design.kind != LATIN_HYPERCUBE:
+                    raise StudyError(f"{where}: {label}: {refusal}")
+                is_excluded = any(condition.is_true(complete) for condition in part.excluded)
+            except ExpressionError as error:
+                raise StudyError(f"{where}: {label}: {error}") from None
+            if is_excluded:
+                continue
+            case = Case(
+                scene=part.name,
+                scene_version=part.scene.version,
+                parameters=complete,
+                label=label,
+            )
+            cases.setdefault(case.key, case)
+            if refusal is not None:
+                refusals[case.key] = StudyError(f"{where}: {label}: {refusal}")
+    if not cases:
+        raise StudyError(f"{where}: exclude: leaves no case")
+    if len(refusals) == len(cases):
+        raise next(iter(refusals.values()))
+    return tuple(cases.values())
+
+
+def _complete(
+    part: ScenePart, values: Combination
+) -> tuple[dict[str, Value | None], ParameterError | None]:
+    """All parameters of the scene with these values, and why the scene refuses them, if it does."""
+    given: dict[str, Value] = {**part.fixed, **values}
+    try:
+        for name, expression in part.derived.items():
+            value = expression.value(dataclasses.asdict(part.scene(**given)))
+            given[name] = rounded(value) if isinstance(value, float) else value
+        return dataclasses.asdict(from_mapping(part.scene, given)), None
+    except ParameterError as error:
+        defaults = {name: it.default for name, it in part.parameters.items()}
+        return {**defaults, **given}, error

@@ -1,0 +1,154 @@
+"""The files of studies: found by name or path, read from TOML, joined with those they build on."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from harness.study.designs import EITHER_FIXED_OR_VARIED
+from harness.study.tables import StudyError, Table
+from mpm_warp.parameters import nearest_name
+
+LARGEST_FILE = 1_000_000
+"""Bytes that a definition may have; what is larger is not a study but a mistake."""
+LONGEST_LINEAGE = 8
+"""Studies that may stand one on the other by ``base``."""
+ASSIGNING = ("fixed", "vary", "derived")
+"""Tables that say what a parameter is; what a study says takes the place of what its base says."""
+
+
+def studies_folder() -> Path:
+    """Folder of the studies that ship: inside an installed package, or beside it in a checkout."""
+    package = Path(__file__).parents[1]
+    packaged = package / "studies"
+    return packaged if packaged.is_dir() else package.parent / "studies"
+
+
+def study_names() -> tuple[str, ...]:
+    """Names of the studies that ship, sorted."""
+    return tuple(sorted(path.stem for path in studies_folder().glob("*.toml")))
+
+
+def find_study(study: str, beside: Path | None = None) -> Path:
+    """The file of the study called `study`, or the file `study` itself.
+
+    Args:
+        study: a name, or a path that ends in ``.toml``.
+        beside: folder that a relative path starts from; default: the current one.
+
+    Raises:
+        StudyError: there is none (the nearest name is given), or its name names no results.
+    """
+    path, here = Path(study), beside or Path()
+    is_name = path.suffix != ".toml" and path.name == study
+    path = studies_folder() / f"{study}.toml" if is_name else here / path
+    try:
+        found = path.is_file()
+    except (OSError, ValueError) as error:  # too long a name; a null character in it
+        raise StudyError(f"{study}: {getattr(error, 'strerror', error)}") from None
+    if not found:
+        problem = "no such study" if is_name else "not a file" if path.exists() else "no such file"
+        meant = (
+            f"; a file here is called {path.name}"
+            if is_name and (here / path.name).is_file()
+            else ""
+        )
+        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}{meant}")
+    if path.suffix != ".toml" or not re.fullmatch(r"\w[\w.-]*", path.stem):
+        raise StudyError(
+            f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"
+        )
+    return path
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The tables of a file as they stand there.
+
+    Raises:
+        StudyError: it cannot be read, is too large, or is not TOML.
+    """
+    try:
+        size = path.stat().st_size
+        content = path.read_bytes() if size <= LARGEST_FILE else b""
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be read: {error.strerror}") from None
+    if size > LARGEST_FILE:
+        raise StudyError(f"{path}: has {size} bytes; a study has at most {LARGEST_FILE}")
+    try:
+        return tomllib.loads(content.decode())
+    except UnicodeDecodeError as error:
+        raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
+    except RecursionError:
+        raise StudyError(f"{path}: not valid TOML: nested too deeply") from None
+    except ValueError as error:  # not only TOMLDecodeError: an integer may have too many digits
+        raise StudyError(f"{path}: not valid TOML: {error}") from None
+
+
+def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
+    """A study's file and those that it stands on by ``base``, the farthest first.
+
+    Raises:
+        StudyError: a file is missing or unreadable, or the bases are too many or go in a circle.
+    """
+    line: list[tuple[Path, dict[str, Any]]] = []
+    here: Path | None = path
+    while here is not None:
+        values = read_toml(here)
+        line.insert(0, (here, values))
+        base = Table(f"{here}:", values).text("base", "") if "base" in values else None
+        if base is not None and len(line) == LONGEST_LINEAGE:
+            raise StudyError(
+                f"{here}: base = {base!r}: more than {LONGEST_LINEAGE} studies stand one on the "
+                "other, or in a circle"
+            )
+        try:
+            here = None if base is None else find_study(base, here.parent)
+        except StudyError as error:
+            raise StudyError(f"{here}: base = {base!r}: {error}") from None
+    return line
+
+
+def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> dict[str, Any]:
+    """What `own` says, and what `base` says where `own` says nothing.
+
+    Tables are joined key by key. A parameter that `own` fixes, varies or derives is no longer what
+    `base` makes of it; but one that `own` varies keeps its fixed value where a case has that.
+
+    Args:
+        base: a definition, or what stands in one under [scenes.NAME].
+        own: the same of a study that stands on it.
+        design: of the study, checked or not.
+    """
+    result = dict(base)
+    for name in ASSIGNING:
+        keeps = name == "fixed" and design not in EITHER_FIXED_OR_VARIED
+        said = _keys(own, *(it for it in ASSIGNING if not (keeps and it == "vary")))
+        if isinstance(table := result.get(name), dict):
+            result[name] = {key: value for key, value in table.items() if key not in said}
+    for key, value in own.items():
+        inherited = result.get(key)
+        if not (isinstance(inherited, dict) and isinstance(value, dict)):
+            result[key] = value
+        elif key == "scenes":
+            result[key] = _joined_scenes(inherited, value, design)
+        else:
+            result[key] = {**inherited, **value}
+    return result
+
+
+def _keys(definition: Mapping[str, Any], *tables: str) -> set[str]:
+    return {key for it in tables if isinstance(table := definition.get(it), dict) for key in table}
+
+
+def _joined_scenes(
+    base: Mapping[str, Any], own: Mapping[str, Any], design: object
+) -> dict[str, Any]:
+    """The same for what stands under [scenes], a definition for each of them."""
+    result = {**base, **own}
+    for name, definition in own.items():
+        if isinstance(base.get(name), dict) and isinstance(definition, dict):
+            result[name] = joined(base[name], definition, design)
+    return result

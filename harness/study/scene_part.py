@@ -1,0 +1,213 @@
+"""What a study does with one scene: its parameters and their values, read from the definition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from harness.study.designs import (
+    EITHER_FIXED_OR_VARIED,
+    LATIN_HYPERCUBE,
+    LIST,
+    SPACINGS,
+    Combination,
+    Design,
+    Range,
+    Variations,
+)
+from harness.study.expressions import Expression, ExpressionError
+from harness.study.tables import Assignments, StudyError, Table, shown
+from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
+from mpm_warp.scenes import CatalogueScene
+
+LARGEST_STUDY = 100_000
+"""Cases that a study may have; more than that is a slip in a list."""
+
+Scene = type[CatalogueScene]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScenePart:
+    """What a study does with one scene; every name and value is valid.
+
+    Attributes:
+        name: of the scene.
+        scene: its class.
+        parameters: definitions of its parameters, by name.
+        fixed: parameters that are the same in every case, or where nothing varies them.
+        varied: values of the parameters that vary; a range in a Latin hypercube alone.
+        listed: the cases of the design ``list``.
+        derived: parameters worked out from the others, in this order.
+        excluded: conditions on cases that are not run.
+    """
+
+    name: str
+    scene: Scene
+    parameters: Mapping[str, Parameter]
+    fixed: Mapping[str, Value]
+    varied: Variations
+    listed: tuple[Combination, ...]
+    derived: Mapping[str, Expression]
+    excluded: tuple[Expression, ...]
+
+    @property
+    def assigned(self) -> set[str]:
+        """The parameters that the study gives values to; all others are left to the scene."""
+        return {
+            *self.fixed,
+            *self.varied,
+            *self.derived,
+            *(name for it in self.listed for name in it),
+        }
+
+
+def read_part(
+    name: str, scene: Scene, table: Table, design: Design, settings: Mapping[str, Any]
+) -> ScenePart:
+    """Read what a study does with a scene, and apply settings.
+
+    Args:
+        name: of the scene.
+        scene: its class.
+        table: all that the definition says of it.
+        design: how varied values are combined.
+        settings: parameters and their values, which hold whatever the definition says; those of
+            parameters that the scene does not have are left out. In the design `one_at_a_time` a
+            parameter that a setting varies keeps its fixed value in the first case.
+
+    Raises:
+        StudyError: something in it is not allowed.
+    """
+    known = parameters_of(scene)
+    settings = {key: value for key, value in settings.items() if key in known}
+
+    def assignments(key: str) -> Assignments:
+        inner = table.table(key)
+        return Assignments(inner.where, inner.values, known)
+
+    fixed = _fixed(assignments("fixed"))
+    vary = assignments("vary")
+    varied = {key: _variation(vary, key, design) for key in vary.values}
+    derived = _derived(assignments("derived"))
+    listed = _listed(known, table, design)
+    _check_varied(vary, design, fixed)
+    given = Assignments("--set", settings, known)
+    for key, value in settings.items():
+        derived.pop(key, None)
+        if not isinstance(value, (list, dict)):
+            fixed[key] = given.value(key)
+            varied.pop(key, None)
+            continue
+        if design.kind == LIST:
+            allowed = given.definition(key).allowed
+            raise given.refuse(key, f'design = "{LIST}" does not vary it; must be {allowed}')
+        varied[key] = _variation(given, key, design)
+        if design.kind in EITHER_FIXED_OR_VARIED:
+            fixed.pop(key, None)
+    if design.kind == LATIN_HYPERCUBE and not varied:
+        raise StudyError(f"{vary.where}: nothing varies, there is nothing to sample")
+    return ScenePart(
+        name=name,
+        scene=scene,
+        parameters=known,
+        fixed=fixed,
+        varied=varied,
+        listed=tuple(
+            {key: value for key, value in case.items() if key not in settings} for case in listed
+        ),
+        derived=derived,
+        excluded=tuple(
+            _expression(known, f"{table.where} exclude = {shown(text)}", text, [])
+            for text in table.list("exclude")
+        ),
+    )
+
+
+def _fixed(table: Assignments) -> dict[str, Value]:
+    for key, value in table.values.items():
+        table.definition(key)
+        if isinstance(value, list):
+            raise table.refuse(key, "is a list; what varies belongs under [vary]")
+    return table.all_values()
+
+
+def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> None:
+    for key in table.values:
+        if design.kind == LIST:
+            raise table.refuse(key, f'does not go with design = "{LIST}"')
+        if design.kind in EITHER_FIXED_OR_VARIED and key in fixed:
+            raise table.refuse(key, "is under [fixed] as well; keep one of them")
+
+
+def _variation(table: Assignments, key: str, design: Design) -> tuple[Value, ...] | Range:
+    """A list of values, or a range such as ``{from = 1, to = 100, count = 5}``."""
+    value = table.values[key]
+    if not isinstance(value, dict):
+        return table.several(key)
+    definition = table.definition(key)
+    ends = Table(f"{table.where} {key}:", value)
+    if definition.kind not in (int, float) or definition.choices is not None:
+        raise table.refuse(
+            key, f"has no ranges; must be a list of values, each {definition.allowed}"
+        )
+    sampled = design.kind == LATIN_HYPERCUBE
+    ends.allow("from", "to", "spacing", *([] if sampled else ["count"]))
+    for end in ("from", "to"):
+        if end not in value:
+            raise StudyError(f"{ends.where} {end}: is missing; a range has from and to")
+        Assignments(ends.where, value, {end: replace(definition, name=end)}).value(end)
+    start, stop = float(value["from"]), float(value["to"])
+    logarithmic = ends.word("spacing", SPACINGS) == "logarithmic"
+    if logarithmic and min(start, stop) <= 0:
+        raise ends.refuse("spacing", "from and to must be > 0")
+    span = Range(start=start, stop=stop, logarithmic=logarithmic)
+    if sampled:
+        if start >= stop:
+            raise ends.refuse("to", f"must be > {start:g}")
+        return span
+    numbers = span.values(ends.integer("count", 2, LARGEST_STUDY))
+    return Assignments(table.where, {key: list(numbers)}, table.known).several(key)
+
+
+def _derived(table: Assignments) -> dict[str, Expression]:
+    derived: dict[str, Expression] = {}
+    for key, value in table.values.items():
+        table.definition(key)
+        later = [name for name in table.values if name not in derived]
+        derived[key] = _expression(table.known, table.place(key), value, later)
+    return derived
+
+
+def _expression(
+    known: Mapping[str, Parameter], where: str, text: object, later: list[str]
+) -> Expression:
+    try:
+        expression = Expression.parsed(text)
+    except ExpressionError as error:
+        raise StudyError(f"{where}: {error}") from None
+    for name in sorted(expression.names):
+        if name not in known:
+            raise StudyError(f"{where}: unknown parameter {name!r}{nearest_name(name, known)}")
+        if name in later:
+            raise StudyError(f"{where}: {name} is derived itself, and not before")
+    return expression
+
+
+def _listed(
+    known: Mapping[str, Parameter], table: Table, design: Design
+) -> tuple[Combination, ...]:
+    if design.kind != LIST:
+        if "case" in table.values:
+            raise table.refuse("case", f'goes with design = "{LIST}" alone')
+        return ()
+    cases = table.list("case")
+    if not cases:
+        raise StudyError(f"{table.where} case: is missing; each case is a table [[case]]")
+    for number, case in enumerate(cases, 1):
+        if not isinstance(case, dict):
+            raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
+    return tuple(
+        Assignments(f"{table.where} [[case]] {number}:", case, known).all_values()
+        for number, case in enumerate(cases, 1)
+    )

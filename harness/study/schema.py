@@ -1,0 +1,136 @@
+"""A JSON schema of study definitions, by which editors complete and check them.
+
+It is made from the definitions of the parameters, scene by scene. What depends on several values
+at once, such as the sum of cases, is left to the harness.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from harness.references.cone_factors import reference_ids
+from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
+from harness.study.expressions import LONGEST
+from harness.study.scene_part import LARGEST_STUDY
+from harness.study.study import LARGEST_SEED, MOST_REPEATS
+from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
+Schema = dict[str, Any]
+
+
+def study_schema() -> Schema:
+    """The schema of a study's definition."""
+    texts = {"type": "array", "items": _expression("condition on cases that are not run")}
+    line = {"type": "string", "pattern": "\\S"}
+    references = {"type": "array", "items": {"enum": list(reference_ids())}, "uniqueItems": True}
+    tolerance = {
+        "type": "object",
+        "description": "largest deviation from a reference, or size of a result",
+        "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
+    }
+    properties: Schema = {
+        "title": line | {"description": "one line on what the study shows"},
+        "base": line | {"description": "study that holds where this one says nothing"},
+        "scene": {
+            "description": "what is simulated, or a list of several",
+            "anyOf": [_scene_name(), {"type": "array", "items": _scene_name(), "minItems": 1}],
+        },
+        "design": {"enum": list(DESIGNS), "description": "how varied values are combined"},
+        "samples": _integer("cases of a Latin hypercube", 1, LARGEST_STUDY),
+        "seed": _integer("of a Latin hypercube's random numbers", 0, LARGEST_SEED),
+        "fixed": {"type": "object"},
+        "vary": {"type": "object"},
+        "derived": {"type": "object", "additionalProperties": _expression("from the others")},
+        "exclude": texts,
+        "case": {"type": "array", "items": {"type": "object"}},
+        "scenes": _table(
+            {name: _of_scene(name) for name in scene_names()},
+            description="what holds for one scene of several",
+        ),
+        "compare": _table({"references": references, "tolerance": tolerance}),
+        "timing": _table({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
+    }
+    return {
+        "$schema": DIALECT,
+        "title": "Study of the harness",
+        **_table(properties),
+        "anyOf": [{"required": ["base"]}, {"required": ["title", "scene"]}],
+        "allOf": [
+            *(_if("scene", name, _open(_of_scene(name))) for name in scene_names()),
+            _if("design", LATIN_HYPERCUBE, {"required": ["samples", "seed", "vary"]}),
+            _if("design", LIST, {"required": ["case"]}),
+        ],
+    }
+
+
+def _of_scene(name: str) -> Schema:
+    """The tables that depend on the scene."""
+    parameters = parameters_of(scene_class(name)).values()
+    values = {it.name: value_schema(it) for it in parameters}
+    fixed = _table(values)
+    return _table(
+        {
+            "fixed": fixed,
+            "vary": _table({it.name: _variation(it) for it in parameters}),
+            "derived": _table({it.name: _expression(it.meaning) for it in parameters}),
+            "exclude": {"type": "array", "items": _expression("condition")},
+            "case": {"type": "array", "items": fixed},
+        }
+    )
+
+
+def value_schema(parameter: Parameter) -> Schema:
+    """The schema of a parameter's value."""
+    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
+    schema: Schema = {
+        "type": TYPES[parameter.kind],
+        "description": f"{parameter.meaning}{unit}; {parameter.allowed}",
+        "minimum": parameter.minimum,
+        "maximum": parameter.maximum,
+        "exclusiveMinimum": parameter.above,
+        "exclusiveMaximum": parameter.below,
+        "enum": None if parameter.choices is None else list(parameter.choices),
+        "default": parameter.default,
+    }
+    return {key: value for key, value in schema.items() if value is not None}
+
+
+def _variation(parameter: Parameter) -> Schema:
+    value = value_schema(parameter)
+    several = {"type": "array", "items": value, "minItems": 1, "uniqueItems": True}
+    if parameter.kind not in (int, float) or parameter.choices is not None:
+        return several
+    count = _integer("numbers from one end to the other", 2, LARGEST_STUDY)
+    ends = {"from": value, "to": value, "count": count, "spacing": {"enum": list(SPACINGS)}}
+    span = _table(ends, required=["from", "to"])
+    return {"description": value["description"], "anyOf": [several, span]}
+
+
+def _integer(meaning: str, least: int, most: int) -> Schema:
+    return {"type": "integer", "description": meaning, "minimum": least, "maximum": most}
+
+
+def _expression(meaning: str) -> Schema:
+    return {"type": "string", "description": meaning, "minLength": 1, "maxLength": LONGEST}
+
+
+def _scene_name() -> Schema:
+    return {"enum": list(scene_names())}
+
+
+def _table(properties: Schema, **more: object) -> Schema:
+    """A table with these keys and no others."""
+    return {"type": "object", "properties": properties, "additionalProperties": False, **more}
+
+
+def _open(schema: Schema) -> Schema:
+    """The same without a word on other keys."""
+    return {key: value for key, value in schema.items() if key != "additionalProperties"}
+
+
+def _if(key: str, value: str, then: Schema) -> Schema:
+    condition = {"properties": {key: {"const": value}}, "required": [key]}
+    return {"if": condition, "then": then}

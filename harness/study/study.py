@@ -1,0 +1,236 @@
+"""A study: what to run and what to compare it with, read from TOML and changed by ``--set``.
+
+A definition is data, nothing in it is executed::
+
+    title = "Cone factor against the adhesion of the cone face"
+    scene = "cone_penetration"
+
+    [fixed]
+    rigidity_index = 100
+
+    [vary]
+    adhesion_factor = [0, 0.5, 1]
+
+    [compare]
+    references = ["lu_2004"]
+
+    [timing]
+    repeats = 5
+
+harness/README.md has all keys.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.references.cone_factors import COMPARED, NEEDED, reference_ids
+from harness.study.cases import Case, cases_of
+from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
+from harness.study.files import find_study, joined, lineage
+from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart, read_part
+from harness.study.tables import Assignments, StudyError, Table, parse_setting, shown
+from mpm_warp.errors import UnknownSceneError
+from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+
+MOST_REPEATS = 1000
+"""Timed runs that a study may ask for; more is a slip."""
+LARGEST_SEED = 2**32 - 1
+ERROR = "error"
+"""Result with the error against the exact solution, of scenes that have one."""
+ERROR_FINEST = "error_finest"
+"""Result with the error against the finest case of the study, of scenes without an exact one."""
+MISSPELT = 0.85
+"""Likeness from which on a name is a slip; two results of a scene are less alike."""
+
+OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
+OF_SCENE = ("fixed", "vary", "derived", "exclude", "case")
+"""Keys that may stand under [scenes.NAME] as well, for that scene alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """What to run and what to compare it with; every name and value is valid.
+
+    Attributes:
+        name: stem of the definition's file; names the results.
+        title: one line on what the study shows.
+        parts: one for each scene.
+        design: how the varied values are combined.
+        references: literature references to compare with.
+        tolerances: largest deviation from a reference, or largest size of a result, by name.
+        timing_repeats: times to run each case again, alone on the machine, to measure its run
+            time; 0 where a study does not ask for it.
+        source: the definition's file.
+    """
+
+    name: str
+    title: str
+    parts: tuple[ScenePart, ...]
+    design: Design
+    references: tuple[str, ...]
+    tolerances: Mapping[str, float]
+    timing_repeats: int
+    source: Path
+
+    @functools.cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """All cases, each once, scene by scene in the order of the design; worked out once.
+
+        Raises:
+            StudyError: a scene does not allow a combination of values; or there are too many
+                cases, or none.
+        """
+        return cases_of(self.parts, self.design, str(self.source))
+
+    @property
+    def is_grid(self) -> bool:
+        """Whether each varied parameter is a dimension of the result, instead of the case."""
+        return self.design.kind == FULL and len(self.parts) == 1 and not self.parts[0].excluded
+
+
+def load_study(study: str, settings: Iterable[str] = ()) -> Study:
+    """Read the study called `study`, or in the file `study`, and apply ``key=value`` settings.
+
+    A setting's value is a TOML value, or a bare word for a text. A list or a range varies the
+    parameter, a scalar fixes it, whatever the file says; of two settings of one key the last holds.
+    Of several scenes a setting is for those that have the parameter.
+
+    Raises:
+        StudyError: the file is missing or not a study, or a setting is malformed.
+    """
+    path = find_study(study)
+    assignments = dict(parse_setting(setting) for setting in settings)
+    *bases, (_, own) = lineage(path)
+    values: dict[str, Any] = {}
+    for base, its_own in bases:
+        values = _standing_on(values, its_own)
+        _read(base, values, {})  # what is wrong there is to be told of that file
+    return _read(path, _standing_on(values, own), assignments)
+
+
+def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    return joined(base, own, {**base, **own}.get("design", DESIGNS[0]))
+
+
+def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
+    document = Table(f"{path}:", values)
+    document.allow(*OF_STUDY, *OF_SCENE)
+    design = _design(document)
+    scenes = _scenes(document)
+    own = document.table("scenes")
+    own.allow(*scenes)
+    _check_settings(settings, scenes.values())
+    shared = {key: value for key, value in values.items() if key in OF_SCENE}
+    parts = []
+    for name, scene in scenes.items():
+        of_scene = own.table(name)
+        of_scene.allow(*OF_SCENE)
+        where = of_scene.where if of_scene.values else document.where
+        _check_assignments(document, of_scene)
+        table = Table(where, joined(shared, of_scene.values, design.kind))
+        parts.append(read_part(name, scene, table, design, settings))
+    compare = document.table("compare")
+    compare.allow("references", "tolerance")
+    references = _references(compare, parts)
+    return Study(
+        name=path.stem,
+        title=document.text("title", "; one line on what the study shows"),
+        parts=tuple(parts),
+        design=design,
+        references=references,
+        tolerances=_tolerances(compare.table("tolerance"), references, parts),
+        timing_repeats=_timing_repeats(document),
+        source=path,
+    )
+
+
+def _scenes(document: Table) -> dict[str, Scene]:
+    """The classes of the scenes, by name."""
+    given = document.values.get("scene")
+    if isinstance(given, list) and given:
+        names = given
+    else:
+        names = [document.text("scene", known_names(scene_names()))]
+    scenes = {}
+    for name in names:
+        try:
+            scene = scene_class(name if isinstance(name, str) else shown(name))
+        except UnknownSceneError as error:
+            raise StudyError(f"{document.where} scene = {shown(given)}: {error}") from None
+        if name in scenes:
+            raise document.refuse("scene", "names a scene twice")
+        scenes[name] = scene
+    return scenes
+
+
+def _design(document: Table) -> Design:
+    kind = document.word("design", DESIGNS)
+    if kind != LATIN_HYPERCUBE:
+        for key in ("samples", "seed"):
+            if key in document.values:
+                raise document.refuse(key, f'goes with design = "{LATIN_HYPERCUBE}" alone')
+        return Design(kind=kind)
+    return Design(
+        kind=kind,
+        samples=document.integer("samples", 1, LARGEST_STUDY),
+        seed=document.integer("seed", 0, LARGEST_SEED),
+    )
+
+
+def _check_settings(settings: Mapping[str, Any], scenes: Iterable[Scene]) -> None:
+    """Refuse a setting of what is a parameter of none of the scenes."""
+    known = {name: it for scene in scenes for name, it in parameters_of(scene).items()}
+    table = Assignments("--set", settings, known)
+    for key in settings:
+        table.definition(key)
+
+
+def _check_assignments(*tables: Table) -> None:
+    """Refuse a parameter that one and the same table both derives and fixes or varies."""
+    for table in tables:
+        derived = table.table("derived")
+        for name in ("fixed", "vary"):
+            for key in table.table(name).values:
+                if key in derived.values:
+                    raise derived.refuse(key, f"is under [{name}] as well; keep one of them")
+
+
+def _timing_repeats(document: Table) -> int:
+    table = document.table("timing")
+    table.allow("repeats")
+    return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
+
+
+def _references(table: Table, parts: Sequence[ScenePart]) -> tuple[str, ...]:
+    ids = table.list("references")
+    for reference in ids:
+        if not isinstance(reference, str) or reference not in reference_ids():
+            nearest = nearest_name(shown(reference), reference_ids())
+            raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
+    if len(set(ids)) < len(ids):
+        raise table.refuse("references", "names a reference twice")
+    if ids and not any(it.parameters.keys() >= set(NEEDED) for it in parts):
+        needed = " and ".join(NEEDED)
+        raise table.refuse("references", f"no scene here has the {needed} that they depend on")
+    return tuple(ids)
+
+
+def _tolerances(
+    table: Table, references: Sequence[str], parts: Sequence[ScenePart]
+) -> dict[str, float]:
+    """Tolerances by name, which may be that of any result: slips in known names are refused."""
+    unused = set(reference_ids()) - set(references)
+    verified = {name for it in parts for check in it.scene.verifications for name in check.bounds}
+    known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
+    for name in table.values:
+        if name in unused:
+            raise table.refuse(name, "is not among the references of [compare]")
+        if name not in known and (near := did_you_mean(name, known, MISSPELT)):
+            raise table.refuse(name, f"is neither a reference nor a result{near}")
+    return {name: table.positive(name) for name in table.values}

@@ -1,0 +1,184 @@
+"""Tables of a study file, asked for their keys; what is wrong is told in one line.
+
+The line names the place, the key, the value, what is allowed, and the nearest valid name.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.errors import HarnessError
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name
+
+LONGEST_MESSAGE = 400
+
+
+class StudyError(HarnessError):
+    """A study file is wrong; the message is one printable line of bounded length."""
+
+    def __init__(self, message: str) -> None:
+        line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message[:10_000])
+        half = LONGEST_MESSAGE // 2
+        # The end names the remedy, so what is cut from a long message is its middle.
+        super().__init__(line if len(line) <= 2 * half else f"{line[:half]} ... {line[-half:]}")
+
+
+class Table:
+    """A TOML table.
+
+    Attributes:
+        where: the file and the name of the table, for messages.
+        values: the keys and their values.
+    """
+
+    def __init__(self, where: str, values: Mapping[str, Any]) -> None:
+        self.where = where
+        self.values = values
+
+    def place(self, key: str) -> str:
+        """Where a key stands, with its value, for messages."""
+        return f"{self.where} {key} = {shown(self.values.get(key))}"
+
+    def refuse(self, key: str, problem: str) -> StudyError:
+        """The error for a key of this table."""
+        return StudyError(f"{self.place(key)}: {problem}")
+
+    def allow(self, *keys: str) -> None:
+        """Refuse every key that is not among `keys`."""
+        for key in self.values:
+            if key not in keys:
+                raise self.refuse(key, f"unknown key{nearest_name(key, keys)}")
+
+    def table(self, key: str) -> Table:
+        """The table [key], empty where there is none."""
+        value = self.values.get(key, {})
+        if not isinstance(value, dict):
+            raise self.refuse(key, f"must be a table [{key}]")
+        return Table(f"{self.where} [{key}]", value)
+
+    def text(self, key: str, remedy: str) -> str:
+        """A text of one line that must be there; `remedy` is told where it is not."""
+        if key not in self.values:
+            raise StudyError(f"{self.where} {key}: is missing{remedy}")
+        value = self.values[key]
+        if not (isinstance(value, str) and value.strip() and value.isprintable()):
+            raise self.refuse(key, "must be a text of one line")
+        return value
+
+    def word(self, key: str, choices: Sequence[str]) -> str:
+        """One of `choices`; the first where the key is not there."""
+        value = self.values.get(key, choices[0])
+        if not isinstance(value, str) or value not in choices:
+            near = did_you_mean(value, choices) if isinstance(value, str) else ""
+            raise self.refuse(key, f"must be one of {', '.join(choices)}{near}")
+        return value
+
+    def integer(self, key: str, least: int, most: int) -> int:
+        """An integer that must be there."""
+        if key not in self.values:
+            raise StudyError(f"{self.where} {key}: is missing; an integer, {least} to {most}")
+        value = self.values[key]
+        if type(value) is not int or not least <= value <= most:
+            raise self.refuse(key, f"must be an integer, {least} to {most}")
+        return value
+
+    def positive(self, key: str) -> float:
+        """A finite number above 0 that must be there."""
+        if key not in self.values:
+            raise StudyError(f"{self.where} {key}: is missing; a number > 0")
+        value = self.values[key]
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e300:
+            raise self.refuse(key, "must be a number > 0")
+        return float(value)
+
+    def list(self, key: str) -> list[Any]:
+        """A list, empty where there is none."""
+        value = self.values.get(key, [])
+        if not isinstance(value, list):
+            raise self.refuse(key, "must be a list")
+        return value
+
+
+class Assignments(Table):
+    """A table whose keys are parameters.
+
+    Attributes:
+        known: definitions of the parameters that the scene has.
+    """
+
+    def __init__(
+        self, where: str, values: Mapping[str, Any], known: Mapping[str, Parameter]
+    ) -> None:
+        super().__init__(where, values)
+        self.known = known
+
+    def definition(self, key: str) -> Parameter:
+        """The parameter called `key`."""
+        if key not in self.known:
+            raise self.refuse(key, f"unknown parameter {key!r}{nearest_name(key, self.known)}")
+        return self.known[key]
+
+    def value(self, key: str) -> Value:
+        """The value of a parameter, in the parameter's own type."""
+        return self._checked(key, self.values[key])
+
+    def all_values(self) -> dict[str, Value]:
+        """The values of all parameters that stand in the table."""
+        return {key: self.value(key) for key in self.values}
+
+    def several(self, key: str) -> tuple[Value, ...]:
+        """The elements of a list, which are all different."""
+        self.definition(key)
+        values = self.values[key]
+        if not isinstance(values, list) or not values:
+            raise self.refuse(key, "must be a list of one value or more, or a range")
+        checked = tuple(self._checked(key, value) for value in values)
+        if len(set(checked)) < len(checked):
+            twice = next(value for value in checked if checked.count(value) > 1)
+            raise self.refuse(key, f"{twice!r} is there twice")
+        return checked
+
+    def _checked(self, key: str, value: object) -> Value:
+        definition = self.definition(key)
+        if not isinstance(value, Value) or (isinstance(value, int) and abs(value) >= 2**63):
+            raise StudyError(
+                f"{self.where} {key} = {shown(value)} is not allowed: must be {definition.allowed}"
+            )
+        try:
+            checked = definition.checked(value)
+        except ParameterError as error:
+            raise StudyError(f"{self.where} {error}") from None
+        assert checked is not None  # only None itself is checked to None
+        return checked
+
+
+def parse_setting(setting: str) -> tuple[str, Any]:
+    """Key and TOML value of a ``key=value`` from the command line; a bare word is a text.
+
+    Raises:
+        StudyError: it is none.
+    """
+    key, equals, text = (part.strip() for part in setting.partition("="))
+    if not (key and equals and text):
+        raise StudyError(f"--set {setting}: must be key=value")
+    if re.fullmatch(r"[A-Za-z_]\w*", text) and text not in ("true", "false", "inf", "nan"):
+        return key, text
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        parsed = {}
+    if parsed.keys() != {"value"}:
+        raise StudyError(f"--set {setting}: {text} is not a TOML value: a number, a text or a list")
+    return key, parsed["value"]
+
+
+def shown(value: object) -> str:
+    """A value for a message; huge integers and deeply dotted tables have no text."""
+    try:
+        return repr(value)
+    except (ValueError, RecursionError):
+        return "(too long to show)"

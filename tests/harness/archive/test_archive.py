@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive import case_files, study_files
+from harness.archive import collection as archive
+from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.conventions import COMPLETED
+from harness.study.cases import Case
+from harness.study.study import Study, load_study
+
+
+def result(depths: list[float], cone_factor: float) -> xr.Dataset:
+    """What a scene returns, with exact and awkward numbers."""
+    resistance = ("penetration", np.array(depths) / 3, {"units": "Pa", "long_name": "resistance"})
+    return xr.Dataset(
+        {
+            "cone_factor": ((), cone_factor, {"units": "1", "long_name": "cone factor"}),
+            "penetration_resistance": resistance,
+            "particle_updates": ((), 2**40 + 1, {"units": "1", "long_name": "updates"}),
+        },
+        {"penetration": ("penetration", depths, {"units": "1", "long_name": "penetration"})},
+    )
+
+
+def complete(folder: Path, cases: list[Case]) -> None:
+    for k, case in enumerate(cases):
+        case_files.write_case(folder, case, result([0.1, 0.2], 10 + k / 3), COMPLETED)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, small: Study) -> Path:
+    folder = case_files.case_folder(tmp_path, small)
+    prepare(folder)
+    return folder
+
+
+def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
+    case = small.cases[0]
+    written = result([0.1, 0.2, 0.3], 31 / 3)
+    case_files.write_case(folder, case, written, "diverged", "why")
+    read = case_files.read_case(folder, case)
+    assert read is not None
+    xr.testing.assert_equal(read, written)
+    assert read.cone_factor.attrs == written.cone_factor.attrs
+    assert (read.attrs["status"], read.attrs["message"]) == ("diverged", "why")
+    assert read.attrs["Conventions"] == "CF-1.11"
+    assert not list(folder.glob(".*"))
+
+
+def test_a_case_that_has_not_run_is_none(folder: Path, small: Study) -> None:
+    assert case_files.read_case(folder, small.cases[0]) is None
+
+
+@pytest.mark.parametrize("damage", ["empty", "truncated", "random"])
+def test_a_damaged_case_is_named(folder: Path, small: Study, damage: str) -> None:
+    case = small.cases[0]
+    complete(folder, [case])
+    path = case_files.case_file(folder, case)
+    content = path.read_bytes()
+    noise = np.random.default_rng(1).bytes(len(content))
+    path.write_bytes({"empty": b"", "truncated": content[:-3000], "random": noise}[damage])
+    with pytest.raises(ArchiveError, match=case.key):
+        case_files.read_case(folder, case)
+
+
+def test_the_file_of_another_case_is_refused(folder: Path, small: Study) -> None:
+    one, other, _ = small.cases
+    complete(folder, [one])
+    case_files.case_file(folder, one).rename(case_files.case_file(folder, other))
+    with pytest.raises(ArchiveError, match="is not the result of case"):
+        case_files.read_case(folder, other)
+
+
+def test_another_format_version_is_refused_by_name(
+    folder: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = small.cases[0]
+    complete(folder, [case])
+    monkeypatch.setattr(case_files, "FORMAT_VERSION", 99)
+    with pytest.raises(ArchiveError, match="has format version 1, where 99 can be read"):
+        case_files.read_case(folder, case)
+
+
+def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
+    path = folder / "a.nc"
+    case_files.write_netcdf(result([0.1], 1.0), path)
+    content = path.read_bytes()
+    with pytest.raises(ValueError, match="'bad'"):
+        case_files.write_netcdf(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
+    assert path.read_bytes() == content
+    assert list(folder.iterdir()) == [path]
+
+
+def test_a_file_cannot_be_made_where_a_file_is(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(ArchiveError, match="cannot be made"):
+        prepare(tmp_path / "file" / "cases")
+
+
+def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_file: Path) -> None:
+    study = load_study(str(small_file), ['material=["von_mises"]', "rigidity_index=[200, 100]"])
+    complete(folder, study.cases)
+    dataset = archive.collect(study, folder)
+    assert dataset.cone_factor.dims == ("adhesion_factor", "material", "rigidity_index")
+    assert dataset.penetration_resistance.dims[-1] == "penetration"
+    assert dataset.rigidity_index.values.tolist() == [200, 100]
+    selected = dataset.cone_factor.sel(adhesion_factor=1, material="von_mises", rigidity_index=200)
+    assert selected.item() == 10 + 4 / 3
+
+
+def test_all_parameters_are_in_the_study(folder: Path, small: Study) -> None:
+    complete(folder, small.cases)
+    dataset = archive.collect(small, folder)
+    assert dataset.rigidity_index.item() == 100
+    assert dataset.undrained_shear_strength.attrs["units"] == "Pa"
+    assert dataset.material.item() == "tresca"
+    assert np.isnan(dataset.shaft_adhesion_factor.item())
+    assert dataset.penetration_parameter.item() == 1  # `penetration` is a coordinate of the scene
+    assert all("long_name" in variable.attrs for variable in dataset.variables.values())
+
+
+def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> None:
+    cases = small.cases
+    for case, depths in zip(cases, ([0.1, 0.2], [0.1, 0.2, 0.3], [0.3]), strict=True):
+        case_files.write_case(folder, case, result(depths, 1.0), COMPLETED)
+    resistance = archive.collect(small, folder).penetration_resistance
+    assert resistance.penetration.values.tolist() == [0.1, 0.2, 0.3]
+    expected = [[0.1 / 3, 0.2 / 3, np.nan], [0.1 / 3, 0.2 / 3, 0.3 / 3], [np.nan, np.nan, 0.3 / 3]]
+    np.testing.assert_array_equal(resistance.values, np.array(expected))
+
+
+def test_a_case_that_failed_is_not_a_number_and_says_why(folder: Path, small: Study) -> None:
+    cases = small.cases
+    complete(folder, cases[:1])
+    case_files.write_case(folder, cases[1], xr.Dataset(), "diverged", "too fast")
+    dataset = archive.collect(small, folder)
+    assert dataset.status.values.tolist() == ["completed", "diverged", "missing"]
+    assert dataset.message.values.tolist() == ["", "too fast", ""]
+    assert np.isnan(dataset.cone_factor.values).tolist() == [False, True, True]
+
+
+def test_a_study_of_which_nothing_completed_still_says_so(folder: Path, small: Study) -> None:
+    dataset = archive.collect(small, folder)
+    assert set(dataset.status.values) == {"missing"}
+    assert dataset.sizes == {"adhesion_factor": 3}
+
+
+def test_a_study_comes_back_bit_for_bit(folder: Path, tmp_path: Path, small: Study) -> None:
+    complete(folder, small.cases)
+    dataset = archive.collect(small, folder)
+    study_files.write_study(tmp_path / "small.nc", dataset)
+    read = study_files.read_study(tmp_path / "small.nc")
+    xr.testing.assert_equal(read, dataset)
+    assert read.status.values.tolist() == [COMPLETED] * 3
+
+
+def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
+    case = small.cases[0]
+    complete(folder, [case])
+    with pytest.raises(ArchiveError, match="not the result of a study"):
+        study_files.read_study(case_files.case_file(folder, case))
+
+
+def test_a_missing_result_is_answered_with_the_nearest(tmp_path: Path) -> None:
+    (tmp_path / "mesh_size.nc").touch()
+    with pytest.raises(ArchiveError, match=r"did you mean 'mesh_size\.nc'"):
+        study_files.read_study(tmp_path / "meshsize.nc")

@@ -1,0 +1,46 @@
+"""Files that are whole under their name or not there, whoever writes them."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.archive.atomic_files import ArchiveError, abandoned, write_whole
+
+KILLED_AS_IT_WRITES = """
+import os, sys
+from pathlib import Path
+from harness.archive.atomic_files import write_whole
+os.fsync = lambda descriptor: os.kill(os.getpid(), 9)
+write_whole(b"later", Path(sys.argv[1]))
+"""
+
+
+def test_a_file_is_replaced_and_nothing_else_is_left(tmp_path: Path) -> None:
+    path = tmp_path / "picture.png"
+    for content in (b"earlier", b"later"):
+        write_whole(content, path)
+        assert path.read_bytes() == content
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_to_be_removed(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "picture.png"
+    path.write_bytes(b"earlier")
+    command = [sys.executable, "-c", KILLED_AS_IT_WRITES, str(path)]
+    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
+    assert path.read_bytes() == b"earlier"
+    (half_written,) = abandoned(tmp_path)
+    assert set(tmp_path.iterdir()) == {path, half_written}
+
+
+def test_a_folder_that_is_not_there_is_told_in_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "nowhere" / "picture.png"
+    with pytest.raises(ArchiveError, match=f"{path}: cannot be written: No such file or directory"):
+        write_whole(b"", path)

@@ -1,0 +1,174 @@
+"""A collected result: what it says of where its cases were computed, and whether it is whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive.atomic_files import prepare
+from harness.archive.case_files import case_file, case_folder, write_case, write_netcdf
+from harness.archive.collection import collect
+from harness.archive.conventions import COMPLETED, CRASHED
+from harness.archive.provenance import SOURCES, provenance, sources_digest
+from harness.archive.study_files import read_study, write_study
+from harness.cli.main import main
+from harness.run.collect_and_clean import collect_and_write
+from harness.study.cases import Case
+from harness.study.study import Study
+
+EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
+
+
+@pytest.fixture
+def cases(small: Study, tmp_path: Path) -> list[Case]:
+    """The cases of a study, which all completed at another time and place."""
+    now = {SOURCES: sources_digest(small.parts[0].scene)}
+    folder = case_folder(tmp_path, small)
+    prepare(folder)
+    cases = small.cases
+    for case in cases:
+        write_case(folder, case, xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER | now), COMPLETED)
+    return cases
+
+
+@pytest.fixture
+def result(small: Study, cases: list[Case], tmp_path: Path) -> Path:
+    """The file of the collected study."""
+    collect_and_write(small, tmp_path)
+    return tmp_path / "small.nc"
+
+
+def test_a_result_says_where_its_cases_were_computed(result: Path) -> None:
+    attributes = read_study(result).attrs
+    assert {name: attributes[name] for name in EARLIER} == EARLIER
+    here = provenance()
+    assert attributes["collected_commit"] == here["commit"]
+    assert attributes["collected_time_written"].startswith("20")
+    assert attributes["Conventions"] == here["Conventions"]
+
+
+def test_what_differs_between_the_cases_is_told_of_each(
+    small: Study, cases: list[Case], tmp_path: Path
+) -> None:
+    folder = case_folder(tmp_path, small)
+    later = xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER | {"commit": "later"})
+    write_case(folder, cases[1], later, COMPLETED)
+    case_file(folder, cases[2]).unlink()
+    dataset = collect(small, folder)
+    assert dataset["commit"].dims == ("adhesion_factor",)
+    assert dataset["commit"].values.tolist() == ["earlier", "later", ""]
+    assert "commit" not in dataset.attrs
+    assert dataset.attrs["device"] == "cuda:0"  # of all that were computed
+    write_study(tmp_path / "small.nc", dataset)
+    assert read_study(tmp_path / "small.nc")["commit"].values.tolist() == ["earlier", "later", ""]
+
+
+def test_a_case_that_never_reached_a_device_has_none(
+    small: Study, cases: list[Case], tmp_path: Path
+) -> None:
+    folder = case_folder(tmp_path, small)
+    write_case(folder, cases[0], xr.Dataset(), CRASHED, "worker killed")
+    dataset = collect(small, folder)
+    assert dataset.attrs["device"] == "cuda:0"
+    assert dataset["commit"].values.tolist() == [provenance()["commit"], "earlier", "earlier"]
+
+
+def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
+    small: Study, cases: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = case_file(case_folder(tmp_path, small), cases[1])
+    path.write_bytes(path.read_bytes()[:-3000])
+    assert main(["collect", str(small.source), "--out", str(tmp_path)]) == 1
+    told = capsys.readouterr().err.splitlines()
+    assert told[-2].startswith(f"harness: {path}: cannot be read: ")
+    assert told[-2].endswith("; `harness run` runs the case again")
+    assert told[-1].startswith("harness: 3 cases: 2 completed, 1 damaged; ")
+    dataset = read_study(tmp_path / "small.nc")
+    assert dataset.status.values.tolist() == [COMPLETED, "damaged", COMPLETED]
+    assert str(dataset.message.values[1]).startswith(f"{path}: cannot be read: ")
+    assert np.isnan(dataset.cone_factor.values).tolist() == [False, True, False]
+
+
+def test_a_result_is_not_replaced_by_one_of_nothing(
+    small: Study, result: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    before = result.read_bytes()
+    out = ["--out", str(result.parent)]
+    line = refusal(["collect", str(small.source), "--set", "rigidity_index=50", *out])
+    assert line == (
+        f"harness: {case_folder(result.parent, small)}: has no case of this study; "
+        "run it first, or give each --set that it was run with"
+    )
+    assert result.read_bytes() == before
+
+
+def test_a_folder_without_results_is_not_made(
+    small: Study, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    refusal(["collect", str(small.source), "--out", str(tmp_path / "none")])
+    assert not (tmp_path / "none").exists()
+
+
+def without(*names: str) -> Callable[[xr.Dataset], xr.Dataset]:
+    return lambda dataset: dataset.drop_vars(names)
+
+
+def with_attribute(name: str, value: object) -> Callable[[xr.Dataset], xr.Dataset]:
+    return lambda dataset: dataset.assign_attrs({name: value})
+
+
+def without_attribute(name: str) -> Callable[[xr.Dataset], xr.Dataset]:
+    def damage(dataset: xr.Dataset) -> xr.Dataset:
+        del dataset.attrs[name]
+        return dataset
+
+    return damage
+
+
+@pytest.mark.parametrize(
+    ("damage", "name"),
+    [
+        (without("status"), "status"),
+        (without("message"), "message"),
+        (without("case_key"), "case_key"),
+        (lambda dataset: dataset.assign(status=dataset["cone_factor"]), "status"),
+        (lambda dataset: dataset.assign(case_key="one for all"), "case_key"),
+        (without_attribute("scene"), "scene"),
+        (without_attribute("scene_version"), "scene_version"),
+        (with_attribute("scene_version", "new"), "scene_version"),
+        (with_attribute("study", "../../evil"), "study"),
+        (with_attribute("study", 3), "study"),
+        (with_attribute("tolerances", "{"), "tolerances"),
+        (with_attribute("tolerances", "[1]"), "tolerances"),
+        (with_attribute("tolerances", '{"error": "1"}'), "tolerances"),
+    ],
+)
+@pytest.mark.parametrize("command", ["compare", "plot", "report", "rerun"])
+def test_a_result_that_is_not_whole_is_refused_in_one_line(
+    command: str,
+    damage: Callable[[xr.Dataset], xr.Dataset],
+    name: str,
+    result: Path,
+    refusal: Callable[[list[str]], str],
+) -> None:
+    write_netcdf(damage(read_study(result)), result)
+    line = refusal([command, str(result)])
+    assert line == (
+        f"harness: {result}: is no whole result of a study: {name} is missing or malformed; "
+        "collect it again"
+    )
+
+
+@pytest.mark.parametrize("command", ["compare", "plot", "report", "rerun"])
+def test_a_missing_file_is_one_line_without_an_empty_list(
+    command: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    path = tmp_path / "none.nc"
+    assert refusal([command, str(path)]) == f"harness: {path}: no such file"
+    for number in range(20):
+        (tmp_path / f"{number:016x}.nc").touch()
+    assert refusal([command, str(path)]) == f"harness: {path}: no such file"

@@ -1,0 +1,64 @@
+"""`harness list` and `describe`, help, and results that are none."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from mpm_warp.scenes.cone_penetration import ConePenetration
+
+from harness.cli.main import main
+from harness.study.files import study_names
+from harness.study.study import load_study
+from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes import scene_names
+
+
+@pytest.mark.parametrize("command", ["compare", "plot"])
+def test_a_result_that_is_none_is_one_line(
+    command: str, small_file: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    assert "cannot be read" in refusal([command, str(small_file)])
+    assert "no such file" in refusal([command, str(small_file.with_suffix(".nc"))])
+
+
+def test_describe_of_an_unknown_scene_is_one_line(refusal: Callable[[list[str]], str]) -> None:
+    line = refusal(["describe", "cone_penetratoin"])
+    assert line.endswith("unknown scene 'cone_penetratoin'; did you mean 'cone_penetration'?")
+
+
+def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    listed = capsys.readouterr().out
+    for name in study_names():
+        assert f"{name:24} {load_study(name).title}" in listed
+    for name in scene_names():
+        assert f"  {name} " in listed
+
+
+def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["describe", "cone_penetration"]) == 0
+    described = capsys.readouterr().out
+    allowed = parameters_of(ConePenetration)["cone_radius"].allowed
+    assert ConePenetration.summary in described
+    (line,) = (line for line in described.splitlines() if line.startswith("cone_radius "))
+    assert line.split(maxsplit=3) == [
+        "cone_radius",
+        "0.01785",
+        "m",
+        f"radius of the cone's base; {allowed}",
+    ]
+
+
+def test_help_loads_nothing_that_computes() -> None:
+    script = (
+        "import sys, harness.cli.main as cli; cli.make_parser().format_help(); cli.main(['list'])\n"
+        "sys.exit(str({'numpy', 'xarray', 'warp', 'matplotlib'} & sys.modules.keys()))"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert result.stderr.strip() == "set()"

@@ -1,0 +1,88 @@
+"""Options and streams that a command is given, or is not: nothing is ignored, nothing is lost."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.archive.conventions import COMPLETED
+from harness.cli.main import main
+from harness.run import pool as runner
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "mesh_size", "--fres"], "unrecognized arguments: --fres"),
+        (["report", "a.nc", "-o", "b.nc"], "'b.nc' is not allowed: must end in .html"),
+        (["run", "mesh_size", "--case-timeout=nan"], "must be a number > 0"),
+        (["compare", "a.nc", "b.nc", "--tolerance=-1"], "must be a number >= 0"),
+    ],
+)
+def test_an_option_that_is_not_allowed_is_one_line(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(arguments)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+
+
+@pytest.mark.parametrize("option", ["--workers=2", "--batch=2"])
+@pytest.mark.parametrize("timing", ["", "[timing]\nrepeats = 1\n"])
+def test_what_is_timed_runs_alone(
+    option: str,
+    timing: str,
+    small_file: Path,
+    tmp_path: Path,
+    refusal: Callable[[list[str]], str],
+) -> None:
+    small_file.write_text(small_file.read_text() + timing)
+    study = str(small_file) if timing else "bench"
+    line = refusal(["run", study, option, f"--out={tmp_path}"])
+    assert line.endswith(f"cases are timed one at a time, without {option.partition('=')[0]}")
+
+
+def test_a_tolerance_for_two_results_is_not_ignored_where_there_is_one(
+    tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    line = refusal(["compare", str(tmp_path / "a.nc"), "--tolerance=0.5"])
+    assert "is for two results" in line
+
+
+def test_bytes_that_are_no_text_are_refused(refusal: Callable[[list[str]], str]) -> None:
+    """The result holds the command line; every case would be computed, and none be kept."""
+    line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
+    assert line.endswith("is not text, which results could not keep")
+
+
+def test_scenes_may_be_named_one_by_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["verify", "--scene", "material_point", "--scene", "gravity_column"]) == 0
+    out = capsys.readouterr().out
+    assert "material_point" in out
+    assert "gravity_column" in out
+
+
+def test_a_limit_beyond_what_the_system_can_wait_for_is_waited_for(
+    small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits: list[float | None] = []
+    wait = runner.wait
+    monkeypatch.setattr(
+        runner, "wait", lambda them, left: (waits.append(left), wait(them, left))[1]
+    )
+    assert main(["run", str(small_file), f"--out={tmp_path}", "--case-timeout=1e9"]) == 0
+    assert max(left for left in waits if left is not None) <= runner.LONGEST_WAIT
+
+
+@pytest.mark.parametrize("closed", ["<&-", "2>&-"])
+def test_a_stream_that_is_closed_is_no_error(closed: str, small_file: Path, tmp_path: Path) -> None:
+    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {closed}"
+    end = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert end.returncode == 0
+    assert str(tmp_path / "small.nc") in end.stdout
+    assert COMPLETED in end.stderr or closed == "2>&-"

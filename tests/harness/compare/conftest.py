@@ -1,0 +1,62 @@
+"""Results of three cases whose cone factors are given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive.atomic_files import prepare
+from harness.archive.case_files import case_folder, write_case
+from harness.archive.collection import collect
+from harness.archive.conventions import COMPLETED
+from harness.compare.cone_factors import with_references
+from harness.study.study import load_study
+
+HEAD = 'title = "t"\nscene = "cone_penetration"\n'
+FACTORS = (10.0, 11.0, 12.0)
+
+
+@pytest.fixture
+def collected() -> Callable[..., xr.Dataset]:
+    """Makes a study of three cases whose cone factors are given; one not a number has failed."""
+
+    def made(
+        folder: Path, factors: tuple[float, ...] = FACTORS, settings: tuple[str, ...] = ()
+    ) -> xr.Dataset:
+        path = folder / "s.toml"
+        path.write_text(HEAD + "[vary]\nadhesion_factor = [0, 0.5, 1]\n")
+        study = load_study(str(path), settings)
+        out = case_folder(folder, study)
+        prepare(out)
+        for case, factor in zip(study.cases, factors, strict=True):
+            result = xr.Dataset(
+                {
+                    "cone_factor": ((), factor, {"role": "headline"}),
+                    "error": ((), factor / 1000, {"role": "error"}),
+                    "run_time": ((), 1.0, {"role": "measured"}),
+                }
+            )
+            if np.isnan(factor):
+                write_case(out, case, xr.Dataset(), "diverged", "too fast")
+            else:
+                write_case(out, case, result, COMPLETED)
+        return with_references(collect(study, out), ["lu_2004"])
+
+    return made
+
+
+@pytest.fixture
+def two(collected: Callable[..., xr.Dataset], tmp_path: Path) -> Callable[..., list[xr.Dataset]]:
+    """Makes two such studies, the second with other cone factors and settings."""
+
+    def made(*changed: float, settings: tuple[str, ...] = ()) -> list[xr.Dataset]:
+        folders = [tmp_path / "one", tmp_path / "other"]
+        for folder in folders:
+            folder.mkdir()
+        return [collected(folders[0]), collected(folders[1], changed, settings)]
+
+    return made

@@ -1,0 +1,170 @@
+"""Deviations from the literature, and the table that a terminal shows."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.compare.cone_factor_table import cone_factor_table
+from harness.compare.cone_factors import (
+    NothingToCompareError,
+    conditions_of,
+    exact_shear,
+    stored_references,
+    with_references,
+)
+from harness.references.cone_factors import UnknownReferenceError
+
+THREE = ("lu_2004", "teh_houlsby_1991", "yu_2000")
+
+
+def result(cone_factor: float = 11.0, **varied: Sequence[object]) -> xr.Dataset:
+    """A study's result with the same cone factor in every case; `varied` are its dims."""
+    fixed = {
+        "rigidity_index": 100.0,
+        "adhesion_factor": 0.5,
+        "shaft_adhesion_factor": np.nan,
+        "apex_angle": 60.0,
+        "friction_coefficient": 0.0,
+    }
+    shape = tuple(len(values) for values in varied.values())
+    dataset = xr.Dataset(
+        {name: value for name, value in fixed.items() if name not in varied},
+        coords={name: (name, values) for name, values in varied.items()},
+    )
+    dataset["cone_factor"] = tuple(varied), np.full(shape, cone_factor)
+    dataset["cone_factor_shear"] = exact_shear(dataset).broadcast_like(dataset.cone_factor)
+    dataset["cone_factor_normal"] = dataset.cone_factor - dataset.cone_factor_shear
+    dataset["run_time"] = tuple(varied), np.full(shape, 12.34)
+    dataset["status"] = tuple(varied), np.full(shape, "completed")
+    return dataset
+
+
+def rows(text: str) -> list[str]:
+    """The table's rows below the heading, one blank between words."""
+    lines = text.partition("\n\n")[0].splitlines()
+    return [" ".join(line.split()) for line in lines[3:]]
+
+
+def test_reference_and_deviation_stand_over_the_dims_of_the_cone_factor() -> None:
+    dataset = with_references(
+        result(material=["tresca", "von_mises"], rigidity_index=[50.0, 100.0]), THREE
+    )
+    reference, deviation = dataset["reference_lu_2004"], dataset["deviation_lu_2004"]
+    assert reference.dims == deviation.dims == ("material", "rigidity_index")
+    # 10.31 and 11.42 are given to two decimals.
+    np.testing.assert_allclose(reference[1], (10.31, 11.42), rtol=0, atol=0.005)
+    np.testing.assert_array_equal(deviation, dataset.cone_factor / reference - 1)
+    for variable in (reference, deviation):
+        assert variable.attrs["units"] == "1"
+        assert "Lu et al. 2004" in variable.attrs["long_name"]
+        assert "Geotechnique" in variable.attrs["source"]
+        assert variable.attrs["criterion"] == "Tresca"
+        assert "not read" in variable.attrs["how_known"]
+        assert "50 to 500" in variable.attrs["validity"]
+
+
+def test_references_survive_a_file(tmp_path: Path) -> None:
+    dataset = with_references(result(adhesion_factor=[0.0, 1.0]), THREE)
+    dataset.to_netcdf(tmp_path / "study.nc")
+    read = xr.load_dataset(tmp_path / "study.nc")
+    xr.testing.assert_identical(read, dataset)
+    assert tuple(reference.id for reference in stored_references(read)) == THREE
+
+
+def test_a_failed_case_has_a_reference_and_no_deviation() -> None:
+    dataset = result(adhesion_factor=[0.0, 1.0])
+    dataset["cone_factor"][1] = np.nan
+    compared = with_references(dataset, ["yu_2000"])
+    assert np.isfinite(compared["reference_yu_2000"]).all()
+    assert np.isnan(compared["deviation_yu_2000"]).values.tolist() == [False, True]
+
+
+def test_no_reference_changes_nothing() -> None:
+    dataset = result().drop_vars("cone_factor")
+    assert with_references(dataset, []).identical(dataset)
+
+
+def test_shaft_adhesion_is_the_faces_where_it_is_not_given() -> None:
+    dataset = result(shaft_adhesion_factor=[0.0, np.nan])
+    assert conditions_of(dataset).shaft_adhesion.values.tolist() == [0.0, 0.5]
+    assert conditions_of(result().drop_vars("shaft_adhesion_factor")).shaft_adhesion == 0.5
+
+
+def test_exact_shear_is_that_of_statics() -> None:
+    # tan 30 degrees = 1/sqrt(3), tan 45 degrees = 1
+    dataset = result(apex_angle=[60.0, 90.0])
+    np.testing.assert_allclose(exact_shear(dataset), (np.sqrt(3) / 2, 0.5), rtol=1e-15)
+    assert np.isnan(exact_shear(result(friction_coefficient=[0.1]))).all()
+
+
+def test_unknown_reference_is_refused() -> None:
+    with pytest.raises(UnknownReferenceError, match="lu_2004"):
+        with_references(result(), ["lu_2005"])
+
+
+@pytest.mark.parametrize("missing", ["cone_factor", "rigidity_index", "adhesion_factor"])
+def test_what_cannot_be_compared_is_refused_in_one_line(missing: str) -> None:
+    dataset = result().drop_vars(missing)
+    for compare in (lambda: with_references(dataset, THREE), lambda: cone_factor_table(dataset)):
+        with pytest.raises(NothingToCompareError, match=missing) as caught:
+            compare()
+        assert "\n" not in str(caught.value)
+
+
+def test_table_has_one_row_a_case_with_all_of_it() -> None:
+    dataset = with_references(result(adhesion_factor=[0.0, 0.5, 1.0]), ["lu_2004"])
+    dataset["cone_factor_shear"][1] *= 1.01
+    text = cone_factor_table(dataset)
+    # 11.00 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
+    # at 11.91 at 1.
+    assert rows(text) == [
+        "0 11.00 11.00 0.000 0.000 - 10.77 +2.2% above 12.3 completed",
+        "0.5 11.00 10.13 0.875 0.866 +1.0% 11.42 -3.7% yes 12.3 completed",
+        "1 11.00 9.27 1.732 1.732 +0.0% 12.07 -8.9% below 12.3 completed",
+    ]
+    widths = {len(line) for line in text.partition("\n\n")[0].splitlines()[2:]}
+    assert len(widths) == 1
+    assert "no confidence interval" in text
+    assert "as commonly quoted; the original was not read" in text
+
+
+def test_table_without_varied_parameters() -> None:
+    assert len(rows(cone_factor_table(with_references(result(), THREE)))) == 1
+
+
+def test_table_of_two_varied_parameters_names_every_combination() -> None:
+    text = cone_factor_table(result(material=["tresca", "von_mises"], rigidity_index=[50.0, 100.0]))
+    assert [row.split()[:2] for row in rows(text)] == [
+        ["tresca", "50"],
+        ["tresca", "100"],
+        ["von_mises", "50"],
+        ["von_mises", "100"],
+    ]
+
+
+def test_table_shows_a_failed_case_as_failed() -> None:
+    dataset = result(adhesion_factor=[0.0, 1.0])
+    for name in ("cone_factor", "cone_factor_normal", "cone_factor_shear", "run_time"):
+        dataset[name][1] = np.nan
+    dataset["status"] = "adhesion_factor", ["completed", "diverged"]
+    failed = rows(cone_factor_table(dataset))[1]
+    assert failed == "1 - - - 1.732 - - - diverged"
+
+
+def test_table_brackets_what_is_outside_the_validity() -> None:
+    dataset = with_references(result(rigidity_index=[25.0, 50.0]), THREE)
+    outside, inside = rows(cone_factor_table(dataset))
+    assert outside.count("[") == 4
+    assert "[" not in inside
+
+
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_table_tells_the_difference_of_the_finest_two(order: slice) -> None:
+    dataset = result(cells_per_radius=[2.0, 4.0, 8.0], adhesion_factor=[0.0, 1.0])
+    dataset["cone_factor"][:] = [[12.0, 12.0], [10.0, 12.0], [10.2, np.nan]]
+    text = cone_factor_table(dataset.isel(cells_per_radius=order))
+    assert "finest two (cells_per_radius 4 to 8): cone factor +2.00%, failed" in text
+    assert "finest two" not in cone_factor_table(dataset.isel(cells_per_radius=[0]))

@@ -1,0 +1,141 @@
+"""Two results side by side, case by case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive.study_files import write_study
+from harness.cli.main import main
+from harness.compare.differences import NotComparableError, differences, unshared
+
+FACTORS = (10.0, 11.0, 12.0)
+
+
+def test_equal_results_do_not_differ(two: Callable[..., list[xr.Dataset]]) -> None:
+    one, other = two(*FACTORS)
+    found, lonely = differences(one, other.assign(run_time=2 * other["run_time"]))
+    assert [(it.name, it.size) for it in found] == [("cone_factor", 0), ("error", 0)]
+    assert lonely == []
+
+
+def test_the_largest_difference_is_named_with_its_case(
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    one, other = two(10.0, 11.11, 12.0)
+    found, _ = differences(one, other.isel(adhesion_factor=slice(None, None, -1)))
+    assert [it.name for it in found] == ["cone_factor", "error"]
+    assert [it.size for it in found] == pytest.approx([0.01, 0.01])
+    assert {it.label for it in found} == {"adhesion_factor=0.5"}
+
+
+def test_a_case_that_failed_in_one_differs_without_bound(
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    found, lonely = differences(*two(10.0, np.nan, 12.0))
+    assert {it.size for it in found} == {np.inf}
+    assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
+
+
+def test_a_status_that_differs_counts_where_no_number_does(
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    one, other = (it[["status", "adhesion_factor"]] for it in two(10.0, np.nan, 12.0))
+    found, lonely = differences(one, other)
+    assert found == []
+    assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
+
+
+def test_what_was_not_compared_is_not_passed(
+    tmp_path: Path,
+    refusal: Callable[[list[str]], str],
+    collected: Callable[..., xr.Dataset],
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    path = tmp_path / "s.nc"
+    write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]))
+    told = "harness: nothing to compare: no case has a scalar result in either"
+    assert refusal(["compare", str(path), str(path)]) == told
+    one, other = two(*FACTORS)
+    nothing = {"cone_factor": np.nan * one["cone_factor"], "error": np.nan * one["error"]}
+    with pytest.raises(NotComparableError):
+        differences(one.assign(nothing), other.assign(nothing))
+
+
+def test_cases_of_one_result_alone_are_told(two: Callable[..., list[xr.Dataset]]) -> None:
+    one, other = two(*FACTORS)
+    _, lonely = differences(one.isel(adhesion_factor=[0, 1]), other)
+    assert lonely == ["only in the second: adhesion_factor=1.0"]
+
+
+def test_results_of_other_parameters_are_not_compared(two: Callable[..., list[xr.Dataset]]) -> None:
+    with pytest.raises(NotComparableError):
+        differences(*two(*FACTORS, settings=("density=1800",)))
+
+
+def without(dataset: xr.Dataset, name: str) -> xr.Dataset:
+    """A result of the scene before it had a parameter."""
+    return dataset.drop_vars(name)
+
+
+def test_a_result_from_before_a_parameter_is_compared_at_its_default(
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    one, other = two(*FACTORS)
+    older = without(one, "friction_coefficient")
+    assert differences(older, other) == differences(one, other)
+    assert differences(other, older) == differences(other, one)
+    assert unshared(one, other) == []
+    told = "has friction_coefficient: compared where at the default"
+    assert unshared(older, other) == [f"only the second {told}"]
+    assert unshared(other, older) == [f"only the first {told}"]
+
+
+def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    one, other = two(*FACTORS, settings=("friction_coefficient=0.1",))
+    with pytest.raises(NotComparableError):
+        differences(without(one, "friction_coefficient"), other)
+
+
+def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    varied = ("adhesion_factor=0.5", "friction_coefficient=[0.2, 0.1, 0]")
+    one, other = two(10.0, 11.0, 11.11, settings=varied)
+    found, lonely = differences(without(one, "friction_coefficient"), other)
+    assert [it.size for it in found] == pytest.approx([0.01, 0.01])
+    assert sum(line.startswith("only in the second: ") for line in lonely) == 2
+
+
+def test_a_parameter_that_is_no_more_is_named(two: Callable[..., list[xr.Dataset]]) -> None:
+    one, other = two(*FACTORS)
+    older = one.assign(viscosity=((), 1.0, {"role": "parameter"}))
+    assert differences(older, other) == differences(one, other)
+    assert unshared(older, other) == ["only the first has viscosity: compared where at the default"]
+    with pytest.raises(NotComparableError):
+        differences(older, other.assign(viscosity=older["viscosity"] + 1.0))
+
+
+@pytest.mark.parametrize(("tolerance", "code"), [("0", 1), ("0.005", 1), ("0.02", 0)])
+def test_two_files_beside_each_other(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    tolerance: str,
+    code: int,
+    two: Callable[..., list[xr.Dataset]],
+) -> None:
+    paths = [str(tmp_path / "one.nc"), str(tmp_path / "other.nc")]
+    for path, dataset in zip(paths, two(10.0, 11.11, 12.0), strict=True):
+        write_study(Path(path), dataset)
+    assert main(["compare", *paths, "--tolerance", tolerance]) == code
+    assert capsys.readouterr().out.splitlines()[0].split()[:3] == [
+        "cone_factor",
+        "0.01",
+        "MISSED" if code else "ok",
+    ]

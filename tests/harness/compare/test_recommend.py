@@ -1,0 +1,146 @@
+"""Settings that are recommended: out of which files and cases, and what is said where none are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import write_netcdf
+from harness.archive.conventions import COMPLETED, FORMAT_VERSION
+from harness.archive.study_files import write_study
+from harness.cli.main import main
+from harness.compare.recommend import DERIVED, recommend
+from harness.errors import HarnessError
+
+CELLS = [5.0, 10.0, np.nan, np.nan]
+
+
+def two_scenes() -> xr.Dataset:
+    """Two cases of each scene; the other scene's cells are not this one's."""
+    return xr.Dataset(
+        {
+            "error": ("case", [0.05, 0.01, 0.5, 0.3]),
+            "run_time": ("case", [1.0, 2.0, 0.1, 0.2]),
+            "status": ("case", [COMPLETED] * 4),
+            "message": ("case", [""] * 4),
+            "case_key": ("case", list("abcd")),
+        },
+        coords={
+            "case": range(4),
+            "scene": ("case", ["thick_cylinder"] * 2 + ["sliding_block"] * 2),
+            "cell_count": ("case", CELLS),
+            "cells_per_length": ("case", CELLS[::-1]),
+            "damping_ratio": ("case", [np.nan, np.nan, 0.05, 0.05]),
+        },
+        attrs={
+            "scene": "thick_cylinder sliding_block",
+            "scene_version": 1,
+            "study": "made",
+            "format_version": FORMAT_VERSION,
+        },
+    )
+
+
+def written(folder: Path, dataset: xr.Dataset) -> Path:
+    file = folder / "made.nc"
+    write_study(file, dataset)
+    return file
+
+
+def test_cases_of_one_scene_of_several(tmp_path: Path) -> None:
+    file = written(tmp_path, two_scenes())
+    found = recommend("thick_cylinder", 0.02, [file])
+    assert found is not None
+    assert str(found).startswith("cell_count = 10: error 1.00% and 2 s at most, over 1 case of")
+    assert recommend("sliding_block", 0.02, [file]) is None
+    other = recommend("sliding_block", 0.5, [file])
+    assert other is not None
+    assert other.settings == {"cells_per_length": 10}
+
+
+def test_recommended_are_the_cheapest_settings_good_for_every_soil(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    file = written(tmp_path, two_soils)
+    found = recommend("cone_penetration", 0.05, [file])
+    assert found is not None
+    assert found.settings == {"cells_per_radius": 2.0}
+    assert (found.error, found.run_time) == (pytest.approx(0.02), 2.5)
+    cheap = recommend("cone_penetration", 0.5, [file])
+    assert cheap is not None
+    assert cheap.settings == {"cells_per_radius": 1.5}
+
+
+def test_settings_that_failed_once_are_not_recommended(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    dataset = two_soils
+    dataset["status"].loc[{"rigidity_index": 100.0, "cells_per_radius": 2.0}] = "diverged"
+    assert recommend("cone_penetration", 0.05, [written(tmp_path, dataset)]) is None
+
+
+def test_nothing_is_recommended_from_nothing(tmp_path: Path, two_soils: xr.Dataset) -> None:
+    file = written(tmp_path, two_soils.drop_vars("error_finest"))
+    with pytest.raises(HarnessError, match="no result with errors"):
+        recommend("cone_penetration", 0.05, [file])
+
+
+@pytest.mark.parametrize(("error", "code"), [("5%", 0), ("0.0001", 1)])
+def test_recommend_from_the_command_line(
+    error: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str], two_soils: xr.Dataset
+) -> None:
+    written(tmp_path, two_soils)
+    arguments = ["recommend", "cone_penetration", "--error", error, "--results", str(tmp_path)]
+    assert main(arguments) == code
+    assert ("cells_per_radius = 2.0" in capsys.readouterr().out) == (code == 0)
+
+
+def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:
+    file = written(tmp_path, two_scenes())
+    strange = xr.Dataset({"error": 0.1})
+    case = strange.assign_attrs(format_version=FORMAT_VERSION, scene="thick_cylinder")
+    for name, dataset in {"verify": strange, "case": case}.items():
+        write_netcdf(dataset, tmp_path / f"{name}.nc")
+    found = recommend("thick_cylinder", 0.02, sorted(tmp_path.glob("*.nc")))
+    assert found is not None
+    assert found.file == file
+
+
+def test_a_damaged_file_is_told_of(tmp_path: Path) -> None:
+    (tmp_path / "made.nc").write_bytes(b"noise")
+    with pytest.raises(ArchiveError, match=r"made\.nc: cannot be read"):
+        recommend("thick_cylinder", 0.02, [tmp_path / "made.nc"])
+
+
+def test_values_that_the_scene_derives_are_alike(tmp_path: Path) -> None:
+    dataset = two_scenes().drop_vars(["scene", "cell_count", "cells_per_length", "damping_ratio"])
+    dataset = dataset.assign_coords(domain_radius=("case", [np.nan, np.nan, 20.0, 20.0]))
+    file = written(tmp_path, dataset.assign_attrs(scene="cone_penetration"))
+    found = recommend("cone_penetration", 0.1, [file])
+    assert found is not None
+    assert (found.settings, found.case_count) == ({"domain_radius": DERIVED}, 2)
+
+
+def test_that_none_varies_the_method_is_told(tmp_path: Path) -> None:
+    dataset = two_scenes().drop_vars(["error", "cell_count", "cells_per_length", "scene"])
+    file = written(tmp_path, dataset.assign_attrs(scene="cone_penetration"))
+    with pytest.raises(HarnessError, match="none varies the method: contact_surface, cells_per_"):
+        recommend("cone_penetration", 0.05, [file])
+
+
+def test_that_a_scene_has_no_errors_is_told() -> None:
+    with pytest.raises(HarnessError, match="step_cost: has no errors"):
+        recommend("step_cost", 0.05, [])
+
+
+def test_a_folder_that_is_not_there_is_told(
+    tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    nowhere = str(tmp_path / "nowhere")
+    line = refusal(["recommend", "thick_cylinder", "--error", "1%", "--results", nowhere])
+    assert line == f"harness: --results {nowhere}: no such folder"

@@ -1,0 +1,97 @@
+"""What a step costs: the table, and its place among the other results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import takewhile
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from harness.cli.main import main
+from harness.compare.step_cost_table import bench_rows
+
+SPEED = "million updates/s, median (least to most)"
+GAIN = "times as fast as one thread (as many runs at once)"
+OVERHEAD = "Python and launches, share of the time"
+MEMORY = "arrays, bytes a point"
+QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
+
+
+def table(rows: Sequence[str], title: str) -> dict[str, str]:
+    """What stands in the table of that title, by whatever varies besides the size."""
+    first = rows.index(f"| {title} | 600 points |") + 2
+    cells = [row.strip("| ").split(" | ") for row in takewhile(bool, rows[first:])]
+    return dict(cells)
+
+
+@pytest.fixture
+def result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    assert main(["bench", *QUICK, "--out", str(tmp_path / "one")]) == 0
+    capsys.readouterr()
+    return tmp_path / "one" / "bench.nc"
+
+
+def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: Path) -> None:
+    dataset = xr.open_dataset(result)
+    assert dict(dataset.update_rate.sizes) == {"physics": 3, "threads": 2}
+    assert (dataset.update_rate_lowest <= dataset.update_rate).all()
+    assert (dataset.update_rate <= dataset.update_rate_highest).all()
+    rows = bench_rows(dataset)
+    assert len(table(rows, SPEED)) == 6
+    case = dataset.sel(physics="cone", threads=1)
+    assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(case.stage.values)
+    stages = {row.split("`")[1]: row.split("|")[3:-1] for row in rows if row.startswith("| `")}
+    assert stages
+    for name, cells in stages.items():
+        operations, *_, over = map(float, cells)
+        stage = case.sel(stage=name)
+        assert operations == round(float(stage.stage_operations))
+        by_memory = stage.stage_bytes / case.streaming_rate
+        by_arithmetic = (
+            stage.stage_operations / case.arithmetic_rate
+            + stage.stage_divisions / case.division_rate
+        )
+        larger = 1e9 * max(float(by_memory), float(by_arithmetic))
+        assert over == pytest.approx(float(stage.stage_time) / larger, abs=0.051)
+    assert list(table(rows, MEMORY).values()) == [
+        f"{case:.0f}" for case in dataset.array_bytes.values.flat
+    ]
+    assert (dataset.bare_step_gain.sel(threads=1) > 0).all()
+    assert dataset.bare_step_gain.sel(threads=2).isnull().all()
+    assert (dataset.thread_gain.sel(threads=2) > 0).all()
+    assert dataset.thread_gain.sel(threads=1).isnull().all()
+    assert list(table(rows, GAIN).values()) == [
+        f"{threads:.2f} ({cores:.2f})"
+        for threads, cores in zip(
+            dataset.thread_gain.sel(threads=2).values,
+            dataset.core_gain.sel(threads=2).values,
+            strict=True,
+        )
+    ]
+
+
+def test_of_cases_that_are_computed_together_the_table_shows_speed_and_memory_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = ["--set", "physics=elastic", "--set", "threads=[1, 2]", "--set", "cases=[1, 2]"]
+    assert main(["bench", *QUICK, *settings, "--out", str(tmp_path)]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    each = {f"threads {threads}, cases {cases}" for threads in (1, 2) for cases in (1, 2)}
+    assert table(rows, SPEED).keys() == table(rows, MEMORY).keys() == each
+    assert all(float(cell.split()[0]) > 0 for cell in table(rows, SPEED).values())
+    assert table(rows, GAIN).keys() == {"threads 2, cases 1"}
+    assert table(rows, OVERHEAD).keys() == {"threads 1, cases 1"}
+
+
+def test_two_benches_can_be_compared(
+    result: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bench", *QUICK, "--out", str(tmp_path / "two")]) == 0
+    other = tmp_path / "two" / "bench.nc"
+    capsys.readouterr()
+    assert main(["compare", str(result), str(other), "--tolerance", "1e6"]) == 0
+    assert "update_rate " in capsys.readouterr().out
+    # A measurement that came out the same to the last bit would be no measurement.
+    assert main(["compare", str(result), str(other), "--tolerance", "0"]) == 1

@@ -1,0 +1,149 @@
+"""What a case costs, and which bits of it must be the same again."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from mpm_warp.scenes.gravity_column import GravityColumn
+
+from harness.archive import case_files
+from harness.archive.conventions import COMPLETED
+from harness.compare.differences import differing
+from harness.run import measuring
+from harness.run.measuring import Measurement, with_samples
+from harness.run.pool import run_cases
+from harness.run.progress import Display
+from harness.run.worker import compute, run_case
+from harness.study.cases import Case
+from mpm_warp.parameters import Value
+from mpm_warp.planning import make_plan
+from mpm_warp.scenes import scene_class
+
+MIB = 2**20
+
+
+def case_of(scene: str, **parameters: Value) -> Case:
+    values = dataclasses.asdict(scene_class(scene)(**parameters))
+    version = scene_class(scene).version
+    return Case(scene=scene, scene_version=version, parameters=values, label=scene)
+
+
+CHEAP: dict[str, dict[str, Value]] = {
+    "material_point": {"step_count": 10},
+    "gravity_column": {"cell_count": 4},
+    "elastic_column_wave": {"cell_count": 10},
+}
+
+
+@pytest.mark.parametrize("scene", CHEAP)
+def test_every_case_tells_its_times_apart_its_work_and_its_memory(scene: str) -> None:
+    dataset = compute(case_of(scene, **CHEAP[scene])).dataset
+    for name in ("run_time", "setup_time", "compile_time", "case_time"):
+        assert dataset[name].attrs["units"] == "s"
+        assert dataset[name] > 0
+    apart = dataset.run_time + dataset.setup_time + dataset.compile_time
+    assert apart < dataset.case_time
+    assert dataset.particle_updates == dataset.particle_count * dataset.step_count
+    assert dataset.peak_memory.attrs["units"] == "byte"
+    assert "since it ran the case" in dataset.peak_memory.attrs["description"]
+
+
+def test_the_peak_of_memory_is_that_of_the_case_alone() -> None:
+    """A hundred MiB in between shows; a hundred before does not."""
+    before = Measurement()
+    memory = np.ones(100 * MIB, np.uint8)
+    between = before.variables()["peak_memory"].item()
+    del memory
+    after = Measurement().variables()["peak_memory"].item()
+    assert between - after > 90 * MIB
+
+
+def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(measuring, "_RESET", tmp_path / "none" / "clear_refs")
+    peak = Measurement().variables()["peak_memory"]
+    assert peak.attrs["description"].endswith("since it was started, maybe for earlier cases")
+    assert peak.item() > 10 * MIB
+
+
+def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
+    """A worker that kept the arrays of each case would grow by their size each time."""
+    case_count, warm = 60, 10
+    scene = GravityColumn(cell_count=200).simulated_scene()
+    assert scene is not None
+    arrays = sum(array.byte_count for array in make_plan(scene).arrays.values())
+    cases = [
+        case_of("gravity_column", cell_count=200, settlement_ratio=1e-4 + 1e-7 * number)
+        for number in range(case_count)
+    ]
+    run_cases(cases, tmp_path, 1, Display(case_count, io.StringIO()))
+    results = [case_files.read_case(tmp_path, case) for case in cases]
+    peaks = [int(result.peak_memory) for result in results if result is not None]
+    assert max(peaks) - peaks[warm] < 0.25 * (case_count - warm) * arrays
+
+
+def test_warm_run_times_are_all_kept() -> None:
+    first = xr.Dataset({"run_time": ((), 9.0), "compile_time": ((), 8.0), "error": ((), 0.1)})
+    timed = with_samples(first, [3.0, 1.0, 2.0, 5.0])
+    assert timed.run_time_sample.values.tolist() == [3, 1, 2, 5]
+    assert timed.repeat.values.tolist() == [1, 2, 3, 4]
+    assert (timed.run_time, timed.run_time_minimum) == (2.5, 1)
+    assert (timed.compile_time, timed.error) == (8, 0.1)
+    assert all("long_name" in variable.attrs for variable in timed.drop_vars(first).values())
+
+
+def test_a_case_with_repeats_keeps_as_many_samples_and_is_complete(tmp_path: Path) -> None:
+    case = case_of("gravity_column", cell_count=4)
+    plain = run_case(case, tmp_path)
+    before = case_files.read_case(tmp_path, case)
+    assert plain.status == COMPLETED
+    assert case_files.is_complete(tmp_path, case)
+    assert not case_files.is_complete(tmp_path, case, repeats=3)
+
+    fractions: list[float] = []
+    run_case(case, tmp_path, fractions.append, repeats=3)
+    result = case_files.read_case(tmp_path, case)
+    assert before is not None
+    assert result is not None
+    assert result.run_time_sample.size == 3
+    assert result.run_time == np.median(result.run_time_sample)
+    assert differing(before, result) == []
+    assert case_files.is_complete(tmp_path, case, repeats=3)
+    assert not case_files.is_complete(tmp_path, case, repeats=4)
+
+
+def test_a_repeat_that_gives_other_numbers_fails_the_case(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = GravityColumn.run
+    results: list[xr.Dataset] = []
+
+    def drifting(scene: GravityColumn, progress: object, execution: object) -> xr.Dataset:
+        results.append(run(scene) + len(results) * 1e-15)
+        return results[-1]
+
+    monkeypatch.setattr(GravityColumn, "run", drifting)
+    outcome = run_case(case_of("gravity_column", cell_count=4), tmp_path, repeats=2)
+    assert outcome.status == "failed"
+    assert "run 2 gave another " in outcome.message
+
+
+def test_a_single_bit_a_type_and_a_sign_of_zero_differ() -> None:
+    one = xr.Dataset({"a": ("x", [0.0, 1.0]), "run_time": ((), 1.0)}, {"x": ["b", "c"]})
+    assert differing(one, one.assign(run_time=2.0)) == []
+    for other in (
+        one.assign(a=("x", [-0.0, 1.0])),
+        one.assign(a=("x", [0.0, 1.0 + 2**-52])),
+        one.assign(a=one.a.astype(np.float32)),
+        one.drop_vars("a"),
+    ):
+        assert differing(one, other) == differing(other, one) == ["a"]
+    assert differing(one, one.assign_coords(x=["b", "d"])) == ["x"]
+    nan = one.assign(a=("x", [np.nan, 1.0]))
+    assert differing(nan, nan.copy(deep=True)) == []

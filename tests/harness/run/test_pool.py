@@ -1,0 +1,331 @@
+"""Cases in worker processes: none lost, none done twice, whatever becomes of the workers."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import re
+import signal
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive import case_files
+from harness.archive import collection as archive
+from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.case_files import Outcome
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
+from harness.compare.differences import differing
+from harness.pictures.stability import shows_stability
+from harness.pictures.stability_map import stability_rows
+from harness.run import pool as runner
+from harness.run.pool import Watcher, cases_at_once, run_cases, share_of_cores
+from harness.study.cases import Case
+from harness.study.study import Study, load_study
+
+
+class Record:
+    """A watcher that remembers the outcomes, by the cases' keys."""
+
+    def __init__(self) -> None:
+        self.outcomes: dict[str, Outcome] = {}
+
+    def advanced(self, case: Case, fraction: float) -> None:
+        assert 0 <= fraction <= 1
+
+    def finished(self, case: Case, outcome: Outcome) -> None:
+        assert case.key not in self.outcomes
+        self.outcomes[case.key] = outcome
+
+    def statuses(self, cases: Iterable[Case]) -> list[str]:
+        """How each of some cases has ended."""
+        return [self.outcomes[case.key].status for case in cases]
+
+
+def prepared(study: Study, out: Path) -> Path:
+    """The folder of a study's cases in `out`, ready to be written to."""
+    folder = case_files.case_folder(out, study)
+    prepare(folder)
+    return folder
+
+
+def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
+    """Run a study in `out` and collect it."""
+    folder = prepared(study, out)
+    run_cases(study.cases, folder, workers, watcher)
+    return collected(study, folder)
+
+
+def collected(study: Study, folder: Path) -> xr.Dataset:
+    """What was computed."""
+    return archive.collect(study, folder)
+
+
+def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
+    record = Record()
+    dataset = run(small, tmp_path, 2, record)
+    assert record.statuses(small.cases) == [COMPLETED] * 3
+    assert dataset.status.values.tolist() == [COMPLETED] * 3
+    assert dataset.cone_factor.notnull().all()
+    assert not multiprocessing.active_children()
+
+
+def test_the_number_of_workers_does_not_change_a_bit(tmp_path: Path, small: Study) -> None:
+    one = run(small, tmp_path / "1", 1, Record())
+    two = run(small, tmp_path / "2", 2, Record())
+    assert "time_step" in one
+    assert differing(one, two) == []
+
+
+def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study) -> None:
+    cases = small.cases
+    datasets = []
+    for threads in (1, 2, None):
+        folder = prepared(small, tmp_path / str(threads))
+        run_cases(cases, folder, 1, Record(), threads=threads)
+        datasets.append(collected(small, folder))
+    assert differing(datasets[0], datasets[1]) == []
+    assert differing(datasets[0], datasets[2]) == []
+
+
+def test_a_case_has_its_threads_from_the_first_step_on(
+    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent = []
+    send = runner._Worker._send
+
+    def noted(worker: runner._Worker, message: tuple[Case, ...] | int) -> None:
+        sent.append(message)
+        send(worker, message)
+
+    monkeypatch.setattr(runner._Worker, "_send", noted)
+    cases = small.cases
+    run_cases(cases, prepared(small, tmp_path), 1, Record(), threads=2)
+    assert sent == [2, *((case,) for case in cases)]
+
+
+def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "cpu_count", lambda: 8)
+    assert [share_of_cores(cases) for cases in (1, 2, 3, 4, 5, 8, 20)] == [4, 4, 2, 2, 1, 1, 1]
+    assert [cases_at_once(threads) for threads in (None, 1, 2, 4)] == [8, 8, 4, 2]
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert share_of_cores(1) == 1
+    assert cases_at_once(2) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
+def test_the_death_of_a_worker_takes_one_case(
+    tmp_path: Path, small_file: Path, number: signal.Signals
+) -> None:
+    settings = ["adhesion_factor=0", "penetration=[200, 1]"]
+    study = load_study(str(small_file), settings)
+
+    class Killer(Record):
+        def advanced(self, case: Case, fraction: float) -> None:
+            if case.parameters["penetration"] == 200:
+                (worker,) = multiprocessing.active_children()
+                assert worker.pid is not None
+                os.kill(worker.pid, number)
+
+    record = Killer()
+    dataset = run(study, tmp_path, 1, record)
+    assert dataset.status.values.tolist() == [CRASHED, COMPLETED]
+    message = dataset.message.values[0]
+    assert re.fullmatch(rf"worker killed by {number.name}, at \d+% of the case", message)
+    assert dataset.cone_factor.isnull().values.tolist() == [True, False]
+    assert record.outcomes[study.cases[0].key].status == CRASHED
+
+
+@pytest.fixture
+def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
+    """The folder of two cases, and the cases: one that takes minutes, one that is soon done.
+
+    The kernels are there, for a case alone and for two together: to compile them takes time too.
+    """
+    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03, 0.04]"]
+    study = load_study(str(small_file), settings)
+    long, *warm = study.cases
+    folder = prepared(study, tmp_path)
+    for batch in (1, 2):
+        run_cases(warm, folder, 1, Record(), batch=batch)
+        case_files.discard(folder, warm)
+    return folder, long, warm[0]
+
+
+def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
+    long_and_short: tuple[Path, Case, Case],
+) -> None:
+    folder, long, short = long_and_short
+    fractions: list[float] = []
+
+    class Follower(Record):
+        def advanced(self, case: Case, fraction: float) -> None:
+            if case == long:
+                fractions.append(fraction)
+
+    record = Follower()
+    run_cases([long, short], folder, 1, record, time_limit=5)
+    assert record.outcomes[short.key].status == COMPLETED
+    kept = case_files.read_outcome(folder, long)
+    assert (kept.status, record.outcomes[long.key].status) == (TIMED_OUT, TIMED_OUT)
+    assert kept.message == f"ended after 5 s, at {fractions[-1]:.0%} of the case"
+    assert kept.seconds >= 5
+    assert not list(folder.glob(".*"))
+    assert not multiprocessing.active_children()
+
+
+def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
+    tmp_path: Path, small: Study
+) -> None:
+    folder = prepared(small, tmp_path)
+    case = small.cases[0]
+
+    class Killer(Record):
+        """Kills the worker as it begins, after another has written the result."""
+
+        def advanced(self, case: Case, fraction: float) -> None:
+            if not case_files.case_file(folder, case).exists():
+                case_files.write_case(folder, case, xr.Dataset(), COMPLETED)
+                (worker,) = multiprocessing.active_children()
+                worker.kill()
+
+    record = Killer()
+    run_cases([case], folder, 1, record)
+    assert record.outcomes[case.key].status == COMPLETED
+    assert case_files.read_outcome(folder, case).status == COMPLETED
+
+
+def test_what_another_run_has_completed_meanwhile_is_not_run_again(
+    tmp_path: Path, small: Study
+) -> None:
+    folder = prepared(small, tmp_path)
+    first, *others = small.cases
+
+    class Other(Record):
+        """Another run in the same folder, that has done the rest before the first case ends."""
+
+        def advanced(self, case: Case, fraction: float) -> None:
+            for other in others:
+                case_files.write_case(folder, other, xr.Dataset(), COMPLETED)
+
+    record = Other()
+    run_cases([first, *others], folder, 1, record)
+    messages = [record.outcomes[case.key].message for case in (first, *others)]
+    assert messages == ["", "by another run", "by another run"]
+    kept = [case_files.read_case(folder, case) for case in others]
+    assert not any(result is None or "cone_factor" in result for result in kept)
+
+
+def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, small: Study) -> None:
+    class Interrupter(Record):
+        def advanced(self, case: Case, fraction: float) -> NoReturn:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(small, tmp_path, 2, Interrupter())
+    assert not multiprocessing.active_children()
+
+
+def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: Path) -> None:
+    path = tmp_path / "blocks.toml"
+    path.write_text(
+        'title = "t"\nscene = "sliding_block"\ndesign = "latin_hypercube"\nsamples = 4\nseed = 1\n'
+        "[fixed]\ntravel = 0.1\n[vary]\ncells_per_length = { from = 6, to = 13 }\n"
+    )
+    study = load_study(str(path))
+    dataset = run(study, tmp_path, 2, Record())
+    expected = np.where(dataset.cells_per_length < 10, "refused", COMPLETED)
+    assert dataset.status.values.tolist() == expected.tolist()
+    assert set(expected.tolist()) == {"refused", COMPLETED}
+    for message in dataset.message.values[expected == "refused"].tolist():
+        assert re.fullmatch(
+            r"ParameterError: height_ratio = .* must be 3 cells high or more", message
+        )
+    assert shows_stability(dataset)
+    assert any("refused" in cell for row in stability_rows(dataset) for cell in row)
+
+
+def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
+    record = Record()
+    cases = small.cases
+    with pytest.raises(ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
+        run_cases(cases, tmp_path / "not there", 1, record)
+    assert record.outcomes == {}
+    assert not multiprocessing.active_children()
+
+
+def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
+    """How many cases each of some was run with, itself among them."""
+    kept = [case_files.read_case(folder, case) for case in cases]
+    return [it.attrs["cases_together"] for it in kept if it is not None]
+
+
+def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: Study) -> None:
+    alone = run(small, tmp_path / "alone", 1, Record())
+    folder = prepared(small, tmp_path / "together")
+    record = Record()
+    run_cases(small.cases, folder, 1, record, batch=10)
+    together = collected(small, folder)
+    assert differing(alone, together) == []
+    assert record.statuses(small.cases) == [COMPLETED] * 3
+    assert run_together(folder, small.cases) == [3, 3, 3]
+    assert (together.case_time >= together.run_time).all()
+
+
+def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
+    folder = prepared(small, tmp_path)
+    run_cases(small.cases, folder, 2, Record(), batch=10)
+    assert run_together(folder, small.cases) == [2, 2, 1]
+
+
+def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run_alone(
+    tmp_path: Path, small_file: Path
+) -> None:
+    study = load_study(str(small_file), ["adhesion_factor=[0, 1]", "penetration=[1, 20]"])
+    folder = prepared(study, tmp_path)
+
+    class Killer(Record):
+        """Kills the first worker as soon as a case is done."""
+
+        def finished(self, case: Case, outcome: Outcome) -> None:
+            super().finished(case, outcome)
+            if len(self.outcomes) == 1:
+                (worker,) = multiprocessing.active_children()
+                worker.kill()
+
+    record = Killer()
+    run_cases(study.cases, folder, 1, record, batch=4)
+    assert record.statuses(study.cases) == [COMPLETED] * 4
+    assert set(run_together(folder, study.cases)) == {1, 4}
+
+
+def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
+    long_and_short: tuple[Path, Case, Case],
+) -> None:
+    folder, long, short = long_and_short
+    record = Record()
+    run_cases([long, short], folder, 1, record, time_limit=4, batch=2)
+    assert record.statuses([long, short]) == [TIMED_OUT, COMPLETED]
+
+
+def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
+    tmp_path: Path, small_file: Path
+) -> None:
+    study = load_study(str(small_file), ["adhesion_factor=0", "penetration=[200, 1, 2]"])
+    folder = prepared(study, tmp_path)
+
+    class Killer(Record):
+        """Kills each worker that has come on with the long case."""
+
+        def advanced(self, case: Case, fraction: float) -> None:
+            if case.parameters["penetration"] == 200 and fraction > 0:
+                for worker in multiprocessing.active_children():
+                    worker.kill()
+
+    record = Killer()
+    run_cases(study.cases, folder, 1, record, batch=3)
+    assert record.statuses(study.cases) == [CRASHED, COMPLETED, COMPLETED]

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import io
+import re
+
+import pytest
+
+from harness.archive.case_files import Outcome
+from harness.run.progress import Display
+from harness.study.study import Study
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_elsewhere_than_on_a_terminal_there_is_a_line_a_case(small: Study) -> None:
+    case = small.cases[1]
+    stream = io.StringIO()
+    with Display(3, stream) as display:
+        display.advanced(case, 0.5)
+        display.finished(case, Outcome("failed", "why", "", 1.25))
+    assert stream.getvalue() == "[1/3] adhesion_factor=0.5: failed, why, 1.2 s\n"
+
+
+def test_the_bar_shows_cases_done_running_and_time_left(
+    small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    display = Display(4, Terminal())
+    first, second, third = small.cases
+    display.finished(first, Outcome("completed"))
+    display.advanced(second, 0.75)
+    display.advanced(third, 0.25)
+    clock[0] += 60  # half of four cases are done after a minute
+    bar = "█" * 12 + "░" * 12
+    assert display.bar() == f"{bar} 1/4 cases, 2 running, at 50%, 0:01:00 left"
+
+
+def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
+    stream = Terminal()
+    with Display(3, stream) as display:
+        display.advanced(small.cases[0], 0.5)
+    assert re.search(r"0/3 cases.*\r\x1b\[K$", stream.getvalue())

@@ -1,0 +1,157 @@
+"""A case again from its file alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from harness.archive import case_files, study_files
+from harness.archive import collection as archive
+from harness.archive.conventions import CRASHED
+from harness.cli.main import main
+from harness.study.study import Study, load_study
+
+SETTINGS = ["material=['von_mises']", "rigidity_index=[50, 100]", "adhesion_factor=0.5"]
+
+
+@pytest.fixture
+def done(small_file: Path, tmp_path: Path) -> Study:
+    """A study with parameters of every type, one of them derived, that has run in `tmp_path`."""
+    settings = [part for setting in SETTINGS for part in ("--set", setting)]
+    assert main(["run", str(small_file), *settings, "--out", str(tmp_path)]) == 0
+    return load_study(str(small_file), SETTINGS)
+
+
+def test_a_case_file_gives_the_same_bits_again(
+    done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = done.cases[1]
+    path = case_files.case_file(case_files.case_folder(tmp_path, done), case)
+    elsewhere = path.rename(tmp_path / "alone.nc")
+    files = set(tmp_path.rglob("*"))
+    capsys.readouterr()
+    assert main(["rerun", str(elsewhere)]) == 0
+    assert capsys.readouterr().out == f"{case.key}: bit-identical\n"
+    assert set(tmp_path.rglob("*")) == files
+
+
+def test_a_case_of_a_collected_file_gives_the_same_bits_again(
+    done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for case in done.cases:
+        capsys.readouterr()
+        assert main(["rerun", str(tmp_path / "small.nc"), case.key]) == 0
+        assert capsys.readouterr().out == f"{case.key}: bit-identical\n"
+
+
+@pytest.mark.parametrize("collected", [False, True])
+def test_another_bit_is_noticed(
+    done: Study, tmp_path: Path, collected: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = done.cases[1]
+    folder = case_files.case_folder(tmp_path, done)
+    result = case_files.read_case(folder, case)
+    assert result is not None
+    result.penetration_resistance.values[-1] *= 1 + 2**-52
+    result.attrs["commit"] = "other"
+    case_files.write_case(folder, case, result, "completed")
+    path = case_files.case_file(folder, case)
+    if collected:
+        path = tmp_path / "changed.nc"
+        study_files.write_study(path, archive.collect(done, folder))
+    capsys.readouterr()
+    assert main(["rerun", str(path), case.key]) == 1
+    told = capsys.readouterr().out
+    assert told.startswith(f"{case.key}: differs in penetration_resistance; ")
+    assert "; commit other -> " in told
+    assert "same machine" not in told
+
+
+def test_a_case_that_had_crashed_is_run_but_not_compared(
+    small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = small.cases[0]
+    case_files.write_case(tmp_path, case, xr.Dataset(), CRASHED, "why")
+    assert main(["rerun", str(case_files.case_file(tmp_path, case))]) == 1
+    assert "not to be compared: crashed before, completed again" in capsys.readouterr().out
+
+
+def test_what_cannot_be_run_again_is_one_line(
+    done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, other = done.cases
+    folder = case_files.case_folder(tmp_path, done)
+    path = case_files.case_file(folder, one)
+    changed = case_files.read_netcdf(path)
+    parameters = json.loads(changed.attrs["parameters"])
+    forged, older = tmp_path / "forged.nc", tmp_path / "older.nc"
+    attributes = {"parameters": json.dumps({**parameters, "rigidity_index": 51.0})}
+    case_files.write_netcdf(changed.assign_attrs(attributes), forged)
+    case_files.write_case(
+        tmp_path, old := one.__class__(**{**vars(one), "scene_version": 0}), changed, "completed"
+    )
+    case_files.case_file(tmp_path, old).rename(older)
+    text, list_, unversioned, unread = (tmp_path / f"{name}.nc" for name in range(4))
+    for path_, attributes_ in (
+        (text, {"parameters": "{"}),
+        (list_, {"parameters": "[1]"}),
+        (unversioned, {"scene_version": "new"}),
+        (unread, {"scene": "spiral"}),
+    ):
+        case_files.write_netcdf(changed.assign_attrs(attributes_), path_)
+    stranger = tmp_path / "stranger.nc"
+    case_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
+    refusals = {
+        (str(path), other.key): f"is the file of case {one.key} alone",
+        (
+            str(tmp_path / "small.nc"),
+        ): "no case is named; there are 2, `harness status small` lists them",
+        (str(tmp_path / "small.nc"), one.key[:-1]): f"did you mean '{one.key}'?",
+        (str(forged),): f"the parameters there are not those of case {one.key}",
+        (str(older),): "was computed by version 0 of cone_penetration, this simulator has version",
+        (str(text),): "a parameter is missing or malformed; it cannot be run again",
+        (str(list_),): "a parameter is missing or malformed; it cannot be run again",
+        (str(unversioned),): "scene, scene_version or status is missing or malformed",
+        (str(unread),): "unknown scene 'spiral'",
+        (str(stranger),): "is neither the file of a case nor the result of a study",
+        (str(tmp_path / "none.nc"),): "none.nc: no such file",
+    }
+    capsys.readouterr()
+    for arguments, expected in refusals.items():
+        assert main(["rerun", *arguments]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert expected in line
+
+
+@pytest.fixture
+def collected(small: Study, tmp_path: Path) -> xr.Dataset:
+    """A result of which no case has been run."""
+    return archive.collect(small, tmp_path)
+
+
+def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
+    collected: xr.Dataset, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    path = tmp_path / "older.nc"
+    older = collected.drop_vars("friction_coefficient").assign_attrs(scene_version=0)
+    study_files.write_study(path, older)
+    line = refusal(["rerun", str(path), str(older.case_key.values[1])])
+    assert "was computed by version 0 of cone_penetration, this simulator has version" in line
+
+
+@pytest.mark.parametrize("change", ["missing", "text"])
+def test_a_result_without_a_parameter_is_told(
+    collected: xr.Dataset, tmp_path: Path, change: str, refusal: Callable[[list[str]], str]
+) -> None:
+    path, name = tmp_path / "changed.nc", "friction_coefficient"
+    changed = {
+        "missing": collected.drop_vars(name),
+        "text": collected.assign({name: "rough"}),
+    }[change]
+    study_files.write_study(path, changed)
+    line = refusal(["rerun", str(path), str(collected.case_key.values[1])])
+    assert line.endswith(": a parameter is missing or malformed; it cannot be run again")

@@ -1,0 +1,126 @@
+"""Scenes against exact solutions: verdicts, table, files and exit codes."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from mpm_warp.scenes.base import Verification
+from mpm_warp.scenes.gravity_column import GravityColumn
+
+from harness.cli.main import main
+from harness.run.verify import Check, Verified, as_dataset, checks_of, table_rows, verify
+
+CHECK = Check(
+    scene="gravity_column",
+    verification=Verification(
+        resolution="cell_count", resolutions=(2, 4), bounds={"error": 0.01}, least_order=1.0
+    ),
+)
+
+
+def verified(*errors: float, messages: tuple[str, ...] = ("", "")) -> Verified:
+    results = tuple(xr.Dataset({"error": error, "run_time": 1.0}) for error in errors)
+    return Verified(check=CHECK, results=results, messages=messages)
+
+
+def test_passes_within_bound_and_order() -> None:
+    result = verified(0.02, 0.005)
+    assert result.order == pytest.approx(2)
+    assert result.shortfalls == ()
+    assert table_rows(result).splitlines()[-1].endswith("pass")
+
+
+def test_falls_short_of_bound_order_and_number() -> None:
+    assert verified(0.08, 0.02).shortfalls == ("error 0.02 > 0.01",)
+    assert verified(0.008, 0.007).shortfalls == ("order 0.19 < 1",)
+    assert len(verified(0.02, np.nan).shortfalls) == 2
+
+
+def test_a_failed_run_is_a_row_with_a_message() -> None:
+    check = dataclasses.replace(
+        CHECK, verification=dataclasses.replace(CHECK.verification, settings={"cell_count": 1})
+    )
+    result = Verified(check=check, results=(None, None), messages=("", "Diverged: at once"))
+    assert "Diverged: at once" in table_rows(result)
+    assert np.isnan(as_dataset([result])["error"]).all()
+
+
+def test_runs_every_resolution() -> None:
+    result = verify(CHECK)
+    assert len(result.results) == 2
+    assert max(result.values("error")) < 0.01
+
+
+def test_every_scene_with_a_solution_is_checked() -> None:
+    scenes = {check.scene for check in checks_of()}
+    assert {"material_point", "elastic_column_wave", "thick_cylinder"} <= scenes
+    assert "cone_penetration" not in scenes
+
+
+def test_extreme_checks_are_run_when_asked_for_and_no_others_then() -> None:
+    extreme = checks_of(extreme=True)
+    assert {"flying_block", "stretched_bar", "struck_bar"} <= {check.scene for check in extreme}
+    assert all(check.verification.extreme for check in extreme)
+    assert not any(check.verification.extreme for check in checks_of())
+
+
+def test_a_check_of_one_resolution_has_no_order() -> None:
+    once = dataclasses.replace(CHECK.verification, resolutions=(2,), least_order=None)
+    result = verify(Check(scene="gravity_column", verification=once))
+    assert len(result.results) == 1
+    assert np.isnan(result.order)
+    assert table_rows(result).endswith("pass")
+
+
+def test_command_writes_dataset_table_and_picture(tmp_path: Path) -> None:
+    assert main(["verify", "--scene", "gravity_column", "--out", str(tmp_path)]) == 0
+    with xr.open_dataset(tmp_path / "verify.nc") as dataset:
+        assert dataset["error"].dims == ("check", "rank")
+        assert dataset["passed"].item() == 1
+    assert "pass" in (tmp_path / "verify.txt").read_text()
+    assert (tmp_path / "verify.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_command_says_what_falls_short(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    impossible = dataclasses.replace(GravityColumn.verifications[0], bounds={"error": 0.0})
+    monkeypatch.setattr(GravityColumn, "verifications", (impossible,))
+    assert main(["verify", "--scene", "gravity_column"]) == 1
+    assert "FALLS SHORT: error" in capsys.readouterr().out
+
+
+def test_command_refuses_scene_without_solution(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["verify", "--scene", "cone_penetration"]) == 2
+    assert "has no exact solution" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["flying_block"], "add --extreme"),
+        (["gravity_column", "--extreme"], "no extreme check"),
+    ],
+)
+def test_command_refuses_scene_without_such_a_check(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
+) -> None:
+    assert main(["verify", "--scene", *arguments]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_plan_lists_kernels_and_arrays(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plan", "elastic_column_wave"]) == 0
+    text = capsys.readouterr().out
+    assert "grid_to_particles" in text
+    assert "particle.stress" in text
+    assert "contact" not in text
+
+
+def test_plan_of_a_scene_without_a_grid(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plan", "material_point"]) == 2
+    assert "no plan" in capsys.readouterr().err

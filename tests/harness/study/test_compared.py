@@ -1,0 +1,61 @@
+"""What a study is to be compared with is checked before it runs, as far as that can be known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.study.study import load_study
+
+CONE = 'title = "t"\nscene = "cone_penetration"\n[compare]\n'
+POINT = CONE.replace("cone_penetration", "material_point")
+BOTH = CONE.replace('"cone_penetration"', '["material_point", "cone_penetration"]')
+
+REFUSED = {
+    "result misspelt": (
+        CONE + "tolerance = { cone_facto = 0.1 }",
+        "cone_facto = 0.1: is neither a reference nor a result; did you mean 'cone_factor'?",
+    ),
+    "error misspelt": (CONE + "tolerance = { eror = 0.1 }", "did you mean 'error'?"),
+    "reference misspelt": (
+        CONE + 'references = ["lu_2004"]\ntolerance = { lu_2005 = 0.1 }',
+        "did you mean 'lu_2004'?",
+    ),
+    "result of a check misspelt": (
+        POINT.replace("material_point", "flying_block") + "tolerance = { momentum_eror = 0.1 }",
+        "did you mean 'momentum_error'?",
+    ),
+    "no scene that has what they depend on": (
+        POINT + 'references = ["lu_2004"]',
+        "no scene here has the rigidity_index and adhesion_factor that they depend on",
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", REFUSED)
+def test_what_cannot_be_compared_is_refused_before_the_run(
+    mistake: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    text, told = REFUSED[mistake]
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    assert refusal(["run", str(path), "--out", str(tmp_path / "out")]).endswith(told)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BOTH + 'references = ["lu_2004"]\ntolerance = { lu_2004 = 0.1 }',
+        CONE + "tolerance = { cone_factor_variation = 0.01, cone_factor_shear = 1 }",
+        CONE + "tolerance = { error = 0.1, error_finest = 0.1, run_time = 1 }",
+        POINT + "tolerance = { error = 0.1, stress_exact = 1 }",
+        POINT + "references = []",
+    ],
+)
+def test_results_that_only_a_run_can_tell_of_are_accepted(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    assert load_study(str(path))

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from harness.study.files import study_names
+from harness.study.study import Study, load_study
+from harness.study.tables import LONGEST_MESSAGE, StudyError
+
+
+@pytest.mark.parametrize("name", study_names())
+def test_a_study_that_ships_is_valid(name: str) -> None:
+    study = load_study(name)
+    assert study.name == name
+    assert len(study.cases) > 1
+
+
+def test_studies_that_ship() -> None:
+    assert {"adhesion_factor", "rigidity_index", "mesh_size"} <= set(study_names())
+
+
+def test_values_have_the_type_of_the_parameter(small: Study) -> None:
+    assert small.parts[0].varied == {"adhesion_factor": (0.0, 0.5, 1.0)}
+    assert all(type(value) is float for value in small.parts[0].varied["adhesion_factor"])
+    assert type(small.parts[0].fixed["penetration"]) is float
+    assert type(small.parts[0].fixed["particles_per_cell"]) is int
+
+
+def test_a_list_varies_what_was_fixed(small_file: Path) -> None:
+    study = load_study(str(small_file), ["cells_per_radius=[1, 2]"])
+    assert study.parts[0].varied == {"adhesion_factor": (0, 0.5, 1), "cells_per_radius": (1, 2)}
+    assert "cells_per_radius" not in study.parts[0].fixed
+
+
+def test_a_scalar_fixes_what_varied(small_file: Path) -> None:
+    study = load_study(str(small_file), ["adhesion_factor = 0.25"])
+    assert study.parts[0].varied == {}
+    assert study.parts[0].fixed["adhesion_factor"] == 0.25
+
+
+def test_a_bare_word_is_a_text(small_file: Path) -> None:
+    assert (
+        load_study(str(small_file), ["material=von_mises"]).parts[0].fixed["material"]
+        == "von_mises"
+    )
+
+
+def test_of_two_settings_of_one_key_the_last_holds(small_file: Path) -> None:
+    study = load_study(str(small_file), ["poissons_ratio=[0.3,0.4]", "poissons_ratio=0.2"])
+    assert study.parts[0].fixed["poissons_ratio"] == 0.2
+    assert "poissons_ratio" not in study.parts[0].varied
+
+
+def test_a_misspelt_parameter_is_answered_with_file_key_value_and_nearest(tmp_path: Path) -> None:
+    path = tmp_path / "x.toml"
+    path.write_text('title = "t"\nscene = "cone_penetration"\n[vary]\nadhesion_factr = [0.5]\n')
+    with pytest.raises(StudyError) as caught:
+        load_study(str(path))
+    assert str(caught.value) == (
+        f"{path}: [vary] adhesion_factr = [0.5]: unknown parameter 'adhesion_factr'; "
+        "did you mean 'adhesion_factor'?"
+    )
+
+
+def test_a_value_out_of_range_is_answered_with_what_is_allowed(small_file: Path) -> None:
+    with pytest.raises(StudyError, match=r"adhesion_factor = 1.5 .* a number >= 0 and <= 1$"):
+        load_study(str(small_file), ["adhesion_factor=1.5"])
+
+
+def test_a_missing_study_is_answered_with_the_nearest() -> None:
+    with pytest.raises(StudyError, match="did you mean 'adhesion_factor'"):
+        load_study("adhesion_facto")
+
+
+def test_a_message_is_one_bounded_line_and_keeps_its_end() -> None:
+    message = str(StudyError("a\nb\x1b" + "x" * 5000 + "; the remedy"))
+    assert message.isprintable()
+    assert len(message) < LONGEST_MESSAGE + 10
+    assert message.startswith(r"a\nb\x1b")
+    assert message.endswith("; the remedy")
