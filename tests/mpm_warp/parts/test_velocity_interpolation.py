@@ -20,7 +20,7 @@ DIFFERENCE = 1e-4
 
 
 def weights_of_nodes(grid: Grid) -> Floats:
-    """What P/w, Q/w and S/h of `mpm_warp.parts.velocity_interpolation` owe to the nodes' velocities.
+    """What P/w, Q/w and S/h of the velocity interpolation owe to the velocities of the nodes.
 
     Of each cell: weights [1/m] of the radial velocities of the four nodes in the order of
     `Grid.cell_nodes`, then that of T; shape [cell_count, 5, 3].
