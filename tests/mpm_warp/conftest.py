@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-import math
+import dataclasses
 
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid
-from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.grid.fitted import Grid, graded
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.window import Window
+from mpm_warp.scene import Scene
 
 
 @pytest.fixture
-def penetrometer() -> Penetrometer:
-    """A 60 degree cone of unit radius."""
-    return Penetrometer(radius=1.0, apex_angle=math.radians(60.0))
-
-
-@pytest.fixture
-def fitted(penetrometer: Penetrometer) -> Grid:
-    """A grid fitted to it, small."""
-    return penetrometer.fitted_grid(
-        cell_size=0.5, cell_growth=0.8, outer_radius=6.0, depth_below=2.0, height_above=2.0
+def fitted() -> Grid:
+    """A grid fitted to a cone of 60 degrees and unit radius, its tip at z = 0, and to its shaft."""
+    row = np.arange(-3, 7)
+    return Grid(
+        columns=graded(0.5, 5.0, 1.4) / 5.0,
+        rows=row / np.sqrt(3.0),
+        surface_radius=np.clip(row / 3.0, 0.0, 1.0),
+        outer_radius=6.0,
     )
 
 
@@ -37,8 +42,70 @@ def rectilinear() -> Grid:
 
 
 @pytest.fixture
-def contact(penetrometer: Penetrometer, fitted: Grid) -> PenetrometerContact:
-    """The penetrometer in the fitted grid, adhesive and in the ground under stress."""
-    return PenetrometerContact.of(
-        penetrometer, fitted, face_adhesion=3.0, shaft_adhesion=1.0, in_situ_stress=10.0
+def elastic() -> LinearElastic:
+    """Soil that never yields."""
+    return LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
+
+
+@pytest.fixture
+def floating(rectilinear: Grid, elastic: LinearElastic) -> Scene:
+    """Elastic soil that floats freely: nothing but grid and material."""
+    return Scene(grid=rectilinear, material=elastic, particles_per_side=2, time_step_fraction=0.5)
+
+
+@pytest.fixture
+def cone(fitted: Grid) -> Scene:
+    """Clay in a window that travels with a cone and its shaft: a scene with most of the parts."""
+    clay = Tresca(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0, strength=20e3)
+    row = np.flatnonzero(fitted.rows >= 0.0)  # from the tip upward
+    radius, height = fitted.surface_radius[row], fitted.rows[row]
+    vectors = np.stack(
+        [nodal_areas(radius, -np.diff(height)), nodal_areas(radius, np.diff(radius))], axis=-1
+    )
+    vectors[0, 0] = 0.0  # on the axis nothing moves sideways
+    areas = np.linalg.norm(vectors, axis=1)
+    return Scene(
+        grid=fitted,
+        material=clay,
+        particles_per_side=2,
+        time_step_fraction=0.85,
+        bulk_viscosity=0.2,
+        fixed=Fixed.axis_and_ends(fitted),
+        far_field=FarField.around(fitted, clay),
+        contact=SurfaceContact(
+            nodes=fitted.node(0, row),
+            normals=vectors / areas[:, None],
+            normal_areas=areas,
+            adhesion_forces=0.5 * clay.strength * areas,
+            friction=0.0,
+            in_situ_stress=400e3,
+        ),
+        window=Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),
+        conservative_interpolation=True,
+        energy_audit=True,
+    )
+
+
+@pytest.fixture
+def cavity() -> Scene:
+    """Clay around a cylindrical cavity of unit radius that expands: one row between smooth ends."""
+    clay = Tresca(shear_modulus=1e5, poissons_ratio=0.495, density=1700.0, strength=1e3)
+    grid = Grid(
+        columns=graded(0.5, 2.0, 1.25) / 2.0,
+        rows=np.array([0.0, 0.5]),
+        surface_radius=np.ones(2),
+        outer_radius=3.0,
+    )
+    vertical = np.ones((2, grid.column_count + 1), dtype=bool)
+    far_field = FarField.around(grid, clay)
+    return Scene(
+        grid=grid,
+        material=clay,
+        particles_per_side=2,
+        time_step_fraction=0.85,
+        bulk_viscosity=0.2,
+        fixed=Fixed.where(radial=~vertical, vertical=vertical),
+        # Springs alone: dashpots would push against soil that flows outward without end.
+        far_field=dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot),
+        moving_wall=MovingWall(speed=0.02, ramp_travel=0.3),
     )

@@ -10,18 +10,12 @@ from pathlib import Path
 
 import pytest
 import warp as wp
-from mpm_warp.materials.materials import Tresca
-from mpm_warp.materials.strain_path import make_strain_path
-from mpm_warp.materials.yielding import make_yielding
-from mpm_warp.scenes.base import ReadyScene
 
 import mpm_warp
 from mpm_warp.execution.batched_kernel import make_batched_kernel
 from mpm_warp.parameters import Value, parameters_of
-from mpm_warp.plan.plan import StepPlan
 from mpm_warp.planning import make_plan
-from mpm_warp.precision import FLOAT64
-from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
@@ -38,7 +32,7 @@ FURTHER: dict[str, list[dict[str, Value]]] = {
 """Parameters without choices that decide on kernels all the same, by scene."""
 
 
-def variants(name: str) -> Iterator[ReadyScene]:
+def variants(name: str) -> Iterator[CatalogueScene]:
     """A scene under all its choices, and with what else decides on its kernels."""
     scene = scene_class(name)
     choices = {
@@ -51,23 +45,12 @@ def variants(name: str) -> Iterator[ReadyScene]:
             yield scene(**dict(zip(choices, values, strict=True)), **further)
 
 
-def plan_for_gpu(scene: ReadyScene) -> StepPlan | None:
-    """With its launches in one share, as where a simulation is on a GPU."""
-    soil = scene.simulated_scene()
-    return scene.plan() if soil is None else make_plan(soil, share_count=1)
-
-
-def kernels_for_gpu() -> set[wp.Kernel]:
-    plans = [plan_for_gpu(scene) for name in scene_names() for scene in variants(name)]
-    kernels = {launch.kernel for plan in plans if plan is not None for launch in plan.launches}
-    soil = Tresca(shear_modulus=1.0, poissons_ratio=0.3, density=1.0, strength=1.0)
-    kernels.add(make_strain_path(make_yielding(soil, FLOAT64), FLOAT64))
-    return kernels
-
-
 @pytest.fixture(scope="module")
 def kernels() -> set[wp.Kernel]:
-    return kernels_for_gpu()
+    """Of all scenes, their launches in one share, as where a simulation is on a GPU."""
+    scenes = (scene.build() for name in scene_names() for scene in variants(name))
+    plans = [make_plan(scene, share_count=1) for scene in scenes]
+    return {launch.kernel for plan in plans for launch in plan.launches}
 
 
 def test_of_every_kernel_some_variant_is_compiled(kernels: set[wp.Kernel]) -> None:

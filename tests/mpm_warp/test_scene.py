@@ -1,4 +1,4 @@
-"""A scene: what it refuses, and parts that meet what they were not made for."""
+"""A scene: what it refuses, and the order of its parts."""
 
 from __future__ import annotations
 
@@ -6,74 +6,89 @@ import dataclasses
 
 import numpy as np
 import pytest
-import warp as wp
-from mpm_warp.parts.boundary_kernels import make_far_field
-from mpm_warp.parts.load_kernels import make_nodal_load
-from mpm_warp.scenes.cavity_cylinder import CavityCylinder
-from mpm_warp.scenes.cavity_sphere import CavitySphere
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.strip_footing import StripFooting
 
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.gravity import Gravity
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.precision import FLOAT64
-from mpm_warp.scene import Scene, SceneError
-from mpm_warp.simulation import Simulation
+from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.window import Window
+from mpm_warp.scene import Scene
 
-CONE = ConePenetration(cells_per_radius=1, penetration=1, domain_radius=5, domain_above=2)
 WALL = MovingWall(speed=1.0, ramp_travel=1.0)
-ON_RAYS = CavitySphere(cells_per_radius=1).simulated_scene()
-PLANE = StripFooting(cells_per_radius=2).simulated_scene()
+WINDOW = Window(speed=1.0, ramp_travel=1.0, spare_fraction=0.1)
+ON_RAYS = PolarGrid(
+    columns=np.linspace(0.0, 1.0, 4),
+    rows=np.linspace(0.0, 0.5 * np.pi, 4),
+    surface_radius=np.ones(4),
+    outer_radius=2.0,
+)
+
+
+@pytest.fixture
+def plane(rectilinear: Grid) -> Grid:
+    """A grid in plane strain."""
+    return dataclasses.replace(rectilinear, planar=True)
 
 
 @pytest.mark.parametrize(
-    ("scene", "changes", "message"),
+    ("changes", "message"),
     [
-        (PLANE, {"particles_per_side": 0}, "particles_per_side = 0 must be > 0"),
-        (PLANE, {"time_step_fraction": float("nan")}, "time_step_fraction = nan must be > 0"),
-        (PLANE, {"gravity": -9.81}, "gravity = -9.81 must be > 0, or none"),
-        (PLANE, {"precision": "float16"}, "precision = 'float16' must be one of float64, float32"),
-        (PLANE, {"moving_wall": WALL}, "moving_wall: not together with a grid that leans"),
-        (CONE.build()[0], {"moving_wall": WALL}, "moving_wall: not together with a grid that"),
+        ({"particles_per_side": 0}, "particles_per_side = 0 must be > 0$"),
+        ({"time_step_fraction": float("nan")}, "time_step_fraction = nan must be > 0$"),
+        ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0, or none$"),
+        ({"precision": "float16"}, "precision = 'float16' must be one of float64, float32$"),
         (
-            CavityCylinder(cells_per_radius=1).simulated_scene(),
-            {"window": CONE.build()[0].window},
-            "moving_wall: not together with a window",
+            {"moving_wall": WALL, "window": WINDOW},
+            "moving_wall: not together with a window$",
         ),
-        (ON_RAYS, {"even_flow": True}, "even_flow: not together with a grid of rays"),
-        (PLANE, {"even_flow": True}, "even_flow: not together with a grid of rays or that is pla"),
-        (ON_RAYS, {"consistent_mass": True}, "consistent_mass: not together with a grid of rays"),
-        (CONE.build()[0], {"consistent_mass": True}, "consistent_mass: not together with a window"),
+        (
+            {"conservative_interpolation": True, "grid": ON_RAYS},
+            "conservative_interpolation: not together with a grid of rays or that is plane$",
+        ),
     ],
 )
 def test_what_does_not_go_together_is_refused_in_one_line(
-    scene: Scene, changes: dict[str, object], message: str
+    floating: Scene, changes: dict[str, object], message: str
 ) -> None:
     with pytest.raises(SceneError, match=f"^{message}"):
-        dataclasses.replace(scene, **changes)  # type: ignore[arg-type]
+        dataclasses.replace(floating, **changes)  # type: ignore[arg-type]
 
 
-def test_a_node_without_soil_is_left_alone() -> None:
-    """Not a number there would stay in the far field after soil has come back."""
-    motion = wp.zeros(1, dtype=FLOAT64.vec4, device="cpu")
-    nodes, mass = (wp.zeros(1, dtype=kind, device="cpu") for kind in (int, wp.float64))
-    spring, displacement = (wp.ones(1, dtype=wp.float64, device="cpu") for _ in range(2))
-    vectors = wp.ones(1, dtype=FLOAT64.vec2, device="cpu")
-    wp.launch(
-        make_far_field(FLOAT64),
-        1,
-        [0, nodes, spring, vectors, mass, 1.0, displacement, motion],
-        device="cpu",
+def test_a_wall_moves_in_no_grid_that_leans_or_is_plane(
+    floating: Scene, fitted: Grid, plane: Grid
+) -> None:
+    for grid in (fitted, plane):
+        with pytest.raises(SceneError, match=r"^moving_wall: not together with a grid that leans"):
+            dataclasses.replace(floating, grid=grid, moving_wall=WALL)
+
+
+def test_flow_is_made_conservative_in_no_plane_grid(floating: Scene, plane: Grid) -> None:
+    with pytest.raises(SceneError, match=r"^conservative_interpolation: not together with a grid"):
+        dataclasses.replace(floating, grid=plane, conservative_interpolation=True)
+
+
+def test_parts_act_on_nodes_in_one_order(cone: Scene) -> None:
+    """Forces in the order in which they are given, then what holds nodes, then the contact."""
+    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
+    forces = (load, Gravity(9.81), Damping(1.0))
+    scene = dataclasses.replace(cone, forces=forces)
+    rest = [cone.fixed, cone.far_field, cone.contact]
+    assert list(scene.node_actions) == [*forces, *rest]
+    turned = dataclasses.replace(scene, forces=forces[::-1], far_field=None)
+    assert list(turned.node_actions) == [*forces[::-1], cone.fixed, cone.contact]
+
+
+@pytest.mark.parametrize(
+    ("particles_per_side", "free_surface", "corrected"),
+    [(2, False, True), (3, False, True), (1, False, False), (2, True, False)],
+)
+def test_velocities_are_corrected_where_cells_are_full_of_several_particles(
+    floating: Scene, particles_per_side: int, free_surface: bool, corrected: bool
+) -> None:
+    scene = dataclasses.replace(
+        floating, particles_per_side=particles_per_side, free_surface=free_surface
     )
-    wp.launch(make_nodal_load(FLOAT64), 1, [nodes, vectors, mass, 1.0, motion], device="cpu")
-    assert displacement.numpy().tolist() == [1.0]
-    np.testing.assert_array_equal(motion.numpy(), 0.0)
-
-
-def test_the_travel_is_as_exact_in_single_precision() -> None:
-    """A step of some 1e-8 of the travel would be rounded to another in single precision."""
-    travels = []
-    for precision in ("float64", "float32"):
-        simulation = Simulation(dataclasses.replace(CONE, precision=precision).build()[0])
-        simulation.advance(500)
-        travels.append(simulation.array("window.motion"))
-    np.testing.assert_array_equal(*travels)
+    assert scene.has_mass_matrix_correction is corrected

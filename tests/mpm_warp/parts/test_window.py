@@ -1,4 +1,4 @@
-"""The motion of a window: ramp, approach and final speed."""
+"""The motion of the window: ramp, approach and final speed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.parts.window import Approach, Window
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
 
 HURRIED = Window(
     speed=1.0,
@@ -42,3 +44,68 @@ def test_no_speed_is_above_the_highest_beyond_a_travel() -> None:
     for travel in np.linspace(0.01, 12, 50):
         ahead = [speed_at(HURRIED, place) for place in np.linspace(travel, 12, 100)]
         assert max(ahead) <= HURRIED.highest_speed_from(travel)
+
+
+@pytest.fixture
+def hurried(cone: Scene) -> Scene:
+    """The cone of unit radius, with an approach at three times its speed."""
+    assert cone.window is not None
+    approach = Approach(speed=3.0, travel=2.0, slowing_travel=1.0)
+    return dataclasses.replace(cone, window=dataclasses.replace(cone.window, approach=approach))
+
+
+def test_a_run_takes_the_time_that_its_window_says(hurried: Scene) -> None:
+    """But for two steps: in a step the speed is that at its begin."""
+    assert hurried.window is not None
+    simulation = Simulation(hurried)
+    simulation.travel_to(4.0)
+    steps = hurried.window.time_to(4.0) / simulation.plan.time_step
+    assert abs(simulation.step_count - steps) <= 2.0
+
+
+def test_the_window_stops_at_the_first_step_beyond_a_distance(
+    hurried: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And takes its steps in one go wherever its speed is the final one."""
+    simulation = Simulation(hurried)
+    window = hurried.window
+    assert window is not None
+    assert window.approach is not None
+    goes: list[int] = []
+    advance = simulation.advance
+    monkeypatch.setattr(simulation, "advance", lambda count: (goes.append(count), advance(count)))
+    for distance in np.linspace(0.25, 5.75, 23):
+        goes.clear()
+        simulation.travel_to(distance)
+        # Of all speeds that it may have had in its last step, the highest.
+        last = window.highest_speed_from(distance - 0.1) * simulation.plan.time_step
+        assert distance <= simulation.travel < distance + last
+        if distance > window.approach.travel + 0.5:
+            assert len(goes) == 1
+
+
+def test_a_distance_that_is_behind_is_not_travelled(hurried: Scene) -> None:
+    simulation = Simulation(hurried)
+    simulation.travel_to(0.5)
+    steps = simulation.step_count
+    simulation.travel_to(0.4)
+    simulation.travel_to(simulation.travel)
+    assert simulation.step_count == steps
+
+
+def test_the_travel_is_as_exact_in_single_precision(cone: Scene) -> None:
+    """A step of some 1e-8 of the travel would be rounded to another in single precision."""
+    travels = []
+    for precision in ("float64", "float32"):
+        simulation = Simulation(dataclasses.replace(cone, precision=precision))
+        simulation.advance(500)
+        travels.append(simulation.array("window.motion"))
+    np.testing.assert_array_equal(*travels)
+
+
+def test_a_scene_without_a_window_does_not_travel(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
+        simulation.travel_to(1.0)
+    with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
+        _ = simulation.travel

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mpm_warp.materials.materials import LinearElastic
 
 from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -49,7 +49,7 @@ def shifted(simulation: Simulation, up: float) -> tuple[Floats, Floats]:
     return shape, simulation.array("particle.mass")
 
 
-def sharpening(simulation: Simulation) -> Floats:
+def returned_by_correction(simulation: Simulation) -> Floats:
     """The matrix from velocities (z) of the nodes to what they come back with beside particles."""
     before, after = [], []
     velocity = simulation.array("particle.velocity")
@@ -58,11 +58,11 @@ def sharpening(simulation: Simulation) -> Floats:
         simulation.array("particle.stress")[:] = 0.0
         velocity[:] = random.normal(size=velocity.shape)
         simulation.advance(1)
-        before.append(simulation.array("node.motion")[:, 1].copy())
+        before.append(simulation.array("node.velocities")[:, 1].copy())
         simulation.array("particle.stress")[:] = 0.0
         velocity[:] = 0.0
         simulation.advance(1)
-        after.append(simulation.array("node.motion")[:, 3].copy())
+        after.append(simulation.array("node.velocities")[:, 3].copy())
     return np.asarray(np.linalg.lstsq(np.array(before), np.array(after), rcond=None)[0].T)
 
 
@@ -75,13 +75,13 @@ def test_what_comes_back_is_no_more_than_what_went(
     simulation = still(rectilinear, particles_per_side)
     shape, mass = shifted(simulation, up)
     by_particles = (shape * mass[:, None]).T @ shape / (mass @ shape)[:, None]
-    whole = by_particles + sharpening(simulation)
+    whole = by_particles + returned_by_correction(simulation)
     assert np.linalg.eigvals(whole).real.max() <= 1.0 + ROUNDING
 
 
 @pytest.mark.parametrize("particles_per_side", [2, 3])
 @pytest.mark.parametrize("up", [0.0, 0.25])
-def test_sharpening_gives_back_its_share_of_what_alternates_upward(
+def test_the_correction_gives_back_its_share_of_what_alternates_upward(
     rectilinear: Grid, particles_per_side: int, up: float
 ) -> None:
     """k of the mass of all cells around a node over its own: 4 k = 1/2 of 2 x 2 points amid cells.
@@ -96,14 +96,14 @@ def test_sharpening_gives_back_its_share_of_what_alternates_upward(
     np.add.at(around, rectilinear.cell_nodes, rectilinear.cell_volumes[:, None])
     share = SOFT.density * around * (1.0 - particles_per_side**-2.0) / 6.0
     share /= np.maximum(mass @ shape, SOFT.density * rectilinear.node_volumes)
-    returned = alternating * (sharpening(simulation) @ alternating)
+    returned = alternating * (returned_by_correction(simulation) @ alternating)
     np.testing.assert_allclose(returned, share, atol=ROUNDING)
 
 
-def test_sharpening_is_symmetric_and_leaves_uniform_motion(rectilinear: Grid) -> None:
+def test_the_correction_is_symmetric_and_leaves_uniform_motion(rectilinear: Grid) -> None:
     """What it takes from one motion for another, it takes from that for this one."""
     simulation = still(rectilinear, 2)
-    matrix = sharpening(simulation)
+    matrix = returned_by_correction(simulation)
     full = SOFT.density * rectilinear.node_volumes
     matrix *= np.maximum(simulation.array("node.mass"), full)[:, None]
     np.testing.assert_allclose(matrix, matrix.T, atol=ROUNDING * np.abs(matrix).max())

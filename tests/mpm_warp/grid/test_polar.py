@@ -4,29 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import warp as wp
 
-from mpm_warp.grid.location import make_location
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.precision import FLOAT64
 
 ROUNDING = 1e-12
 INNER, OUTER = 1.0, 3.0
-
-natural = make_location(True, FLOAT64).natural
-vec5 = FLOAT64.vec5
-
-
-@wp.kernel(enable_backward=False)
-def place(
-    x: wp.vec2d,
-    column: wp.vec3d,
-    row: vec5,
-    outer: wp.float64,
-    where: wp.array(dtype=wp.vec2d),
-):
-    where[0] = natural(x, column, row, outer)
 
 
 def polar(*, planar: bool, rows: int = 6, last: float = 0.5 * np.pi) -> PolarGrid:
@@ -116,17 +99,3 @@ def test_stress_along_rays_of_a_uniform_stress() -> None:
     angle = 0.5 * (grid.rows[1:] + grid.rows[:-1])
     along = 2.0 - np.cos(2 * angle) + 0.5 * np.sin(2 * angle)
     np.testing.assert_allclose(turned[:, 0, 0], along, rtol=ROUNDING)
-
-
-def test_device_places_a_particle_where_the_grid_does() -> None:
-    """Natural coordinates, against the grid's own positions."""
-    grid = polar(planar=True)
-    i, j, xi, eta = 1, 2, 0.3, 0.8
-    x = grid.place(np.array(i), np.array(j), np.array(xi), np.array(eta))
-    width, height = np.diff(grid.columns)[i], np.diff(grid.rows)[j]
-    where = wp.zeros(1, dtype=wp.vec2d, device="cpu")
-    column = wp.vec3d(grid.columns[i], width, 1.0 / width)
-    row = vec5(grid.rows[j], height, 1.0 / height, INNER, 0.0)
-    arguments = [wp.vec2d(*x), column, row, OUTER, where]
-    wp.launch(place, 1, arguments, device="cpu")
-    np.testing.assert_allclose(where.numpy()[0], [xi, eta], rtol=ROUNDING)

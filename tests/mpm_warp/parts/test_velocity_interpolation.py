@@ -1,4 +1,4 @@
-"""Flow made even within cells: its divergence, its kernels, and what it is for."""
+"""Conservative velocity interpolation: its divergence, its kernels, and what it is for."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from mpm_warp.materials.materials import LinearElastic
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.travel import Travel
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
 from mpm_warp.planning import make_plan
+from mpm_warp.sampling import ContactForces
 from mpm_warp.scene import Scene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.simulation import Simulation
 
 DIFFERENCE = 1e-4
@@ -20,10 +20,10 @@ DIFFERENCE = 1e-4
 
 
 def weights_of_nodes(grid: Grid) -> Floats:
-    """What (X_0, X_1 - X_0, Y) of `mpm_warp.parts.even_flow_kernel` owe to the velocities of the nodes.
+    """What P/w, Q/w and S/h of the velocity interpolation owe to the velocities of the nodes.
 
     Of each cell: weights [1/m] of the radial velocities of the four nodes in the order of
-    `Grid.cell_nodes`, then that of C_z; shape [cell_count, 5, 3].
+    `Grid.cell_nodes`, then that of T; shape [cell_count, 5, 3].
     """
     radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
     left, right = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
@@ -61,8 +61,8 @@ def velocity(grid: Grid, nodal: Floats, cell: Floats, xi: Floats, eta: Floats) -
     r, z = np.moveaxis(grid.node_positions[grid.cell_nodes[cell]], -1, 0)
     r_xi = 0.5 * (r[:, 1] - r[:, 0] + r[:, 3] - r[:, 2])
     r_eta = 0.5 * (r[:, 2] - r[:, 0] + r[:, 3] - r[:, 1])
-    even = np.stack([r_xi * d_xi + r_eta * d_eta, (z[:, 2] - z[:, 0]) * d_eta], axis=-1)
-    return np.asarray(v + even)
+    internal = np.stack([r_xi * d_xi + r_eta * d_eta, (z[:, 2] - z[:, 0]) * d_eta], axis=-1)
+    return np.asarray(v + internal)
 
 
 def divergence(grid: Grid, nodal: Floats, xi: float, eta: float) -> Floats:
@@ -127,16 +127,15 @@ def test_either_edge_of_a_cell_has_its_mean_divergence(rectilinear: Grid, nodal:
         np.testing.assert_allclose(np.mean(along, axis=0)[beside], mean[beside], rtol=1e-6)
 
 
-def test_particles_move_with_it(fitted: Grid) -> None:
-    soil = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
-    scene = Scene(
-        grid=fitted, material=soil, particles_per_side=3, time_step_fraction=0.5, even_flow=True,
-    )  # fmt: skip
+def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
+    scene = dataclasses.replace(
+        floating, grid=fitted, particles_per_side=3, conservative_interpolation=True
+    )
     simulation = Simulation(scene)
     position = simulation.array("particle.position").copy()
     column, row = simulation.array("particle.cell").copy().T
     random = np.random.default_rng(5).normal(size=position.shape)
-    simulation.arrays["particle.velocity"].assign(random)
+    simulation.assign("particle.velocity", random)
     simulation.advance(1)
     cell = row * fitted.column_count + column
     corners = fitted.node_positions[fitted.cell_nodes[cell]]
@@ -145,7 +144,7 @@ def test_particles_move_with_it(fitted: Grid) -> None:
     right = (1 - eta) * corners[:, 1, 0] + eta * corners[:, 3, 0]
     xi = (position[:, 0] - left) / (right - left)
     moved = simulation.plan.time_step * velocity(
-        fitted, simulation.array("node.motion")[:, :2], cell, xi, eta
+        fitted, simulation.array("node.velocities")[:, :2], cell, xi, eta
     )
     free = ~((column == 0) & (xi < 0.2))  # elsewhere a surface may push them back
     expected = position + moved
@@ -154,14 +153,14 @@ def test_particles_move_with_it(fitted: Grid) -> None:
     assert np.abs(moved).max() > 1e-5
 
 
-def test_it_adds_an_array_and_no_launch(rectilinear: Grid) -> None:
-    soil = LinearElastic(shear_modulus=1e6, poissons_ratio=0.3, density=1000.0)
-    scene = Scene(
-        grid=rectilinear, material=soil, particles_per_side=2, time_step_fraction=0.5,
-    )  # fmt: skip
-    bare, even = make_plan(scene), make_plan(dataclasses.replace(scene, even_flow=True))
-    assert set(even.arrays) - set(bare.arrays) == {"cell.evening"}
-    assert len(even.step) == len(bare.step)
+def test_it_adds_weights_and_a_flow_to_cells_and_no_launch(floating: Scene) -> None:
+    bare = make_plan(floating)
+    plan = make_plan(dataclasses.replace(floating, conservative_interpolation=True))
+    assert set(plan.arrays) - set(bare.arrays) == {
+        "cell.interpolation_weights",
+        "cell.internal_flow",
+    }
+    assert len(plan.step) == len(bare.step)
 
 
 def test_no_soil_piles_up_beside_a_rough_shaft() -> None:
@@ -173,12 +172,13 @@ def test_no_soil_piles_up_beside_a_rough_shaft() -> None:
         friction_coefficient=1.0, poissons_ratio=0.2, cells_per_radius=1.5, penetration=160,
         domain_radius=20, domain_above=7, domain_below=7,
     )  # fmt: skip
-    scene, surface = cone.build()
-    grid, simulation = scene.grid, Simulation(scene)
-    travel, resistance = Travel(simulation), []
+    scene = cone.build()
+    assert isinstance(scene.contact, PenetrometerContact)
+    grid, simulation, resistance = scene.grid, Simulation(scene), []
+    contact_forces = ContactForces(simulation)
     for penetration in (35, 40, 155, 160):
-        travel.advance_to(penetration * cone.cone_radius)
-        forces = surface.forces(simulation.take_contact_forces())
+        simulation.travel_to(penetration * cone.cone_radius)
+        forces = scene.contact.forces(contact_forces.take())
         resistance.append(forces.face_normal + forces.face_shear)
     present = simulation.array("particle.cell")[:, 0] >= 0
     column, row = simulation.array("particle.cell")[present].T

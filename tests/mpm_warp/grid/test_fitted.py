@@ -5,17 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
-from mpm_warp.grid.seeding import seed_rows
+from mpm_warp.grid.fitted import Grid, graded
 
 ROUNDING = 1e-12
-
-
-@pytest.fixture(params=["fitted", "rectilinear"])
-def grid(request: pytest.FixtureRequest) -> Grid:
-    """Either grid."""
-    value: Grid = request.getfixturevalue(request.param)
-    return value
 
 
 def _cone_volume(radius: float, height: float) -> float:
@@ -77,21 +69,3 @@ def test_graded_edges_reach_the_end_in_equal_ratios(
     assert edges[0] == 0.0
     assert edges[-1] == length
     np.testing.assert_allclose(ratios, ratios[:1].repeat(len(ratios)), rtol=1e-9)
-
-
-@pytest.mark.parametrize("per_side", [1, 2, 3])
-def test_particles_hold_the_volume_of_their_cells(grid: Grid, per_side: int) -> None:
-    seed = seed_rows(grid, 0, grid.row_count, per_side)
-    volume = np.zeros(grid.cell_count)
-    np.add.at(volume, seed.cell[:, 1] * grid.column_count + seed.cell[:, 0], seed.volume)
-    np.testing.assert_allclose(volume, grid.cell_volumes, rtol=ROUNDING)
-    assert seed.particle_count == grid.cell_count * per_side**2
-
-
-def test_particles_give_nodes_their_exact_share(rectilinear: Grid) -> None:
-    """In straight cells, linear functions of r and z are integrated exactly by the centroids."""
-    seed = seed_rows(rectilinear, 0, rectilinear.row_count, 1)
-    moment = np.sum(seed.volume[:, None] * seed.position, axis=0)
-    radius, height = rectilinear.outer_radius, rectilinear.rows[-1]
-    exact: Floats = np.array([radius**3 / 3.0 * height, radius**2 / 2.0 * height**2 / 2.0])
-    np.testing.assert_allclose(moment, exact, rtol=ROUNDING)

@@ -1,0 +1,58 @@
+"""Laws of materials, through kernels that do nothing but call them."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import Law, Material
+from mpm_warp.precision import FLOAT64
+
+Function = Callable[[Material, Floats], Floats]
+
+
+@functools.cache
+def make_apply_law(law: Law) -> Any:
+    """The kernel that updates every trial stress, and measures what has come of it."""
+    update, yield_function = law.update, law.yield_function
+    properties_type, state_type = law.properties_type, law.state_type
+    yields = yield_function is not None
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def apply_law(
+        properties: properties_type,
+        stress: wp.array(dtype=wp.vec4d),
+        measured: wp.array(dtype=wp.vec2d),
+    ):
+        k = wp.tid()
+        if wp.static(yields):
+            measured[k] = yield_function(stress[k], properties, state_type())
+        updated, _state = update(stress[k], wp.vec4d(), wp.float64(0.0), properties, state_type())
+        stress[k] = updated
+
+    return apply_law
+
+
+def _apply(material: Material, stress: Floats) -> tuple[Floats, Floats]:
+    law = material.law(FLOAT64)
+    on_device = wp.array(stress, dtype=wp.vec4d, device="cpu")
+    measured = wp.zeros(len(stress), dtype=wp.vec2d, device="cpu")
+    arguments = [law.properties_type(*material.properties), on_device, measured]
+    wp.launch(make_apply_law(law), len(stress), arguments, device="cpu")
+    return on_device.numpy(), measured.numpy()
+
+
+@pytest.fixture
+def returned() -> Function:
+    """From trial stresses to the stresses of a material without memory, both of shape [n, 4]."""
+    return lambda material, trial: _apply(material, np.array(trial))[0]
+
+
+@pytest.fixture
+def yield_measures() -> Function:
+    """From stresses [n, 4] to measure and strength (f, k) of a material [n, 2]."""
+    return lambda material, stress: _apply(material, np.array(stress))[1]

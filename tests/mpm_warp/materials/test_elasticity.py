@@ -1,0 +1,120 @@
+"""The stress of a step, through a kernel that does nothing but work it out."""
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.elasticity import make_stress_increment, make_stress_update
+from mpm_warp.materials.material import Material
+from mpm_warp.precision import FLOAT64, Precision
+
+TIME_STEP = 1e-3
+vec5 = FLOAT64.vec5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recording(Material):
+    """Elastic; it remembers what its law is told in a step: the strain (rr, zz, rz, tt) and dt."""
+
+    state = ("rr", "zz", "rz", "tt", "time_step")
+
+    def update(self, precision: Precision) -> Any:
+        return _make_recording(precision)
+
+
+@functools.cache
+def _make_recording(precision: Precision) -> Any:
+    real, vec4, vec5 = precision.real, precision.vec4, precision.vec5
+    vec1 = precision.vector(1)
+
+    @wp.func
+    def recording(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec5):
+        return trial, vec5(strain[0], strain[1], strain[2], strain[3], time_step)
+
+    return recording
+
+
+SOIL = Recording(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
+LAW = SOIL.law(FLOAT64)
+stress_increment = make_stress_increment(FLOAT64)
+stress_update = make_stress_update(LAW, FLOAT64)
+
+
+@wp.kernel(enable_backward=False)
+def deform(
+    gradient: wp.array(dtype=vec5),
+    time_step: wp.float64,
+    shear_modulus: wp.float64,
+    bulk_modulus: wp.float64,
+    properties: LAW.properties_type,
+    stress: wp.array(dtype=wp.vec4d),
+    told: wp.array(dtype=vec5),
+):
+    k = wp.tid()
+    increment = stress_increment(gradient[k], time_step, shear_modulus, bulk_modulus)
+    sigma, state = stress_update(
+        stress[k], increment, shear_modulus, bulk_modulus, time_step, properties, told[k]
+    )
+    stress[k] = sigma
+    told[k] = state
+
+
+def deformed(gradient: Floats, stress: Floats) -> tuple[Floats, Floats]:
+    """Stress after a step at velocity gradients (rr, rz, zr, zz, tt), and what the law was told."""
+    after = wp.array(stress, dtype=wp.vec4d, device="cpu")
+    told = wp.zeros(len(stress), dtype=vec5, device="cpu")
+    moduli = SOIL.shear_modulus, SOIL.bulk_modulus
+    properties = LAW.properties_type(*SOIL.properties)
+    gradients = wp.array(gradient, dtype=vec5, device="cpu")
+    arguments = [gradients, TIME_STEP, *moduli, properties, after, told]
+    wp.launch(deform, len(stress), arguments, device="cpu")
+    return after.numpy(), told.numpy()
+
+
+@pytest.fixture
+def gradients() -> Floats:
+    """Any velocity gradients."""
+    return np.random.default_rng(4).normal(size=(100, 5))
+
+
+def strain_of(gradient: Floats) -> Floats:
+    """Strain of a step (rr, zz, rz, tt), shape [n, 4]."""
+    rr, rz, zr, zz, tt = gradient.T
+    return TIME_STEP * np.stack([rr, zz, 0.5 * (rz + zr), tt], axis=-1)
+
+
+def test_stress_of_a_step_from_rest_is_hookes(gradients: Floats) -> None:
+    """dt (K tr D + 2 G dev D)."""
+    stress, _ = deformed(gradients, np.zeros((100, 4)))
+    strain = strain_of(gradients)
+    volume = strain[:, [0, 1, 3]].sum(axis=1)
+    expected = 2.0 * SOIL.shear_modulus * strain
+    mean = SOIL.bulk_modulus - 2.0 / 3.0 * SOIL.shear_modulus
+    expected[:, [0, 1, 3]] += (mean * volume)[:, None]
+    np.testing.assert_allclose(stress, expected, rtol=1e-12, atol=1e-15)
+
+
+def test_a_law_is_told_the_strain_and_the_length_of_the_step(gradients: Floats) -> None:
+    _, told = deformed(gradients, np.zeros((100, 4)))
+    np.testing.assert_allclose(told[:, :4], strain_of(gradients), rtol=1e-12, atol=1e-16)
+    np.testing.assert_array_equal(told[:, 4], TIME_STEP)
+
+
+def test_spin_turns_the_stress_and_nothing_else() -> None:
+    """However far: its invariants stay, and a quarter turn exchanges r and z."""
+    stress = np.tile([3.0, -1.0, 0.5, 2.0], (2, 1))
+    quarter = 2.0 * np.tan(0.25 * np.pi) / TIME_STEP  # Cayley: tan of half the angle
+    after, told = deformed(
+        np.array([[0.0, -quarter, quarter, 0.0, 0.0], [0.0, 300.0, -300.0, 0.0, 0.0]]), stress
+    )
+    np.testing.assert_allclose(after[0], [-1.0, 3.0, -0.5, 2.0], atol=1e-12)
+    rr, zz, rz, tt = after[1]
+    assert rr + zz == pytest.approx(2.0)
+    assert (rr - zz) ** 2 + 4.0 * rz**2 == pytest.approx(17.0)
+    assert tt == 2.0
+    np.testing.assert_array_equal(told[:, :4], 0.0)

@@ -1,0 +1,85 @@
+"""The elastic medium beyond the grid: its springs and dashpots."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+
+def test_its_springs_are_those_of_an_elastic_cavity(
+    rectilinear: Grid, elastic: LinearElastic
+) -> None:
+    """u = p r / 2 G on all of the side: stiffness over area is 2 G / r."""
+    far = FarField.around(rectilinear, elastic)
+    radius, height = rectilinear.outer_radius, np.ptp(rectilinear.rows)
+    area = radius * height
+    assert far.spring.sum() == pytest.approx(2.0 * elastic.shear_modulus / radius * area)
+    shear = elastic.density * elastic.shear_wave_speed
+    pressure = elastic.density * elastic.pressure_wave_speed
+    np.testing.assert_allclose(far.dashpot.sum(axis=0), [pressure * area, shear * area])
+    np.testing.assert_array_equal(rectilinear.node_positions[far.nodes, 0], radius)
+
+
+def test_its_dashpots_are_no_harder_than_those_of_soil_that_may_change_its_volume(
+    rectilinear: Grid, elastic: LinearElastic
+) -> None:
+    clay = dataclasses.replace(elastic, poissons_ratio=0.4999)
+    far = FarField.around(rectilinear, clay)
+    np.testing.assert_allclose(far.dashpot[:, 0], 3.3 * far.dashpot[:, 1], rtol=1e-12)
+
+
+def test_the_far_field_pushes_back_like_an_elastic_cavity(cone: Scene) -> None:
+    """From rest: m dv / dt = - k u - c v with the dashpot implicit, to rounding."""
+    far = cone.far_field
+    assert far is not None
+    simulation = Simulation(cone)
+    pushed = 1e-3 * np.linspace(1.0, 2.0, len(far.nodes))
+    simulation.assign("far_field.displacement", pushed)
+    simulation.advance(1)
+    mass, step = simulation.array("node.mass")[far.nodes], simulation.plan.time_step
+    expected = -step * far.spring * pushed / (mass + step * far.dashpot[:, 0])
+    velocity = simulation.array("node.velocities")[far.nodes, 0]
+    np.testing.assert_allclose(velocity, expected, rtol=1e-12)
+    moved = simulation.array("far_field.displacement") - pushed
+    np.testing.assert_allclose(moved, step * expected, rtol=1e-9)
+
+
+def test_the_springs_of_the_far_field_rise_with_the_soil(cone: Scene) -> None:
+    """After a row of travel each spring is one row higher, and the lowest is undisturbed."""
+    # Springs without stiffness, in soil at rest: nothing else changes their displacement.
+    grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
+    assert cone.far_field is not None
+    limp = dataclasses.replace(cone.far_field, spring=0.0 * cone.far_field.spring)
+    fixed = Fixed.axis_and_ends(grid)
+    still = dataclasses.replace(cone, grid=grid, contact=None, fixed=fixed, far_field=limp)
+    simulation = Simulation(still)
+    count = simulation.array("far_field.displacement").shape[0]
+    simulation.assign("far_field.displacement", np.arange(1.0, count + 1.0))
+    simulation.travel_to(float(grid.rows[1] - grid.rows[0]))
+    np.testing.assert_array_equal(
+        simulation.array("far_field.displacement"), np.arange(float(count))
+    )
+
+
+def test_a_node_without_soil_is_left_alone(floating: Scene, elastic: LinearElastic) -> None:
+    """Not a number there would stay in the far field after soil has come back."""
+    far = FarField.around(floating.grid, elastic)
+    simulation = Simulation(dataclasses.replace(floating, far_field=far))
+    simulation.array("particle.cell")[:] = [2, 2]
+    simulation.array("particle.position")[:] = floating.grid.place(
+        np.array(2), np.array(2), np.array(0.5), np.array(0.5)
+    )
+    simulation.assign("far_field.displacement", 1.0)
+    simulation.advance(1)
+    assert not simulation.array("node.mass")[far.nodes].any()
+    np.testing.assert_array_equal(simulation.array("far_field.displacement"), 1.0)
+    np.testing.assert_array_equal(simulation.array("node.velocities")[far.nodes], 0.0)

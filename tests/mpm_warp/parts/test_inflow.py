@@ -1,0 +1,169 @@
+"""Soil that enters below the window: layer by layer, with all that particles carry."""
+
+import dataclasses
+import functools
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+import warp as wp
+
+from mpm_warp.errors import WindowOverfull
+from mpm_warp.materials.material import Material
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.window import Approach
+from mpm_warp.planning import make_plan
+from mpm_warp.precision import Precision
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Ageing(Material):
+    """Elastic soil that remembers how many steps it has been simulated for, and how long [s]."""
+
+    state: ClassVar[tuple[str, ...]] = ("steps", "age")
+
+    def update(self, precision: Precision) -> Any:
+        return _make_ageing(precision)
+
+
+@functools.cache
+def _make_ageing(precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
+    vec1, vec2 = precision.vector(1), precision.vec2
+
+    @wp.func
+    def ages(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec2):
+        return trial, vec2(state[0] + real(1.0), state[1] + time_step)
+
+    return ages
+
+
+@pytest.fixture
+def empty(cone: Scene) -> Scene:
+    """The window without a penetrometer in it."""
+    grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
+    fixed = Fixed.axis_and_ends(grid)
+    return dataclasses.replace(cone, grid=grid, contact=None, fixed=fixed)
+
+
+def test_undisturbed_soil_in_the_window_stays_exactly_at_rest(empty: Scene) -> None:
+    """Without a penetrometer nothing happens, however far the window travels."""
+    simulation = Simulation(empty)
+    count = simulation.particle_count
+    simulation.travel_to(0.5)
+    assert np.abs(simulation.array("particle.velocity")).max() == 0.0
+    assert np.abs(simulation.array("particle.stress")).max() == 0.0
+    layer = simulation.plan.arrays["layer.mass"].shape[0]
+    inside = simulation.array("particle.cell")[:, 0] >= 0
+    assert abs(inside.sum() - count) <= layer
+    # What entered carries on the lattice of what was there: layers at equal distances.
+    heights = np.sort(simulation.array("particle.position")[inside, 1]).reshape(-1, layer)
+    grid = empty.grid
+    spacing = (grid.rows[1] - grid.rows[0]) / empty.particles_per_side
+    np.testing.assert_allclose(np.diff(heights.mean(axis=1)), spacing, rtol=1e-9)
+
+
+def test_a_layer_brings_every_array_of_the_particles_along(cone: Scene) -> None:
+    """Whatever a material or a part adds: a launch for each, and the values of the first layer."""
+    soil = Ageing(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
+    plan = make_plan(dataclasses.replace(cone, material=soil))
+    of_particles = {name for name in plan.arrays if name.startswith("particle.")}
+    assert "particle.state" in of_particles
+    for name in of_particles:
+        word = name.removeprefix("particle.")
+        layer, launch = plan.arrays[f"layer.{word}"], plan.between_steps[f"enter.{word}"]
+        assert layer.dtype == plan.arrays[name].dtype
+        assert launch.arrays == ("layer.slots", f"layer.{word}", name)
+    mass, cell = plan.arrays["layer.mass"].initial, plan.arrays["layer.cell"].initial
+    lowest = cone.grid.cell_volumes[: cone.grid.column_count]
+    assert mass is not None
+    assert cell is not None
+    # One layer of two: a half of each cell of the lowest row.
+    assert mass.sum() == pytest.approx(0.5 * soil.density * lowest.sum(), rel=1e-12)
+    np.testing.assert_array_equal(cell[:, 1], 0)
+
+
+def test_what_enters_has_no_memory(cone: Scene) -> None:
+    """Nor velocity nor stress, in slots whose particles had all of them when they left above."""
+    soil = Ageing(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
+    simulation = Simulation(dataclasses.replace(cone, material=soil))
+    height = float(np.diff(cone.grid.rows)[0])
+    # Three rows have left; the last layer has entered in this very step.
+    enters = (6 - 0.5) * 0.5 * height
+    simulation.travel_to(enters)
+    entered = simulation.array("layer.slots")
+    state = simulation.array("particle.state")
+    for name in ("state", "velocity", "stress"):
+        np.testing.assert_array_equal(simulation.array(f"particle.{name}")[entered], 0.0)
+    np.testing.assert_array_equal(simulation.array("particle.cell")[entered, 1], 0)
+    # Others have aged since they entered, and those that were there from the first step on.
+    inside = simulation.array("particle.cell")[:, 0] >= 0
+    ages = np.unique(state[inside, 0])
+    assert ages[0] == 0.0
+    assert ages[-1] == simulation.step_count
+    assert len(ages) == 7  # of six layers, and of what was there
+    np.testing.assert_allclose(state[:, 1], state[:, 0] * simulation.plan.time_step, rtol=1e-9)
+
+
+def state_of(simulation: Simulation) -> dict[str, np.ndarray]:
+    names = [*simulation.plan.arrays]
+    return {name: simulation.array(name).copy() for name in names}
+
+
+@pytest.mark.parametrize("approach", [None, Approach(speed=3.0, travel=1.2, slowing_travel=0.4)])
+def test_soil_enters_however_the_steps_are_parted(cone: Scene, approach: Approach | None) -> None:
+    """By travel, in one go and one by one: the same bits in every array of the run."""
+    assert cone.window is not None
+    window = dataclasses.replace(cone.window, approach=approach)
+    scene = dataclasses.replace(cone, window=window)
+    travelled = Simulation(scene)
+    travelled.travel_to(1.5)
+    steps = travelled.step_count
+    in_one_go, one_by_one, in_parts = (Simulation(scene) for _ in range(3))
+    in_one_go.advance(steps)
+    for _ in range(steps):
+        one_by_one.advance(1)
+    for distance in (0.1, 0.2, 0.7, 0.71, 1.5):
+        in_parts.travel_to(distance)
+    expected = state_of(travelled)
+    spacing = float(np.diff(cone.grid.rows)[0]) / cone.particles_per_side
+    layers = round(1.5 / spacing)
+    assert layers >= 5
+    for other in (in_one_go, one_by_one, in_parts):
+        assert other.step_count == steps
+        assert other.travel == travelled.travel
+        for name, values in expected.items():
+            np.testing.assert_array_equal(other.array(name), values, err_msg=name)
+
+
+def test_soil_enters_by_the_same_steps_to_a_time(cone: Scene) -> None:
+    travelled, timed = Simulation(cone), Simulation(cone)
+    travelled.travel_to(0.8)
+    timed.advance_to(travelled.time)
+    np.testing.assert_array_equal(
+        timed.array("particle.position"), travelled.array("particle.position")
+    )
+
+
+def test_the_window_stays_as_full_as_it_was(cone: Scene) -> None:
+    """As many particles have entered as have left, but for the layer that is about to."""
+    simulation = Simulation(cone)
+    grid, material = cone.grid, cone.material
+    simulation.travel_to(3.0)
+    mass = simulation.array("particle.mass")[simulation.array("particle.cell")[:, 0] >= 0].sum()
+    layer = simulation.array("layer.mass").sum()
+    assert abs(mass - material.density * grid.cell_volumes.sum()) < layer
+
+
+def test_soil_that_finds_no_slot_ends_the_run(cone: Scene) -> None:
+    simulation = Simulation(cone)
+    spare = simulation.array("particle.cell")[:, 0] < 0
+    for name in ("cell", "position", "mass"):  # as if every slot were taken
+        values = simulation.array(f"particle.{name}")
+        values[spare] = values[~spare][: spare.sum()]
+    with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
+        simulation.advance(10_000)
+    assert end.value.status == "diverged"
+    assert "\n" not in str(end.value)

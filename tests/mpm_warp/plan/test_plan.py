@@ -1,0 +1,128 @@
+"""A plan: its arrays by kind, and its launches in their order."""
+
+import numpy as np
+import pytest
+import warp as wp
+
+from mpm_warp.plan.launch import OFFSET
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import PRECISIONS
+
+
+@wp.kernel(enable_backward=False)
+def scale(offset: int, time_step: float, factor: float, cell_volume: wp.array(dtype=float)):
+    k = offset + wp.tid()
+    cell_volume[k] = time_step * factor * cell_volume[k]
+
+
+@wp.kernel(enable_backward=False)
+def clear(values: wp.array(dtype=float)):
+    values[wp.tid()] = 0.0
+
+
+@pytest.fixture(params=PRECISIONS)
+def plan(request: pytest.FixtureRequest) -> Plan:
+    """A plan without anything in it."""
+    unbounded = np.full(2, np.inf)
+    return Plan(
+        precision=PRECISIONS[request.param],
+        time_step=0.1,
+        longest_time_step=1.0,
+        speed_limit=1.0,
+        particle_bounds=(-unbounded, unbounded),
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "components", "scalar"),
+    [
+        ("real", (), None),
+        ("vec2", (2,), None),
+        ("vec10", (10,), None),
+        ("mat22", (2, 2), None),
+        ("int", (), "int32"),
+        ("vec2i", (2,), "int32"),
+    ],
+)
+def test_an_array_has_the_type_of_its_kind_and_the_values_that_it_is_given(
+    plan: Plan, kind: str, components: tuple[int, ...], scalar: str | None
+) -> None:
+    values = np.arange(5 * np.prod(components, dtype=int)).reshape(5, *components)
+    assert plan.add_array("cell.given", kind, values) == "cell.given"
+    assert plan.add_zeros("cell.zeros", kind, 5) == "cell.zeros"
+    given, zeros = (plan.arrays[f"cell.{name}"] for name in ("given", "zeros"))
+    assert given.shape == zeros.shape == (5,)
+    assert given.dtype == zeros.dtype
+    on_device = given.allocate("cpu").numpy()
+    assert on_device.dtype == (scalar or plan.precision.numpy_name)
+    np.testing.assert_array_equal(on_device, values)
+    np.testing.assert_array_equal(zeros.allocate("cpu").numpy(), 0 * values)
+    assert given.byte_count == on_device.nbytes
+
+
+def test_what_is_double_stays_so_in_single_precision(plan: Plan) -> None:
+    plan.add_zeros("window.motion", "double", 3)
+    assert plan.arrays["window.motion"].dtype == wp.float64
+
+
+def test_only_arrays_that_were_added_are_found(plan: Plan) -> None:
+    plan.add_zeros("cell.correction", "vec4", (4, 3))
+    assert plan.find("cell.correction") == "cell.correction"
+    assert plan.find("cell.dilation_rate") is None
+    assert plan.arrays["cell.correction"].shape == (4, 3)
+
+
+def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> None:
+    """An array by its own name, the length of a step, and what is given, in any order."""
+    plan.add_zeros("cell.volume", "real", 10)
+    launch = plan.launch(scale, 10, factor=3.0)
+    assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume")
+    assert launch.dim == (10,)
+    assert launch.kernel is scale
+    assert plan.launch(clear, (2, 3), values=None).arguments == (None,)
+    assert plan.launch(clear, (2, 3), values=None).dim == (2, 3)
+
+
+def test_what_is_given_comes_before_what_goes_by_its_name(plan: Plan) -> None:
+    plan.add_zeros("cell.volume", "real", 10)
+    launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
+    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "missing", "unknown"),
+    [
+        ({"cell_volume": "v"}, ["factor"], []),
+        ({"cell_volume": "v", "factor": 3.0, "power": 2.0}, [], ["power"]),
+        ({"volume": "v", "factor": 3.0}, ["cell_volume"], ["volume"]),
+        ({}, ["factor", "cell_volume"], []),
+    ],
+)
+def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_takes(
+    plan: Plan, arguments: dict[str, object], missing: list[str], unknown: list[str]
+) -> None:
+    with pytest.raises(TypeError) as refused:
+        plan.add_launch(scale, 10, **arguments)
+    message = str(refused.value)
+    assert f"arguments missing: {missing}, unknown: {unknown};" in message
+    assert message.endswith("it takes offset, time_step, factor, cell_volume")
+    assert scale.key in message
+    assert plan.step == []
+
+
+def test_launches_are_added_at_the_end_and_found_by_name(plan: Plan) -> None:
+    values = plan.add_zeros("cell.volume", "real", 5)
+    plan.add_launch(clear, 5, values=values)
+    plan.add_launch(scale, 5, factor=2.0)
+    assert [launch.name for launch in plan.step] == ["clear", "scale"]
+    assert plan.position_after("clear") == 1
+
+
+def test_all_launches_are_listed_once(plan: Plan) -> None:
+    """Of a step, of what an audited step has besides, and of what the host orders between steps."""
+    plan.add_zeros("cell.volume", "real", 5)
+    plan.add_launch(scale, 5, factor=2.0)
+    audit, between = (plan.launch(clear, 5, values="cell.volume") for _ in range(2))
+    plan.audited_step = [audit, *plan.step]
+    plan.between_steps["check"] = between
+    assert plan.launches == [*plan.step, audit, between]

@@ -1,0 +1,138 @@
+"""From a scene to its plan: the order of the stages, and nothing that the scene does not need."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.gravity import Gravity
+from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.plan.plan import Plan
+from mpm_warp.planning import SHARE_COUNT, make_plan
+from mpm_warp.scene import Scene
+
+STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Twice:
+    """A kind of scene that only this file knows: every launch of another one, twice."""
+
+    scene: Scene
+
+
+@make_plan.register
+def plan_twice(
+    twice: Twice, share_count: int = SHARE_COUNT, time_step: float | None = None
+) -> Plan:
+    plan = make_plan(twice.scene, share_count, time_step)
+    plan.step = 2 * plan.step
+    return plan
+
+
+def kernels(plan: Plan) -> list[str]:
+    return [launch.name for launch in plan.step]
+
+
+def test_soil_alone_has_no_part_that_it_does_not_need(floating: Scene) -> None:
+    plan = make_plan(dataclasses.replace(floating, particles_per_side=1))
+    assert kernels(plan) == STAGES
+    assert {name.split(".")[0] for name in plan.arrays} == {"particle", "grid", "cell", "node"}
+    assert not {"cell.viscosity", "cell.dilation_rate", "cell.correction"} & set(plan.arrays)
+    assert plan.audited_step == []
+    assert plan.between_steps == {}
+    assert plan.control is None
+    modules = " ".join(launch.kernel.module.name for launch in plan.step)
+    for word in ("inviscid", "lumped", "LinearElastic", "bilinear", "resting", "full"):
+        assert word in modules
+
+
+def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(floating: Scene) -> None:
+    grid, material = floating.grid, floating.material
+    bare = make_plan(floating)
+    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
+    for changes, kernel, words in (
+        ({"fixed": Fixed.axis_and_ends(grid)}, {"fixed"}, {"fixed.nodes", "fixed.free"}),
+        (
+            {"far_field": FarField.around(grid, material)},
+            {"far_field"},
+            {f"far_field.{word}" for word in ("nodes", "spring", "dashpot", "displacement")},
+        ),
+        ({"bulk_viscosity": 0.1}, set(), {"cell.viscosity", "cell.dilation_rate"}),
+        ({"forces": (load,)}, {"nodal_load"}, {"load.nodes", "load.forces"}),
+        ({"forces": (Gravity(9.81),)}, {"gravity"}, set()),
+        ({"forces": (Damping(1.0),)}, {"damping"}, set()),
+        ({"energy_audit": True}, set(), {"transfer.energy"}),
+    ):
+        plan = make_plan(dataclasses.replace(floating, **changes))
+        assert set(plan.arrays) - set(bare.arrays) == words
+        assert set(bare.arrays) <= set(plan.arrays)
+        assert set(kernels(plan)) - set(kernels(bare)) == kernel
+        assert len(plan.step) == len(bare.step) + len(kernel)
+
+
+def test_the_stages_of_a_step_stand_in_their_order_and_parts_between_them(cone: Scene) -> None:
+    """What acts on nodes acts between momentum and strain rates, forces first."""
+    forces = (Damping(1.0), Gravity(9.81))
+    plan = make_plan(dataclasses.replace(cone, forces=forces))
+    assert kernels(plan) == [
+        *STAGES[:3],
+        *("damping", "gravity", "fixed", "far_field", "surface_contact"),
+        *STAGES[3:],
+        "advance_window",
+    ]
+
+
+def test_a_wall_pushes_last_and_moves_after_the_particles(cavity: Scene) -> None:
+    assert kernels(make_plan(cavity)) == [
+        *STAGES[:3],
+        *("fixed", "far_field", "push"),
+        *STAGES[3:],
+        *("move_wall", "refit_cells"),
+    ]
+
+
+@pytest.mark.parametrize("name", ["cone", "cavity", "floating"])
+def test_every_array_is_used(name: str, request: pytest.FixtureRequest) -> None:
+    plan = make_plan(request.getfixturevalue(name))
+    used = {array for launch in plan.launches for array in launch.arrays}
+    assert set(plan.arrays) == used
+
+
+def test_the_time_step_is_the_fraction_of_what_a_wave_takes_to_cross_a_cell(
+    floating: Scene, cone: Scene
+) -> None:
+    """Soil that streams past the grid carries its waves along."""
+    plan = make_plan(floating)
+    speed = floating.material.pressure_wave_speed
+    assert plan.time_step == pytest.approx(0.5 * floating.grid.cell_lengths.min() / speed)
+    assert plan.longest_time_step == pytest.approx(2.0 * plan.time_step)
+    assert cone.window is not None
+    in_window = cone.grid.cell_lengths.min() / (
+        cone.material.pressure_wave_speed + cone.window.first_speed
+    )
+    assert make_plan(cone).time_step == pytest.approx(0.85 * in_window)
+    assert make_plan(cone, time_step=1e-4).time_step == 1e-4
+
+
+def test_sums_have_a_row_for_each_share(floating: Scene) -> None:
+    for count in (1, SHARE_COUNT):
+        plan = make_plan(floating, share_count=count)
+        for name in ("cell.stress_sum", "cell.mass", "node.momentum"):
+            assert plan.arrays[name].shape[0] == count
+
+
+def test_what_nobody_can_plan_is_a_type_error() -> None:
+    with pytest.raises(TypeError, match=r"^a str cannot be planned$"):
+        make_plan("cone_penetration")
+    with pytest.raises(TypeError, match=r"^a NoneType cannot be planned$"):
+        make_plan(None)
+
+
+def test_another_kind_of_scene_registers_how_it_is_planned(floating: Scene) -> None:
+    assert len(make_plan(Twice(floating)).step) == 2 * len(make_plan(floating).step)

@@ -1,0 +1,112 @@
+"""The watch on every scene of the catalogue: faults planted in it are noticed within 500 steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.errors import SimulationDiverged
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scene import Scene
+from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.simulation import Simulation
+
+NOTICED_WITHIN = 500
+BLOCK = 3
+"""Cells along the side of a block that is watched for its soil."""
+COMPOSITIONS = {name: scene_class(name)().build() for name in scene_names()}
+SOIL_SCENES = [name for name, scene in COMPOSITIONS.items() if isinstance(scene, Scene)]
+BODY_SCENES = [name for name, scene in COMPOSITIONS.items() if isinstance(scene, BodyScene)]
+FAULTS = [
+    ("particle.stress", np.nan, "stress"),
+    ("particle.velocity", 1e30, "velocity"),
+    ("particle.position", 1e6, "position"),
+    ("particle.mass", 0.0, "mass"),
+]
+
+
+def started(name: str) -> Simulation:
+    """A scene at its defaults, a few steps on.
+
+    Without an approach: at its speed a row of cells runs empty below, where no soil is let in.
+    """
+    scene = from_mapping(scene_class(name), {"approach": 0} if name == "cone_penetration" else {})
+    simulation = Simulation(scene.build())
+    simulation.advance(3)
+    return simulation
+
+
+def plant(simulation: Simulation, array: str, particle: int, value: float) -> None:
+    """Give a particle a value, its first component only: above a window soil leaves by right."""
+    values = simulation.array(array)
+    values.reshape(len(values), -1)[particle, 0] = value
+
+
+@pytest.mark.parametrize("name", SOIL_SCENES)
+@pytest.mark.parametrize(("array", "value", "named"), FAULTS)
+def test_planted_fault_is_noticed_and_its_particle_named(
+    name: str, array: str, value: float, named: str
+) -> None:
+    simulation = started(name)
+    particle = simulation.plan.particle_count // 2
+    plant(simulation, array, particle, value)
+    with pytest.raises(SimulationDiverged) as noticed:
+        simulation.advance(NOTICED_WITHIN)
+    message = str(noticed.value)
+    assert f"{named} of particle {particle} at" in message
+    assert "healthy at step 0" in message
+    assert noticed.value.status == "diverged"
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(("array", "value", "named"), FAULTS)
+def test_planted_fault_in_a_body_is_noticed(array: str, value: float, named: str) -> None:
+    simulation = started("sliding_block")
+    plant(simulation, array, 0, value)
+    with pytest.raises(SimulationDiverged, match=r"of particle \d+ at"):
+        simulation.advance(NOTICED_WITHIN)
+
+
+@pytest.mark.parametrize("name", [*SOIL_SCENES, *BODY_SCENES])
+def test_doubled_time_step_is_noticed_in_every_scene(name: str) -> None:
+    """Twice the longest that is stable: some scenes take far shorter ones."""
+    simulation = started(name)
+    simulation.plan.time_step = 2.0 * simulation.plan.longest_time_step
+    with pytest.raises(SimulationDiverged, match="time step of"):
+        simulation.advance(NOTICED_WITHIN)
+
+
+def with_blocks(name: str) -> bool:
+    """Whether a scene has cells around which there are others, whose soil leaves by no right."""
+    scene = COMPOSITIONS[name]
+    wide = min(scene.grid.row_count, scene.grid.column_count) > BLOCK
+    return wide and not scene.free_surface
+
+
+@pytest.mark.parametrize("name", list(filter(with_blocks, SOIL_SCENES)))
+def test_cells_that_have_lost_their_soil_are_noticed(name: str) -> None:
+    """Their particles are put into the cell beside them."""
+    simulation = started(name)
+    simulation.check()
+    cell = simulation.array("particle.cell")
+    cell[np.all((cell >= 1) & (cell <= BLOCK), axis=1)] = [BLOCK + 1, 1]
+    with pytest.raises(SimulationDiverged, match="soil in 3 x 3 cells from row"):
+        simulation.check()
+
+
+def touches(name: str) -> bool:
+    """Whether a scene has a surface from which soil parts by no right."""
+    contact = COMPOSITIONS[name].contact
+    return contact is not None and contact.in_situ_stress > 0.0
+
+
+@pytest.mark.parametrize("name", list(filter(touches, SOIL_SCENES)))
+def test_contact_that_is_lost_is_noticed(name: str) -> None:
+    """It acts on nodes amid the soil instead of those of the surface."""
+    simulation = started(name)
+    # Before anything else goes wrong by it.
+    simulation.advance(NOTICED_WITHIN - 10 - simulation.step_count)
+    simulation.array("contact.nodes")[:] = len(simulation.array("node.mass")) // 2
+    with pytest.raises(SimulationDiverged, match=r"contact is lost on \d+% of the"):
+        simulation.advance(NOTICED_WITHIN)

@@ -1,0 +1,176 @@
+"""The watch: a fault planted in a sound run is noticed within 500 steps, and named."""
+
+import dataclasses
+import functools
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+
+from mpm_warp.errors import SimulationDiverged
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.precision import Precision
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import CHECK_INTERVAL, Simulation
+
+NOTICED_WITHIN = 500
+BLOCK = 3
+"""Cells along the side of a block that is watched for its soil."""
+FAULTS = [
+    ("particle.stress", np.nan, "stress"),
+    ("particle.velocity", 1e30, "velocity"),
+    ("particle.position", 1e6, "position"),
+    ("particle.mass", 0.0, "mass"),
+]
+
+
+class DriftingTresca(Tresca):
+    """A return that adds a thousandth of the strength a step to the pressure."""
+
+    def update(self, precision: Precision) -> Any:
+        return _make_drifting(super().update(precision), precision)
+
+
+@functools.cache
+def _make_drifting(plain: Any, precision: Precision) -> Any:
+    real, vec4, vec1 = precision.real, precision.vec4, precision.vector(1)
+
+    @wp.func
+    def drifting(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
+        returned, remembered = plain(trial, strain, time_step, properties, state)
+        added = real(1e-3) * properties[0]
+        return returned + vec4(added, added, real(0.0), added), remembered
+
+    return drifting
+
+
+@pytest.fixture(params=["cone", "cavity", "floating"])
+def scene(request: pytest.FixtureRequest) -> Scene:
+    """A window with contact, a wall that moves, and soil alone."""
+    value: Scene = request.getfixturevalue(request.param)
+    return value
+
+
+def started(scene: Scene) -> Simulation:
+    """A run, a few steps on."""
+    simulation = Simulation(scene)
+    simulation.advance(3)
+    return simulation
+
+
+def test_watch_looks_often_enough() -> None:
+    assert CHECK_INTERVAL <= NOTICED_WITHIN
+
+
+@pytest.mark.parametrize(("array", "value", "named"), FAULTS)
+def test_planted_fault_is_noticed_and_its_particle_named(
+    scene: Scene, array: str, value: float, named: str
+) -> None:
+    """Its first component only: above a window soil leaves by right."""
+    simulation = started(scene)
+    particle = simulation.plan.particle_count // 2
+    values = simulation.array(array)
+    values.reshape(len(values), -1)[particle, 0] = value
+    with pytest.raises(SimulationDiverged) as noticed:
+        simulation.advance(NOTICED_WITHIN)
+    message = str(noticed.value)
+    assert f"{named} of particle {particle} at" in message
+    assert "healthy at step 0" in message
+    assert "try a smaller time_step_fraction" in message
+    assert noticed.value.status == "diverged"
+    assert "\n" not in message
+
+
+def test_doubled_time_step_is_noticed(scene: Scene) -> None:
+    """Twice the longest that is stable."""
+    simulation = started(scene)
+    simulation.plan.time_step = 2.0 * simulation.plan.longest_time_step
+    with pytest.raises(SimulationDiverged, match="time step of"):
+        simulation.advance(NOTICED_WITHIN)
+
+
+def test_speeds_that_grow_at_twice_the_stable_step_are_noticed(
+    cone: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the check of the step itself: what it does to the soil is noticed too."""
+    monkeypatch.setattr("mpm_warp.watch.watch.check_time_step", lambda **_: None)
+    simulation = Simulation(dataclasses.replace(cone, time_step_fraction=2.5))
+    with pytest.raises(SimulationDiverged, match=r"velocity of particle \d+ at"):
+        simulation.advance(4 * NOTICED_WITHIN)
+
+
+def test_stress_outside_the_yield_surface_is_noticed(cone: Scene) -> None:
+    simulation = Simulation(cone)
+    simulation.advance(10)
+    simulation.array("particle.stress")[7, 2] = 1.001 * 20e3
+    with pytest.raises(SimulationDiverged, match=r"stress of particle 7 .*yield surface by 0\.001"):
+        simulation.check()
+
+
+def test_cell_that_holds_more_soil_than_it_can_is_noticed(cone: Scene) -> None:
+    simulation = Simulation(cone)
+    cell = simulation.array("particle.cell")
+    cell[cell[:, 0] >= 0] = [1, 2]
+    number = 2 * cone.grid.column_count + 1
+    with pytest.raises(SimulationDiverged, match=rf"soil in cell {number} is \d+\.?\d* times"):
+        simulation.check()
+
+
+def lose_soil(simulation: Simulation) -> None:
+    """The particles of a block of cells are put into the cell beside it."""
+    cell = simulation.array("particle.cell")
+    cell[np.all((cell >= 1) & (cell <= BLOCK), axis=1)] = [BLOCK + 1, 1]
+
+
+def test_cells_that_have_lost_their_soil_are_noticed(cone: Scene) -> None:
+    simulation = started(cone)
+    simulation.check()
+    lose_soil(simulation)
+    with pytest.raises(SimulationDiverged, match="soil in 3 x 3 cells from row 1, column 0 is"):
+        simulation.check()
+
+
+def test_soil_may_leave_cells_where_it_may_part_from_the_surface(cone: Scene) -> None:
+    assert cone.contact is not None
+    parting = dataclasses.replace(cone.contact, in_situ_stress=0.0)
+    simulation = Simulation(dataclasses.replace(cone, contact=parting))
+    lose_soil(simulation)
+    simulation.check()
+
+
+def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
+    """It acts on nodes amid the soil instead of those of the surface."""
+    simulation = started(cone)
+    simulation.advance(NOTICED_WITHIN - 10 - simulation.step_count)
+    simulation.array("contact.nodes")[:] = len(simulation.array("node.mass")) // 2
+    with pytest.raises(SimulationDiverged, match=r"contact is lost on \d+% of the"):
+        simulation.advance(NOTICED_WITHIN)
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_drift_of_the_mean_stress_is_noticed(cone: Scene, precision: str) -> None:
+    """A return to the yield surface that adds a thousandth of a strength a step to the pressure."""
+    sound = dataclasses.replace(cone, precision=precision)
+    Simulation(sound).advance(NOTICED_WITHIN)
+    assert isinstance(cone.material, Tresca)
+    drifting = DriftingTresca(**dataclasses.asdict(cone.material))
+    with pytest.raises(SimulationDiverged, match=r"mean stress of particle \d+ at"):
+        Simulation(dataclasses.replace(sound, material=drifting)).advance(NOTICED_WITHIN)
+
+
+def test_a_sound_run_is_left_alone(scene: Scene) -> None:
+    """However its steps are parted, and however often it is looked at."""
+    simulation = Simulation(scene)
+    for steps in (1, NOTICED_WITHIN - 2, 1, 7, 2 * NOTICED_WITHIN):
+        simulation.advance(steps)
+        simulation.check()
+    assert simulation.step_count == 3 * NOTICED_WITHIN + 7
+
+
+def test_the_watch_counts_the_particles_in_the_grid(cone: Scene) -> None:
+    simulation = Simulation(cone)
+    simulation.travel_to(1.0)
+    simulation.check()
+    inside = np.count_nonzero(simulation.array("particle.cell")[:, 0] >= 0)
+    assert simulation.particle_count == inside
