@@ -9,7 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from harness.cli import arguments
 from harness.cli.main import COMMANDS, main
@@ -18,6 +17,7 @@ from harness.study.study import load_study
 from mpm_warp.execution import execution
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
 @pytest.mark.parametrize("command", ["compare", "plot"])

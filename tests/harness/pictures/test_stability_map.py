@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from mpm_warp.scenes.cone_penetration import LARGEST_ENERGY_ERROR
 
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study

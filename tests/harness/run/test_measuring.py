@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from mpm_warp.scenes.gravity_column import GravityColumn
 
 from harness.archive import case_files
 from harness.archive.conventions import COMPLETED
@@ -23,6 +22,7 @@ from harness.study.cases import Case
 from mpm_warp.parameters import Value
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 
 MIB = 2**20
 

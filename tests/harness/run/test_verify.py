@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from mpm_warp.scenes.base import Verification
-from mpm_warp.scenes.gravity_column import GravityColumn
 
 from harness.cli.main import main
 from harness.run.verify import Check, Verified, as_dataset, checks_of, table_rows, verify
+from mpm_warp.scenes import Verification
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 
 CHECK = Check(
     scene="gravity_column",

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import NoReturn
 
 import pytest
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from harness.archive import case_files
 from harness.run.worker import run_case
 from harness.study.study import Study
 from mpm_warp.scene import SceneError
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
 def test_an_exception_of_the_scene_is_the_outcome(

@@ -14,11 +14,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from harness.cli.main import main
 from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 COUNT = int(os.environ.get("MALFORMED_STUDIES", "1000"))
 KNOWN = list(parameters_of(ConePenetration).values())

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 GOOD = 'title = "t"\nscene = "cone_penetration"\n'
 ALLOWED = {name: it.allowed for name, it in parameters_of(ConePenetration).items()}
