@@ -59,6 +59,37 @@ def variable(
     return xr.Variable(dims, np.asarray(value), labels)
 
 
+Quantity = tuple[ArrayLike, str, str] | tuple[ArrayLike, str, str, str]
+"""Value or values, unit, meaning and, where it needs one, a description."""
+
+
+def labelled(
+    *, dims: tuple[str, ...] = (), role: str | None = None, **quantities: Quantity
+) -> dict[str, xr.Variable]:
+    """Variables by name, over the same dimensions and of the same role.
+
+    What is called ``x_exact`` is the exact value of ``x`` and has that role.
+    """
+    return {
+        name: variable(
+            value,
+            unit=unit,
+            meaning=meaning,
+            description=description[0] if description else None,
+            dims=dims,
+            role=role,
+            exact_of=name.removesuffix("_exact") if name.endswith("_exact") else None,
+        )
+        for name, (value, unit, meaning, *description) in quantities.items()
+    }
+
+
+def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
+    """Curves over one axis, which is called `axis` and has the `places`."""
+    coordinate = labelled(dims=(axis,), **{axis: places})
+    return xr.Dataset(labelled(dims=(axis,), **quantities), coords=coordinate)
+
+
 def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:
     """All parameters of a scene as variables of its dataset, with the role "parameter".
 

@@ -16,7 +16,7 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.results import variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.simulation import Simulation
@@ -126,22 +126,20 @@ class StretchedBar(CatalogueScene):
         """Draw the bar out."""
         moments = [self.duration * sample / SAMPLE_COUNT for sample in range(1, SAMPLE_COUNT + 1)]
         sampler = MiddleHalf(simulation, self)
-        curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
-        last = curves.isel(progress=-1)
-        at_end = np.array([last.stress_least, last.stress_greatest]) / float(last.stress_exact)
-        error = variable(
-            float(np.abs(curves.stretch / curves.stretch_exact - 1.0).max()),
-            unit="1",
-            meaning="greatest error of the stretch of the middle half",
-            role="headline",
+        recorded = follow(simulation, moments, simulation.advance_to, [sampler], progress)
+        last = recorded.isel(progress=-1)
+        at_end = np.array([last.stress_least, last.stress_greatest]) / float(
+            last.stress_greatest_exact
         )
-        stress_error = variable(
-            np.abs(at_end - 1.0).max(),
-            unit="1",
-            meaning="greatest error of the stress of the middle half at its stretch, at the end",
-            role="error",
+        error = np.abs(recorded.stretch / recorded.stretch_exact - 1.0).max()
+        meaning = "greatest error of the stretch of the middle half"
+        stress_meaning = (
+            "greatest error of the stress of the middle half at its stretch, at the end"
         )
-        return curves.assign(error=error, stress_error=stress_error)
+        return recorded.assign(
+            labelled(role="headline", error=(float(error), "1", meaning))
+            | labelled(role="error", stress_error=(np.abs(at_end - 1.0).max(), "1", stress_meaning))
+        )
 
     @property
     def lattice(self) -> Floats:
@@ -176,31 +174,18 @@ class MiddleHalf:
     def dataset(self) -> xr.Dataset:
         """Stretch and stress so far, and the closed form."""
         times, stretch, least, greatest = np.array(self._samples).reshape(-1, 4).T
-        exact_stress = YOUNGS_MODULUS * np.log(stretch)
-        fraction = np.arange(1, len(times) + 1) / SAMPLE_COUNT
-
-        def curve(
-            values: Floats, unit: str, meaning: str, exact_of: str | None = None
-        ) -> xr.Variable:
-            dims = ("progress",)
-            return variable(values, unit=unit, meaning=meaning, dims=dims, exact_of=exact_of)
-
-        return xr.Dataset(
-            {
-                "stretch": curve(stretch, "1", "stretch of the middle half"),
-                "stretch_exact": curve(
-                    self._bar.stretch_at(times), "1", "stretch, closed form", "stretch"
-                ),
-                "stress_least": curve(least, "Pa", "least stress of the middle half"),
-                "stress_greatest": curve(greatest, "Pa", "greatest stress of the middle half"),
-                "stress_exact": curve(
-                    exact_stress,
-                    "Pa",
-                    "elastic stress at the stretch, closed form",
-                    "stress_greatest",
-                ),
-            },
-            coords={"progress": curve(fraction, "1", "time over duration")},
+        return curves(
+            "progress",
+            (np.arange(1, len(times) + 1) / SAMPLE_COUNT, "1", "time over duration"),
+            stretch=(stretch, "1", "stretch of the middle half"),
+            stretch_exact=(self._bar.stretch_at(times), "1", "stretch, closed form"),
+            stress_least=(least, "Pa", "least stress of the middle half"),
+            stress_greatest=(greatest, "Pa", "greatest stress of the middle half"),
+            stress_greatest_exact=(
+                YOUNGS_MODULUS * np.log(stretch),
+                "Pa",
+                "elastic stress at the stretch, closed form",
+            ),
         )
 
 

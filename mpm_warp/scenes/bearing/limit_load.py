@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.simulation import Simulation
 
@@ -48,36 +48,28 @@ class LoadCurve:
 
     def dataset(self) -> xr.Dataset:
         """The curve alone."""
-        dims = ("displacement",)
-        axis = variable(self.displacement, unit="1", meaning="displacement over radius", dims=dims)
-        resistance = variable(self.load, unit="1", meaning="load over area and su", dims=dims)
-        return xr.Dataset({"resistance": resistance}, coords={"displacement": axis})
+        axis = (self.displacement, "1", "displacement over radius")
+        return curves("displacement", axis, resistance=(self.load, "1", "load over area and su"))
 
     def limit_beside(self, exact: float, source: str) -> dict[str, xr.Variable]:
         """The limit beside the exact one, over area and su, which comes from a source."""
-        return {
-            "error": variable(
-                abs(self.limit / exact - 1),
-                unit="1",
-                meaning="error of the limit load",
-                description="relative error of the plateau; not a number where there is none",
-                role="headline",
+        error = abs(self.limit / exact - 1)
+        plateau = (
+            f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes there "
+            f"by at most {PLATEAU_CHANGE:.0%}; else not a number"
+        )
+        return labelled(
+            role="headline",
+            error=(
+                error,
+                "1",
+                "error of the limit load",
+                "relative error of the plateau; not a number where there is none",
             ),
-            "bearing_capacity": variable(
-                self.limit,
-                unit="1",
-                meaning="limit load over area and su",
-                description=f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the "
-                f"load changes there by at most {PLATEAU_CHANGE:.0%}; else not a number",
-            ),
-            "bearing_capacity_exact": variable(
-                exact,
-                unit="1",
-                meaning="limit load over area and su, exact",
-                description=source,
-                exact_of="bearing_capacity",
-            ),
-        }
+        ) | labelled(
+            bearing_capacity=(self.limit, "1", "limit load over area and su", plateau),
+            bearing_capacity_exact=(exact, "1", "limit load over area and su, exact", source),
+        )
 
 
 class LoadSampler:

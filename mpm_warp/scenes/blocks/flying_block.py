@@ -15,7 +15,7 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.results import variable
+from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.simulation import Simulation
@@ -95,12 +95,12 @@ class FlyingBlock(CatalogueScene):
         steps = [
             round(self.step_count * sample / SAMPLE_COUNT) for sample in range(1, SAMPLE_COUNT + 1)
         ]
-        curves = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
+        recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
         greatest = {
             name: variable(
-                float(curves[curve].max()),
+                float(recorded[curve].max()),
                 unit="1",
-                meaning=f"{curves[curve].attrs['long_name']}, at most",
+                meaning=f"{recorded[curve].attrs['long_name']}, at most",
                 role="headline" if name == "error" else "error",
             )
             for name, curve in (
@@ -112,7 +112,7 @@ class FlyingBlock(CatalogueScene):
         turns = variable(
             self._angular_velocity * simulation.time / (2.0 * math.pi), unit="1", meaning="turns"
         )
-        return curves.assign(greatest).assign(turns=turns)
+        return recorded.assign(greatest).assign(turns=turns)
 
     @property
     def _angular_velocity(self) -> float:
@@ -157,24 +157,20 @@ class FreeFlight:
     def dataset(self) -> xr.Dataset:
         """The changes so far, over the time as a share of the duration."""
         momentum, spin, distance = (np.array(it) for it in zip(*self._samples, strict=True))
-        changes = {
-            "shape_change": (
-                np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max(),
+        shape = np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max()
+        drift = np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0])
+        return curves(
+            "progress",
+            (np.arange(1, len(self._samples)) / SAMPLE_COUNT, "1", "time over duration"),
+            shape_change=(
+                shape[1:],
+                "1",
                 "greatest change of a distance in the block, over its diagonal",
             ),
-            "momentum_change": (
-                np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0]),
-                "change of linear momentum",
-            ),
-            "spin_change": (
-                np.abs(spin / spin[0] - 1.0),
+            momentum_change=(drift[1:], "1", "change of linear momentum"),
+            spin_change=(
+                np.abs(spin / spin[0] - 1.0)[1:],
+                "1",
                 "change of angular momentum about the middle",
             ),
-        }
-        curves = {
-            name: variable(values[1:], unit="1", meaning=meaning, dims=("progress",))
-            for name, (values, meaning) in changes.items()
-        }
-        fraction = np.arange(1, len(self._samples)) / SAMPLE_COUNT
-        axis = variable(fraction, unit="1", meaning="time over duration", dims=("progress",))
-        return xr.Dataset(curves, coords={"progress": axis})
+        )

@@ -17,7 +17,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.results import variable
+from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
@@ -210,26 +210,17 @@ class _PressureCurve:
 
     def dataset(self) -> xr.Dataset:
         """Pressure over su against radius over that at the start, computed and exact."""
-        dims = ("expansion",)
         expansion = np.array(self._expansion)
-        meaning = "radius of the cavity over that at the start"
-        variables = {
-            "cavity_pressure": variable(
-                np.array(self._pressure),
-                unit="1",
-                meaning="excess cavity pressure over su",
-                dims=dims,
-            ),
-            "cavity_pressure_exact": variable(
+        return curves(
+            "expansion",
+            (expansion, "1", "radius of the cavity over that at the start"),
+            cavity_pressure=(np.array(self._pressure), "1", "excess cavity pressure over su"),
+            cavity_pressure_exact=(
                 self._cavity.exact(expansion),
-                unit="1",
-                meaning="excess cavity pressure over su, exact",
-                dims=dims,
-                exact_of="cavity_pressure",
+                "1",
+                "excess cavity pressure over su, exact",
             ),
-        }
-        axis = variable(expansion, unit="1", meaning=meaning, dims=dims)
-        return xr.Dataset(variables, coords={"expansion": axis})
+        )
 
 
 def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:

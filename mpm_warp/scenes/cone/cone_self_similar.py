@@ -14,7 +14,7 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.window import Window
-from mpm_warp.results import variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
@@ -140,26 +140,19 @@ class ConeSelfSimilar(CatalogueScene):
         factor = load / (
             STRENGTH * math.pi * (depth * math.tan(math.radians(self.apex_angle) / 2)) ** 2
         )
-        return {
-            "error": variable(
-                abs(exponent - 2.0),
-                unit="1",
-                meaning="error of the exponent of the depth",
-                role="headline",
-            ),
-            "exponent": variable(
-                exponent,
-                unit="1",
-                meaning="exponent of the depth in the load",
-                description="that in the work less 1, by least squares of logarithms from "
-                f"{FITTED_FROM:.0%} of the final depth; exactly 2 where nothing has a length",
-            ),
-            "load_factor": variable(
+        error = (abs(exponent - 2.0), "1", "error of the exponent of the depth")
+        fitted = (
+            "that in the work less 1, by least squares of logarithms from "
+            f"{FITTED_FROM:.0%} of the final depth; exactly 2 where nothing has a length"
+        )
+        return labelled(role="headline", error=error) | labelled(
+            exponent=(exponent, "1", "exponent of the depth in the load", fitted),
+            load_factor=(
                 float(factor[late].mean()),
-                unit="1",
-                meaning="load over su and the cone's section at the ground's first level",
+                "1",
+                "load over su and the cone's section at the ground's first level",
             ),
-        }
+        )
 
 
 class _LoadCurve:
@@ -189,6 +182,5 @@ class _LoadCurve:
 
     def dataset(self) -> xr.Dataset:
         """Load over depth."""
-        load = variable(np.array(self.loads), unit="N", meaning="load", dims=("depth",))
-        axis = variable(self.depth, unit="m", meaning="depth of the tip", dims=("depth",))
-        return xr.Dataset({"load": load}, coords={"depth": axis})
+        depth = (self.depth, "m", "depth of the tip")
+        return curves("depth", depth, load=(np.array(self.loads), "N", "load"))

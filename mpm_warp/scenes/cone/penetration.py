@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact, PenetrometerForces
 from mpm_warp.simulation import Simulation
@@ -100,33 +100,21 @@ class PenetrationCurves:
             .reshape(-1, 4)
             .T
         )
-        curves = {
-            "penetration_resistance": (
-                (normal + shear) / base_area,
-                "Pa",
-                "net cone resistance",
-            ),
-            "penetration_resistance_shear": (
+        return curves(
+            "penetration",
+            (penetration, "1", "penetration over cone radius"),
+            penetration_resistance=((normal + shear) / base_area, "Pa", "net cone resistance"),
+            penetration_resistance_shear=(
                 shear / base_area,
                 "Pa",
                 "net cone resistance, shear part",
             ),
-            "shaft_friction": (
+            shaft_friction=(
                 shaft / self._contact.shaft_area,
                 "Pa",
                 "mean shear stress on the shaft",
             ),
-            "contact_share": (share, "1", "share of cone and shaft in contact"),
-        }
-        axis = variable(
-            penetration, unit="1", meaning="penetration over cone radius", dims=("penetration",)
-        )
-        return xr.Dataset(
-            {
-                name: variable(values, unit=unit, meaning=meaning, dims=("penetration",))
-                for name, (values, unit, meaning) in curves.items()
-            },
-            coords={"penetration": axis},
+            contact_share=(share, "1", "share of cone and shaft in contact"),
         )
 
 
@@ -147,54 +135,49 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
     return abs(last - before) < tolerance * abs(last)
 
 
-def steady_values(curves: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
+def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
     """The cone factor and its parts, from the last two radii of the curves or their last half.
 
     Args:
-        curves: those of `PenetrationCurves`.
+        recorded: the curves of `PenetrationCurves`.
         strength: undrained shear strength su [Pa].
     """
-    count = curves.sizes["penetration"]
+    count = recorded.sizes["penetration"]
     mean_count = min(STEADY_SAMPLES, count // 2)
     last = slice(-mean_count, None)
     over = f"over the last {mean_count * SAMPLE_SPACING:g} radii"
-    resistance = curves.penetration_resistance.values[last]
-    shear = curves.penetration_resistance_shear.values[last]
-    steady = {
-        "cone_factor": (resistance, "cone factor", "Nc = (qc - sigma_v0) / su", "headline"),
-        "cone_factor_normal": (
-            resistance - shear,
+    resistance = recorded.penetration_resistance.values[last]
+    shear = recorded.penetration_resistance_shear.values[last]
+    factor, normal_part, shear_part = (
+        values.mean() / strength for values in (resistance, resistance - shear, shear)
+    )
+    headline = labelled(
+        role="headline",
+        cone_factor=(factor, "1", "cone factor", f"Nc = (qc - sigma_v0) / su, mean {over}"),
+    )
+    return headline | labelled(
+        cone_factor_normal=(
+            normal_part,
+            "1",
             "cone factor, normal part",
-            "what the normal traction on the face adds to Nc",
-            None,
+            f"what the normal traction on the face adds to Nc, mean {over}",
         ),
-        "cone_factor_shear": (
-            shear,
+        cone_factor_shear=(
+            shear_part,
+            "1",
             "cone factor, shear part",
-            "what the shear traction on the face adds to Nc",
-            None,
+            f"what the shear traction on the face adds to Nc, mean {over}",
         ),
-    }
-    variables = {
-        name: variable(
-            values.mean() / strength,
-            unit="1",
-            meaning=meaning,
-            description=f"{description}, mean {over}",
-            role=role,
-        )
-        for name, (values, meaning, description, role) in steady.items()
-    }
-    variables["cone_factor_variation"] = variable(
-        np.ptp(resistance) / resistance.mean(),
-        unit="1",
-        meaning="variation of the cone factor",
-        description=f"range {over} of penetration, over the mean",
+        cone_factor_variation=(
+            np.ptp(resistance) / resistance.mean(),
+            "1",
+            "variation of the cone factor",
+            f"range {over} of penetration, over the mean",
+        ),
+        penetration_reached=(
+            count * SAMPLE_SPACING,
+            "1",
+            "penetration reached over cone radius",
+            "where the resistance was steady, or the greatest penetration",
+        ),
     )
-    variables["penetration_reached"] = variable(
-        count * SAMPLE_SPACING,
-        unit="1",
-        meaning="penetration reached over cone radius",
-        description="where the resistance was steady, or the greatest penetration",
-    )
-    return variables

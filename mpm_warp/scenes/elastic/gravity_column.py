@@ -14,7 +14,7 @@ from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.damping import Damping
 from mpm_warp.parts.gravity import Gravity
-from mpm_warp.results import variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
@@ -109,30 +109,20 @@ class GravityColumn(CatalogueScene):
             np.abs(stress - exact_stress).max() / weight,
             abs(settlement / exact_settlement - 1),
         )
-        variables = {
-            "error": variable(
-                error,
-                unit="1",
-                meaning="error of stress and settlement",
-                description="the greater of the greatest error of the vertical stress, over that "
-                "at the base, and the relative error of the settlement",
-                role="headline",
-            ),
-            "stress": variable(stress, unit="Pa", meaning="vertical stress", dims=("height",)),
-            "stress_exact": variable(
-                exact_stress,
-                unit="Pa",
-                meaning="vertical stress, exact",
-                dims=("height",),
-                exact_of="stress",
-            ),
-            "settlement": variable(settlement, unit="m", meaning="settlement of the top"),
-            "settlement_exact": variable(
-                exact_settlement,
-                unit="m",
-                meaning="settlement of the top, exact",
-                exact_of="settlement",
-            ),
-        }
-        axis = variable(middles, unit="m", meaning="height of the cell's middle", dims=("height",))
-        return xr.Dataset(variables, coords={"height": axis})
+        description = (
+            "the greater of the greatest error of the vertical stress, over that at the base, and "
+            "the relative error of the settlement"
+        )
+        error_quantity = (error, "1", "error of stress and settlement", description)
+        return curves(
+            "height",
+            (middles, "m", "height of the cell's middle"),
+            stress=(stress, "Pa", "vertical stress"),
+            stress_exact=(exact_stress, "Pa", "vertical stress, exact"),
+        ).assign(
+            labelled(role="headline", error=error_quantity)
+            | labelled(
+                settlement=(settlement, "m", "settlement of the top"),
+                settlement_exact=(exact_settlement, "m", "settlement of the top, exact"),
+            )
+        )

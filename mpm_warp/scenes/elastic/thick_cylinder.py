@@ -16,7 +16,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.damping import Damping
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.nodal_load import NodalLoad
-from mpm_warp.results import variable
+from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
@@ -158,34 +158,30 @@ class ThickCylinder(CatalogueScene):
         weights = middles[:, None]
         difference = np.mean(np.sum(weights * (stress - exact_stress) ** 2, axis=(1, 2)))
         stress_error = math.sqrt(difference / np.sum(weights * exact_stress**2))
-        dims = ("radius", "component")
-        variables = {
-            "error": variable(
-                max(stress_error, abs(displacement / exact_displacement - 1)),
-                unit="1",
-                meaning="error of stresses and wall displacement",
-                description="the greater of the L2 norm of the error of radial, hoop and axial "
-                "stress, over that of the exact ones, and the relative error of the displacement",
-                role="headline",
+        error = max(stress_error, abs(displacement / exact_displacement - 1))
+        description = (
+            "the greater of the L2 norm of the error of radial, hoop and axial stress, over that "
+            "of the exact ones, and the relative error of the displacement"
+        )
+        meaning = "error of stresses and wall displacement"
+        radii = labelled(dims=("radius",), radius=(middles, "m", "radius of the cell's middle"))
+        return xr.Dataset(
+            labelled(role="headline", error=(error, "1", meaning, description))
+            | labelled(
+                dims=("radius", "component"),
+                stress=(stress.mean(axis=0), "Pa", "stress, mean over the angle"),
+                stress_exact=(exact_stress, "Pa", "stress, exact"),
+            )
+            | labelled(
+                wall_displacement=(displacement, "m", "displacement of the inner wall"),
+                wall_displacement_exact=(
+                    exact_displacement,
+                    "m",
+                    "displacement of the inner wall, exact",
+                ),
             ),
-            "stress": variable(
-                stress.mean(axis=0), unit="Pa", meaning="stress, mean over the angle", dims=dims
-            ),
-            "stress_exact": variable(
-                exact_stress, unit="Pa", meaning="stress, exact", dims=dims, exact_of="stress"
-            ),
-            "wall_displacement": variable(
-                displacement, unit="m", meaning="displacement of the inner wall"
-            ),
-            "wall_displacement_exact": variable(
-                exact_displacement,
-                unit="m",
-                meaning="displacement of the inner wall, exact",
-                exact_of="wall_displacement",
-            ),
-        }
-        axis = variable(middles, unit="m", meaning="radius of the cell's middle", dims=("radius",))
-        return xr.Dataset(variables, coords={"radius": axis, "component": ["r", "t", "z"]})
+            coords=radii | {"component": ["r", "t", "z"]},
+        )
 
     def exact(self, radius: Floats) -> tuple[Floats, float]:
         """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""

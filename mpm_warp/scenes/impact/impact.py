@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
-from mpm_warp.results import variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.simulation import Simulation
@@ -134,8 +134,8 @@ class Impact(CatalogueScene):
         moments = [
             share * TRAVEL * sections.heights[-1] / shock.front_speed for share in (0.5, 1.0)
         ]
-        curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
-        return curves.assign(sampler.errors())
+        recorded = follow(simulation, moments, simulation.advance_to, [sampler], progress)
+        return recorded.assign(sampler.errors())
 
 
 class ShockFront:
@@ -169,19 +169,13 @@ class ShockFront:
         exact_stress = np.where(passed, shock.stress, 0.0)
         exact_velocity = np.where(passed, 0.0, -shock.speed)
 
-        def curve(
-            values: Floats, unit: str, meaning: str, exact_of: str | None = None
-        ) -> xr.Variable:
-            return variable(values, unit=unit, meaning=meaning, dims=("place",), exact_of=exact_of)
-
-        return xr.Dataset(
-            {
-                "stress": curve(self._along_bar("stress"), "Pa", "stress at the end"),
-                "stress_exact": curve(exact_stress, "Pa", "stress, exact", "stress"),
-                "velocity": curve(self._along_bar("velocity"), "m s-1", "velocity at the end"),
-                "velocity_exact": curve(exact_velocity, "m s-1", "velocity, exact", "velocity"),
-            },
-            coords={"place": curve(heights, "m", "place in the unstrained bar")},
+        return curves(
+            "place",
+            (heights, "m", "place in the unstrained bar"),
+            stress=(self._along_bar("stress"), "Pa", "stress at the end"),
+            stress_exact=(exact_stress, "Pa", "stress, exact"),
+            velocity=(self._along_bar("velocity"), "m s-1", "velocity at the end"),
+            velocity_exact=(exact_velocity, "m s-1", "velocity, exact"),
         )
 
     def errors(self) -> dict[str, xr.Variable]:
@@ -193,32 +187,30 @@ class ShockFront:
         front_speed = (end - middle) / (end_time - middle_time)
         stress = self._along_bar("stress")[behind]
         velocity = self._along_bar("velocity")[behind]
-        errors = {
-            "front_speed_error": (abs(front_speed / shock.front_speed - 1.0), "error of its speed"),
-            "stress_error": (
-                abs(stress.mean() / shock.stress - 1.0),
-                "error of the mean stress behind it",
+        of_speed = abs(front_speed / shock.front_speed - 1.0)
+        of_stress = abs(stress.mean() / shock.stress - 1.0)
+        of_velocity = abs(velocity.mean()) / shock.speed
+        greatest = max(of_speed, of_stress, of_velocity)
+        meaning = "greatest error of the shock's speed, stress and velocity"
+        scatter = stress.std() / abs(shock.stress)
+        return {
+            **labelled(
+                role="error",
+                front_speed_error=(of_speed, "1", "error of its speed"),
+                stress_error=(of_stress, "1", "error of the mean stress behind it"),
+                velocity_error=(
+                    of_velocity,
+                    "1",
+                    "mean velocity behind it over that of the impact",
+                ),
             ),
-            "velocity_error": (
-                abs(velocity.mean()) / shock.speed,
-                "mean velocity behind it over that of the impact",
-            ),
-        }
-        variables = {
-            name: variable(value, unit="1", meaning=meaning, role="error")
-            for name, (value, meaning) in errors.items()
-        }
-        return variables | {
-            "error": variable(
-                max(value for value, _ in errors.values()),
-                unit="1",
-                meaning="greatest error of the shock's speed, stress and velocity",
-                role="headline",
-            ),
-            "stress_scatter": variable(
-                stress.std() / abs(shock.stress),
-                unit="1",
-                meaning="standard deviation of the stress behind the shock over its mean",
+            **labelled(role="headline", error=(greatest, "1", meaning)),
+            **labelled(
+                stress_scatter=(
+                    scatter,
+                    "1",
+                    "standard deviation of the stress behind the shock over its mean",
+                )
             ),
         }
 

@@ -12,7 +12,7 @@ import xarray as xr
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.plan.plan import Plan
-from mpm_warp.results import variable
+from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.material.strain_paths import StrainPaths
@@ -159,29 +159,26 @@ class MaterialPoint(CatalogueScene):
         paths = self.paths()
         stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
         exact = np.array([path.exact for path in paths])
-        dims = ("path", "component")
+        error = (
+            np.abs(stress - exact).max(),
+            "1",
+            "error of stress",
+            "greatest difference of a component from the closed form, over su",
+        )
+        excess = (
+            simulation.array("particle.yield_excess").max(),
+            "1",
+            "stress beyond the yield surface",
+            "greatest (sigma_1 - sigma_3) / (2 su) - 1 on any path at any step",
+        )
         variables = {
-            "stress": variable(stress, unit="1", meaning="stress over strength", dims=dims),
-            "stress_exact": variable(
-                exact,
-                unit="1",
-                meaning="stress over strength, closed form",
-                dims=dims,
-                exact_of="stress",
+            **labelled(
+                dims=("path", "component"),
+                stress=(stress, "1", "stress over strength"),
+                stress_exact=(exact, "1", "stress over strength, closed form"),
             ),
-            "error": variable(
-                np.abs(stress - exact).max(),
-                unit="1",
-                meaning="error of stress",
-                description="greatest difference of a component from the closed form, over su",
-                role="headline",
-            ),
-            "yield_excess": variable(
-                simulation.array("particle.yield_excess").max(),
-                unit="1",
-                meaning="stress beyond the yield surface",
-                description="greatest (sigma_1 - sigma_3) / (2 su) - 1 on any path at any step",
-            ),
+            **labelled(role="headline", error=error),
+            **labelled(yield_excess=excess),
         }
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         return xr.Dataset(variables, coords=axes)
