@@ -104,7 +104,7 @@ def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
         cells_per_radius=1.5, penetration=1, domain_radius=8, domain_above=3, domain_below=3,
         speed_ratio=0.5, approach=0,
     )  # fmt: skip
-    with pytest.raises(InaccurateRun, match="took .* of the penetrometer's work") as end:
+    with pytest.raises(InaccurateRun, match=r"took .* of the penetrometer's work") as end:
         hasty.run()
     assert end.value.status == "inaccurate"
     assert end.value.curves.sizes["penetration"] == 10
