@@ -62,9 +62,9 @@ def window_of_test(
     """
     speed = speed_ratio * shear_wave_speed
     travel = min(approach, penetration - STEADY_PENETRATION)
-    hurried = None
+    faster = None
     if travel > RAMP + SLOWING and approach_speed_ratio > speed_ratio:
-        hurried = Approach(
+        faster = Approach(
             speed=speed * approach_speed_ratio / speed_ratio,
             travel=travel * radius,
             slowing_travel=SLOWING * radius,
@@ -72,7 +72,7 @@ def window_of_test(
     return Window(
         speed=speed,
         ramp_travel=RAMP * radius,
-        approach=hurried,
+        approach=faster,
         spare_fraction=SPARE_FRACTION_OF_FRICTION if rubs else SPARE_FRACTION,
     )
 

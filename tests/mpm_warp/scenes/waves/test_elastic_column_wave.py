@@ -9,7 +9,8 @@ from collections.abc import Callable
 import pytest
 import xarray as xr
 
-from mpm_warp.scenes.waves.elastic_column_wave import PERIOD, ElasticColumnWave
+from mpm_warp.scenes.waves.curves import PERIOD
+from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.scenes.waves.transfer import wave_factor
 
 Order = Callable[[Callable[[int], xr.Dataset], int], float]
