@@ -10,8 +10,8 @@ import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SimulationDiverged
+from mpm_warp.execution.device_run import DeviceRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.execution.host_arrays import HostArrays
 from mpm_warp.parts.inflow import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -32,8 +32,6 @@ class Simulation:
 
     Attributes:
         scene: what is run.
-        plan: its arrays and launches.
-        arrays: the arrays on the device, by the names of the plan.
         step_count: steps taken.
         particle_updates: particles times steps.
         setup_time: wall-clock time to plan the run and to fill its arrays [s].
@@ -44,27 +42,33 @@ class Simulation:
         execution = execution or Execution()
         start = time.perf_counter()
         on_gpu = wp.get_device(execution.device).is_cuda
+        plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
+        self._run = DeviceRun(plan, execution)
         self.scene = scene
-        self.plan: Plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
+        self.compile_time = self._run.compile_time
+        self.setup_time = time.perf_counter() - start - self.compile_time
         self.step_count = 0
-        self._first_step_at: float | None = None
         self.particle_updates = 0
+        self._first_step_at: float | None = None
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
-        self._execution = execution
-        self.arrays = {
-            name: array.allocate(execution.device) for name, array in self.plan.arrays.items()
-        }
-        self._on_host = HostArrays(self.arrays)
-        self.setup_time = time.perf_counter() - start
-
-        start = time.perf_counter()
-        self._steps = execution.steps(self.plan, self.arrays)
-        self.compile_time = time.perf_counter() - start
-        self._watch = make_watch(scene, self)
+        # They hold the run, not this: a run that is over then lets go of its arrays at once.
+        self._watch = make_watch(scene, self._run)
         self._inflow = (
-            Inflow(self, scene, scene.window) if isinstance(scene, Scene) and scene.window else None
+            Inflow(self._run, scene, scene.window)
+            if isinstance(scene, Scene) and scene.window
+            else None
         )
+
+    @property
+    def plan(self) -> Plan:
+        """Its arrays and launches."""
+        return self._run.plan
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """The arrays on the device, by the names of the plan."""
+        return self._run.arrays
 
     @property
     def time(self) -> float:
@@ -93,15 +97,15 @@ class Simulation:
 
     def array(self, name: str) -> NDArray[Any]:
         """An array of the plan on the host: the device's own memory where they share it."""
-        return self._on_host(name)
+        return self._run.array(name)
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
         """Give an array of the plan other values, or one value everywhere."""
-        self._on_host.assign(name, values)
+        self._run.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""
-        self._steps.launch(launch)
+        self._run.launch(launch)
 
     def advance(self, step_count: int) -> None:
         """Take steps.
@@ -122,8 +126,7 @@ class Simulation:
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             if self._inflow is not None:
                 block = min(block, self._inflow.steps_ahead)
-            steps = range(self.step_count, self.step_count + block)
-            self._steps.replay(steps, self._execution.threads)
+            self._run.replay(range(self.step_count, self.step_count + block))
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:
@@ -172,7 +175,7 @@ class Simulation:
         try:
             self._watch.look()
             if control is not None:
-                time_step = control.following(time_step, self._on_host)
+                time_step = control.following(time_step, self._run.array)
         except Fault as fault:
             raise SimulationDiverged(
                 f"{fault}, at step {self.step_count}, t = {self.time:.4g} s; healthy at step "
@@ -180,7 +183,8 @@ class Simulation:
             ) from None
         self._healthy_step = self.step_count
         if control is not None and time_step != self.plan.time_step:
-            self._go_on_with(control.replan(time_step))
+            self._changed_step, self._changed_time = self.step_count, self.time
+            self._run.change_time_step(control.replan(time_step))
 
     @property
     def _window_inflow(self) -> Inflow:
@@ -191,10 +195,3 @@ class Simulation:
     def _steps_until(self, time: float) -> int:
         since_change = round((time - self._changed_time) / self.plan.time_step)
         return self._changed_step + since_change - self.step_count
-
-    def _go_on_with(self, changed: Plan) -> None:
-        """Take the launches of a plan of the same run with another time step."""
-        self._changed_step, self._changed_time = self.step_count, self.time
-        self.plan.time_step = changed.time_step
-        self.plan.step, self.plan.audited_step = changed.step, changed.audited_step
-        self._steps = self._execution.steps(self.plan, self.arrays)

@@ -17,14 +17,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, write_whole
-from harness.archive.conventions import (
-    CASE_TIME,
-    COMPLETED,
-    DAMAGED,
-    FORMAT_VERSION,
-    MISSING,
-    REPEAT,
-)
+from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
 from harness.archive.provenance import SOURCES, provenance
 from harness.study.cases import Case
 from harness.study.study import Study
@@ -146,8 +139,8 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
     return Outcome(
         str(attributes["status"]),
         str(attributes["message"]),
-        seconds=float(numbers.get(CASE_TIME, 0.0)),
-        repeats=len(numbers.get(REPEAT, ())),
+        seconds=float(numbers.get("case_time", 0.0)),
+        repeats=len(numbers.get("repeat", ())),
         sources=str(attributes.get(SOURCES, "")),
     )
 

@@ -16,6 +16,11 @@ harness, which knows no other names of results than those below.
 
 The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
 `inaccurate`.
+
+Results that the harness reads by name: `status`, `message` and `case_key` of each case; `run_time`
+[s] and `particle_updates`, which every scene tells; `case_time` [s] and `peak_memory` [byte], which
+the harness measures, and `run_time_sample` over the dim `repeat` of timed runs; `error` against an
+exact solution. Only a table or a picture that is meant for one kind of scene knows more names.
 """
 
 from __future__ import annotations
@@ -39,8 +44,6 @@ TIMED_OUT = "timed_out"
 DAMAGED = "damaged"
 UNTIMED = "untimed"
 
-ROLE, LIMIT = "role", "limit"
-
 
 class Role(StrEnum):
     """What a variable is to the harness."""
@@ -56,27 +59,24 @@ PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
-RUN_TIME, PARTICLE_UPDATES = "run_time", "particle_updates"
-"""Costs that every scene tells."""
-CASE_TIME, PEAK_MEMORY, REPEAT = "case_time", "peak_memory", "repeat"
-"""Costs that the harness measures of a case, and the dim of timed runs."""
 
 _SUFFIX = "_parameter"
 _MEASURED_BEFORE = (
-    *(RUN_TIME, "setup_time", "compile_time", CASE_TIME, PEAK_MEMORY),
-    *("run_time_minimum", "run_time_sample", REPEAT),
+    *("run_time", "setup_time", "compile_time", "case_time", "peak_memory"),
+    *("run_time_minimum", "run_time_sample", "repeat"),
 )
 """What was measured in results from before variables had roles."""
 
 
 def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
     """Names of the variables that have one of these roles."""
-    return [str(name) for name, it in dataset.variables.items() if it.attrs.get(ROLE) in roles]
+    return [str(name) for name, it in dataset.variables.items() if it.attrs.get("role") in roles]
 
 
-def limited(dataset: xr.Dataset) -> list[str]:
-    """Names of the variables whose size has a limit."""
-    return [str(name) for name, it in dataset.data_vars.items() if LIMIT in it.attrs]
+def limits_of(dataset: xr.Dataset) -> dict[str, float]:
+    """The largest sizes allowed, by the names of the variables that have such a limit."""
+    limits = {str(name): it.attrs.get("limit") for name, it in dataset.data_vars.items()}
+    return {name: float(limit) for name, limit in limits.items() if limit is not None}
 
 
 def stored_name(parameter: str, taken: Iterable[Hashable]) -> str:
@@ -95,7 +95,7 @@ def parameter_attributes(definition: Parameter) -> dict[str, str]:
         # The long name labels an axis, for which most meanings are too long.
         "long_name": spoken(definition.name),
         "description": f"{definition.meaning}; {definition.allowed}",
-        ROLE: Role.PARAMETER,
+        "role": Role.PARAMETER,
     }
     return attributes if definition.kind is str else {"units": definition.unit} | attributes
 
@@ -164,33 +164,24 @@ def is_there(value: object) -> bool:
 
 def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
     """A result from before variables had roles, with those of parameters and measurements."""
-    if any(ROLE in it.attrs for it in dataset.variables.values()):
+    if any("role" in it.attrs for it in dataset.variables.values()):
         return dataset
-    roles = dict.fromkeys(_MEASURED_BEFORE, Role.MEASURED)
+    scenes = [it for it in str(dataset.attrs.get("scene", "")).split() if it in scene_names()]
+    known = dict.fromkeys(name for scene in scenes for name in parameters_of(scene_class(scene)))
+    parameters = [it if f"{it}{_SUFFIX}" not in dataset else f"{it}{_SUFFIX}" for it in known]
     if "status" in dataset.variables:
-        varied = [name for name in varied_names(dataset) if name != "scene"]
+        parameters += [name for name in varied_names(dataset) if name != "scene"]
         # Over no dim of cases but one case alone are results, and what is the same in all cases.
-        fixed = [
+        parameters += [
             str(name)
             for name, it in dataset.data_vars.items()
             if case_dims(dataset) and it.ndim == 0 and "description" in it.attrs
         ]
-        roles |= dict.fromkeys([*varied, *fixed, *_called_now(dataset)], Role.PARAMETER)
-    roles |= {
-        str(name): role
-        for name in dataset.data_vars
-        for role in (Role.REFERENCE, Role.DEVIATION)
-        if str(name).startswith(f"{role}_")
-    }
+    roles = dict.fromkeys(_MEASURED_BEFORE, Role.MEASURED)
+    roles |= dict.fromkeys(parameters, Role.PARAMETER)
+    for role in (Role.REFERENCE, Role.DEVIATION):
+        roles |= {str(name): role for name in dataset if str(name).startswith(f"{role}_")}
     told = dataset.copy()
-    for name, role in roles.items():
-        if name in told.variables:
-            told.variables[name].attrs[ROLE] = role
+    for name in roles.keys() & set(told.variables):
+        told.variables[name].attrs["role"] = roles[name]
     return told
-
-
-def _called_now(dataset: xr.Dataset) -> list[str]:
-    """The variables that hold parameters which the scenes of a dataset have now."""
-    scenes = [it for it in str(dataset.attrs.get("scene", "")).split() if it in scene_names()]
-    names = dict.fromkeys(name for scene in scenes for name in parameters_of(scene_class(scene)))
-    return [stored if (stored := f"{name}{_SUFFIX}") in dataset else name for name in names]

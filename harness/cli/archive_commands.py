@@ -10,41 +10,31 @@ from harness.archive.conventions import COMPLETED, DAMAGED, over_cases
 from harness.archive.study_files import study_file
 from harness.cli.exit_codes import DONE, INCOMPLETE
 from harness.errors import tell
-from harness.run.collect_and_clean import (
-    check_begun,
-    collect_and_write,
-    counted,
-    leftovers,
-    outcomes,
-    outcomes_of,
-    status_rows,
-    summary,
-    tell_of_other_sources,
-)
+from harness.run import collect_and_clean as results
 from harness.study.study import load_study
 
 
 def status(options: argparse.Namespace) -> int:
     """Print how the cases of a study stand."""
     study = load_study(options.study, options.set)
-    stand = outcomes(study, options.out)
-    print(*status_rows(study.cases, stand), sep="\n")
-    tell_of_other_sources(study, stand)
+    stand = results.outcomes(study, options.out)
+    print(*results.status_rows(study.cases, stand), sep="\n")
+    results.tell_of_other_sources(study, stand)
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
 
 
 def collect(options: argparse.Namespace) -> int:
     """Write the dataset of a study out of the case files that there are."""
     study = load_study(options.study, options.set)
-    check_begun(study, options.out)
+    results.check_begun(study, options.out)
     prepare(options.out)
-    dataset = collect_and_write(study, options.out)
-    stand = outcomes_of(dataset)
+    dataset = results.collect_and_write(study, options.out)
+    stand = results.outcomes_of(dataset)
     for message, outcome in zip(over_cases(dataset, "message"), stand, strict=True):
         if outcome.status == DAMAGED:
             tell(f"{message}; `harness run` runs the case again")
-    tell_of_other_sources(study, stand)
-    tell(summary(stand))
+    results.tell_of_other_sources(study, stand)
+    tell(results.summary(stand))
     print(study_file(options.out, study))
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
 
@@ -52,18 +42,18 @@ def collect(options: argparse.Namespace) -> int:
 def clean(options: argparse.Namespace) -> int:
     """Remove files that are no results of the study, where the user agrees."""
     study = load_study(options.study, options.set)
-    found = leftovers(study, options.out)
+    found = results.leftovers(study, options.out)
     for path, what in found.items():
         print(f"{path}: {what}")
     if not found:
         tell("nothing to remove")
         return DONE
-    if not options.yes and not _confirmed(f"remove {counted(len(found), 'file')}?"):
+    if not options.yes and not _confirmed(f"remove {results.counted(len(found), 'file')}?"):
         tell("nothing removed")
         return INCOMPLETE
     for path in found:
         path.unlink(missing_ok=True)
-    tell(f"{counted(len(found), 'file')} removed")
+    tell(f"{results.counted(len(found), 'file')} removed")
     return DONE
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import RUN_TIME, Role, over_cases, varied_names
+from harness.archive.conventions import Role, over_cases, varied_names
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
@@ -127,8 +127,8 @@ def _envelope_column(dataset: xr.Dataset) -> _Column:
 
 def _run_columns(dataset: xr.Dataset) -> list[_Column]:
     columns = []
-    if RUN_TIME in dataset:
-        seconds = over_cases(dataset, RUN_TIME)
+    if "run_time" in dataset:
+        seconds = over_cases(dataset, "run_time")
         columns.append(_Column(("run time", "[s]"), [_number(value, ".1f") for value in seconds]))
     status = over_cases(dataset, "status")
     return [*columns, _Column(("", "status"), [_text(value) for value in status])]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import ROLE, Role, with_role
+from harness.archive.conventions import Role, with_role
 from harness.errors import HarnessError
 from harness.references.cone_factors import (
     COMPARED,
@@ -85,12 +85,12 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
                 f"{Role.REFERENCE}_{reference.id}": (
                     computed.dims,
                     values,
-                    known | {"long_name": label, ROLE: Role.REFERENCE},
+                    known | {"long_name": label, "role": Role.REFERENCE},
                 ),
                 f"{Role.DEVIATION}_{reference.id}": (
                     computed.dims,
                     computed.values / values - 1,
-                    known | {"long_name": f"deviation from the {label}", ROLE: Role.DEVIATION},
+                    known | {"long_name": f"deviation from the {label}", "role": Role.DEVIATION},
                 ),
             }
         )

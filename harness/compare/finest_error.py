@@ -7,15 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import (
-    PARTICLE_UPDATES,
-    ROLE,
-    Role,
-    over_cases,
-    parameter_names,
-    spoken,
-    with_role,
-)
+from harness.archive.conventions import Role, over_cases, parameter_names, spoken, with_role
 from harness.study import study
 
 
@@ -35,9 +27,9 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
         method: the parameters of the method, which the scene names.
     """
     headlines = with_role(dataset, Role.HEADLINE)
-    if study.ERROR in dataset or not (method and headlines and PARTICLE_UPDATES in dataset):
+    if study.ERROR in dataset or not (method and headlines and "particle_updates" in dataset):
         return dataset
-    values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, PARTICLE_UPDATES)
+    values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, "particle_updates")
     error = np.full(values.shape, np.nan)
     for cases in _alike(dataset, method):
         sound = cases[np.isfinite(values[cases])]
@@ -53,7 +45,7 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
         "long_name": f"error of the {spoken(headlines[0])}",
         "description": "relative difference from the case with most particle updates among those "
         "that differ in the method alone; that one has none",
-        ROLE: Role.ERROR,
+        "role": Role.ERROR,
     }
     status = dataset["status"]
     return dataset.assign({study.ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)})

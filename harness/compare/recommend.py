@@ -11,7 +11,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import COMPLETED, RUN_TIME, over_cases, varied_names
+from harness.archive.conventions import COMPLETED, over_cases, varied_names
 from harness.archive.study_files import read_study
 from harness.compare.finest_error import error_name
 from harness.errors import HarnessError
@@ -124,9 +124,9 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
         file: where it is from.
     """
     name = error_name(dataset)
-    if name is None or RUN_TIME not in dataset:
+    if name is None or "run_time" not in dataset:
         return []
-    error, seconds = over_cases(dataset, name), over_cases(dataset, RUN_TIME)
+    error, seconds = over_cases(dataset, name), over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
     varied = _varied(kinds, dataset)
     columns = [_settings(over_cases(dataset, it), kinds[it]) for it in varied]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from string import Formatter
 
 import numpy as np
 import xarray as xr
@@ -12,6 +13,18 @@ from harness.errors import HarnessError
 
 SMALL = 0.01
 """Share of a step below which its stages are put together."""
+
+
+TABLES = {
+    "million updates/s, median (least to most)": (
+        "{update_rate:.1f} ({update_rate_lowest:.1f} to {update_rate_highest:.1f})"
+    ),
+    "times as fast as one thread (as many runs at once)": "{thread_gain:.2f} ({core_gain:.2f})",
+    "times as fast as a bare step": "{bare_step_gain:.2f}",
+    "Python and launches, share of the time": "{overhead_share:.1%}",
+    "arrays, bytes a point": "{array_bytes:.0f}",
+}
+"""Titles of the tables, and what stands in them of each case."""
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
@@ -27,58 +40,26 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     dims = case_dims(dataset)
     cases = dataset.stack(it=dims) if dims else dataset.expand_dims("it")
     completed = cases.isel(it=np.flatnonzero(cases.status.values == COMPLETED))
-    each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
-    rows = _by_size("million updates/s, median (least to most)", each, dims, _speed)
-    for title, name, text in TABLES:
-        measured = [case for case in each if name in case and np.isfinite(case[name].item())]
-        if measured:
-            rows += ["", *_by_size(title, measured, dims, text)]
-    return [*rows, "", *_stage_rows(completed)] if "stage_time" in completed else rows
+    rates = [name for name in completed.data_vars if str(name).startswith("update_rate")]
+    millions = completed.assign({name: completed[name] / 1e6 for name in rates})
+    each = [millions.isel(it=place) for place in range(completed.sizes["it"])]
+    tables = [_by_size(title, text, each, dims) for title, text in TABLES.items()]
+    rows = [line for table in tables if table for line in (*table, "")]
+    return [*rows, *_stage_rows(completed)] if "stage_time" in completed else rows[:-1]
 
 
-def _speed(case: xr.Dataset) -> str:
-    names = ("update_rate", "update_rate_lowest", "update_rate_highest")
-    rate, low, high = (case[name].item() / 1e6 for name in names)
-    return f"{rate:.1f} ({low:.1f} to {high:.1f})"
-
-
-def _gain(case: xr.Dataset) -> str:
-    return f"{case.thread_gain.item():.2f} ({case.core_gain.item():.2f})"
-
-
-TABLES: Sequence[tuple[str, str, Callable[[xr.Dataset], str]]] = (
-    ("times as fast as one thread (as many runs at once)", "thread_gain", _gain),
-    (
-        "times as fast as a bare step",
-        "bare_step_gain",
-        lambda case: f"{case.bare_step_gain.item():.2f}",
-    ),
-    (
-        "Python and launches, share of the time",
-        "overhead_share",
-        lambda case: f"{case.overhead_share.item():.1%}",
-    ),
-    ("arrays, bytes a point", "array_bytes", lambda case: f"{case.array_bytes.item():.0f}"),
-)
-"""Title, variable and text of the tables besides the speed."""
-
-
-def _by_size(
-    title: str,
-    cases: Sequence[xr.Dataset],
-    dims: Sequence[str],
-    text: Callable[[xr.Dataset], str],
-) -> list[str]:
-    """A table with a column for each size and a row for whatever else varies."""
+def _by_size(title: str, text: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> list[str]:
+    """A table with a column for each size and a row for whatever else varies; none of no case."""
+    names = [name for _, name, _, _ in Formatter().parse(text) if name]
     table: dict[str, dict[int, str]] = {}
     for case in cases:
-        others = ", ".join(f"{name} {case[name].item()}" for name in dims if name != "size")
-        table.setdefault(others, {})[int(case["size"].item())] = text(case)
+        values = {name: case[name].item() if name in case else np.nan for name in names}
+        if np.isfinite(values[names[0]]):
+            others = ", ".join(f"{name} {case[name].item()}" for name in dims if name != "size")
+            table.setdefault(others, {})[int(case["size"].item())] = text.format(**values)
     sizes = sorted({size for row in table.values() for size in row})
-    return _markdown(
-        [title, *(f"{size:,} points" for size in sizes)],
-        [[others, *(row.get(size, "") for size in sizes)] for others, row in table.items()],
-    )
+    rows = [[others, *(row.get(size, "") for size in sizes)] for others, row in table.items()]
+    return _markdown([title, *(f"{size:,} points" for size in sizes)], rows) if rows else []
 
 
 def _stage_rows(cases: xr.Dataset) -> list[str]:

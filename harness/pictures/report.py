@@ -12,16 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
-from harness.archive.conventions import (
-    COMPLETED,
-    PEAK_MEMORY,
-    RUN_TIME,
-    Role,
-    limited,
-    over_cases,
-    spoken,
-    with_role,
-)
+from harness.archive.conventions import COMPLETED, Role, limits_of, over_cases, spoken, with_role
 from harness.archive.provenance import OF_CASE
 from harness.compare.cone_factor_table import cone_factor_table
 from harness.compare.cone_factors import NothingToCompareError
@@ -91,8 +82,8 @@ def _cases(dataset: xr.Dataset) -> str:
     wanted = (
         *with_role(dataset, Role.HEADLINE),
         error_name(dataset),
-        *limited(dataset),
-        *(RUN_TIME, PEAK_MEMORY, "message"),
+        *limits_of(dataset),
+        *("run_time", "peak_memory", "message"),
     )
     shown = [name for name in wanted if name in dataset and dataset[name].dims == dims]
     names = list(dict.fromkeys(map(str, (*varied, "status", *shown))))

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from harness.archive.conventions import (
     COMPLETED,
-    LIMIT,
     MISSING,
-    limited,
+    limits_of,
     over_cases,
     spoken,
     varied_names,
@@ -83,7 +82,7 @@ def shows_stability(dataset: xr.Dataset) -> bool:
     if several or not varied_names(dataset):
         return False
     ended = set(dataset["status"].values.tolist()) - {MISSING}
-    return bool(ended) and (limited(dataset) != [] or ended != {COMPLETED})
+    return bool(ended) and (limits_of(dataset) != {} or ended != {COMPLETED})
 
 
 def outcomes(dataset: xr.Dataset) -> tuple[Texts, Texts, Floats]:
@@ -95,7 +94,7 @@ def outcomes(dataset: xr.Dataset) -> tuple[Texts, Texts, Floats]:
     status = over_cases(dataset, "status").astype(str)
     reason = np.array([short_reason(str(message)) for message in over_cases(dataset, "message")])
     sizes = [
-        np.abs(over_cases(dataset, name)) / dataset[name].attrs[LIMIT] for name in limited(dataset)
+        np.abs(over_cases(dataset, name)) / limit for name, limit in limits_of(dataset).items()
     ]
     none = np.full(status.shape, np.nan)
     return status, reason, np.fmax.reduce([none, *sizes])
@@ -103,8 +102,8 @@ def outcomes(dataset: xr.Dataset) -> tuple[Texts, Texts, Floats]:
 
 def limit_label(dataset: xr.Dataset) -> str:
     """What is measured against a limit, and the limit, in words."""
-    told = (dataset[name] for name in limited(dataset))
-    return " or ".join(f"{spoken(it.name)} over its limit of {it.attrs[LIMIT]:g}" for it in told)
+    limits = limits_of(dataset).items()
+    return " or ".join(f"{spoken(name)} over its limit of {limit:g}" for name, limit in limits)
 
 
 def short_reason(message: str) -> str:

@@ -11,14 +11,8 @@ from harness.archive.conventions import COMPLETED, MISSING, varied_names
 from harness.pictures.stability import Floats, Texts, Values, outcomes
 
 NO_CASE = "no case"
-STRIP_HEADING = (
-    "parameter",
-    "default",
-    "stable",
-    "first failure below",
-    "first failure above",
-    "limit",
-)
+FAILURES = ("first failure below", "first failure above")
+STRIP_HEADING = ("parameter", "default", "stable", *FAILURES, "limit")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,15 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
-from harness.archive.conventions import (
-    CASE_TIME,
-    COMPLETED,
-    RUN_TIME,
-    over_cases,
-    scenes_of,
-    spoken,
-    varied_names,
-)
+from harness.archive.conventions import COMPLETED, over_cases, scenes_of, spoken, varied_names
 from harness.compare.finest_error import error_name
 from harness.pictures.plot_parts import FAILED, MARKERS, empty_figure, png
 from mpm_warp.scenes import scene_class, scene_names
@@ -48,14 +40,16 @@ def work_precision_figure(dataset: xr.Dataset) -> Figure:
     for index, (check, colour) in enumerate(zip(checks, _colours(checks.size), strict=True)):
         curve = dataset.isel(check=index)
         marker = MARKERS[index % len(MARKERS)]
-        axes.loglog(curve[RUN_TIME], curve["error"], marker=marker, color=colour, label=str(check))
+        axes.loglog(
+            curve["run_time"], curve["error"], marker=marker, color=colour, label=str(check)
+        )
     _dress(axes, "error against the exact solution")
     return figure
 
 
 def shows_work_precision(dataset: xr.Dataset) -> bool:
     """Whether a study's result holds errors and run times."""
-    return error_name(dataset) is not None and RUN_TIME in dataset
+    return error_name(dataset) is not None and "run_time" in dataset
 
 
 def study_figure(dataset: xr.Dataset) -> Figure:
@@ -66,7 +60,7 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
-    errors, seconds = over_cases(dataset, name), over_cases(dataset, RUN_TIME)
+    errors, seconds = over_cases(dataset, name), over_cases(dataset, "run_time")
     figure, axes = empty_figure()
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
     axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
@@ -86,9 +80,9 @@ def study_figure(dataset: xr.Dataset) -> Figure:
             place = (float(seconds[case]), float(errors[case]))
             axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
     failed = over_cases(dataset, "status") != COMPLETED
-    if CASE_TIME in dataset and failed.any():
+    if "case_time" in dataset and failed.any():
         axes.plot(
-            over_cases(dataset, CASE_TIME)[failed],
+            over_cases(dataset, "case_time")[failed],
             np.ones(failed.sum()),
             "x",
             color=FAILED,

@@ -15,7 +15,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, abandoned
 from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
 from harness.archive.collection import collect
-from harness.archive.conventions import CASE_TIME, COMPLETED, DAMAGED, UNTIMED, over_cases
+from harness.archive.conventions import COMPLETED, DAMAGED, UNTIMED, over_cases
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import study_file, write_study
 from harness.compare.cone_factors import NothingToCompareError, with_references
@@ -75,7 +75,7 @@ def outcomes(study: Study, out: Path) -> list[Outcome]:
 
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     """How the cases of a collected dataset stand; times are of completed ones."""
-    seconds = np.nan_to_num(over_cases(dataset, CASE_TIME)).tolist()
+    seconds = np.nan_to_num(over_cases(dataset, "case_time")).tolist()
     of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
     sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
     return [

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import CASE_TIME, PEAK_MEMORY, REPEAT, ROLE, RUN_TIME, Role
+from harness.archive.conventions import Role
 
 _RESET = Path("/proc/self/clear_refs")
 _STATUS = Path("/proc/self/status")
@@ -32,14 +32,14 @@ class Measurement:
         """What was measured up to now, as variables of a case's dataset; see :meth:`seconds`."""
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {
-            CASE_TIME: case_time(self.seconds(idle_time)),
-            PEAK_MEMORY: xr.Variable(
+            "case_time": case_time(self.seconds(idle_time)),
+            "peak_memory": xr.Variable(
                 (),
                 _peak_memory(self._reset),
                 {
                     "units": "byte",
                     "long_name": "peak resident memory",
-                    ROLE: Role.MEASURED,
+                    "role": Role.MEASURED,
                     "description": f"highest resident memory of the process since {since}",
                 },
             ),
@@ -48,16 +48,16 @@ class Measurement:
 
 def case_time(seconds: float) -> xr.Variable:
     """The time of a whole case [s] as a variable of its dataset."""
-    labels = {"units": "s", "long_name": "wall-clock time of the case", ROLE: Role.MEASURED}
+    labels = {"units": "s", "long_name": "wall-clock time of the case", "role": Role.MEASURED}
     return xr.Variable((), seconds, labels)
 
 
 def without_idle_time(dataset: xr.Dataset, idle_time: float) -> xr.Dataset:
     """The dataset with a run time that leaves out for how long [s] other cases were computed."""
-    if idle_time == 0.0 or RUN_TIME not in dataset:
+    if idle_time == 0.0 or "run_time" not in dataset:
         return dataset
-    run_time = dataset[RUN_TIME]
-    return dataset.assign({RUN_TIME: run_time.copy(data=run_time.values - idle_time)})
+    run_time = dataset["run_time"]
+    return dataset.assign({"run_time": run_time.copy(data=run_time.values - idle_time)})
 
 
 def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
@@ -65,20 +65,20 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
 
     Set-up and compilation stay those of the run that is in `dataset`, the first of its process.
     """
-    labels = {"units": "s", "long_name": "wall-clock time of the time loop", ROLE: Role.MEASURED}
-    repeat = {"units": "1", "long_name": "timed run", ROLE: Role.MEASURED}
+    labels = {"units": "s", "long_name": "wall-clock time of the time loop", "role": Role.MEASURED}
+    repeat = {"units": "1", "long_name": "timed run", "role": Role.MEASURED}
     times = np.array(samples)
     return dataset.assign(
         {
-            RUN_TIME: ((), np.median(times), labels | {"description": "median of the samples"}),
-            f"{RUN_TIME}_minimum": (
+            "run_time": ((), np.median(times), labels | {"description": "median of the samples"}),
+            "run_time_minimum": (
                 (),
                 times.min(),
                 labels | {"long_name": "least time of the time loop"},
             ),
-            f"{RUN_TIME}_sample": (REPEAT, times, labels | {"description": "kernels warm"}),
+            "run_time_sample": ("repeat", times, labels | {"description": "kernels warm"}),
         }
-    ).assign_coords({REPEAT: (REPEAT, np.arange(1, times.size + 1), repeat)})
+    ).assign_coords({"repeat": ("repeat", np.arange(1, times.size + 1), repeat)})
 
 
 def _reset_peak_memory() -> bool:

@@ -26,6 +26,7 @@ class Display:
         self.running: dict[str, float] = {}
         self.bar = tqdm(
             total=total,
+            desc=f"0/{total} cases, ",
             file=stream,
             disable=not stream.isatty(),
             leave=False,
@@ -56,9 +57,9 @@ class Display:
         self.running.pop(case.key, None)
         told = ", ".join(filter(None, (outcome.status, outcome.headline, outcome.message)))
         line = f"[{self.done}/{self.total}] {case.label}: {told}, {outcome.seconds:.1f} s"
+        self._update()
         tqdm.write(line, file=self.stream)
         self.stream.flush()
-        self._update()
 
     def _update(self) -> None:
         """Bring the bar to the cases done, and the mean progress of those running."""

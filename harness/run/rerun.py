@@ -14,7 +14,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import read_case
 from harness.archive.conventions import COMPLETED, parameter_names
-from harness.archive.provenance import OF_CASE, SOURCES
+from harness.archive.provenance import OF_CASE
 from harness.archive.study_files import read_result
 from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
@@ -22,17 +22,7 @@ from harness.study.cases import Case
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
-PROVENANCE = (
-    "commit",
-    SOURCES,
-    "mpm_warp_version",
-    "warp_lang_version",
-    "numpy_version",
-    "python_version",
-    "platform",
-    "processor",
-    "device",
-)
+PROVENANCE = [it for it in OF_CASE if it not in ("command_line", "cores", "time_written")]
 """What may be the reason where results differ."""
 
 

@@ -13,13 +13,7 @@ from harness.archive.atomic_files import ArchiveError, abandoned, prepare
 from harness.archive.case_files import Outcome, case_folder, discard
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.errors import HarnessError, tell
-from harness.run.collect_and_clean import (
-    collect_and_write,
-    counted,
-    outcomes,
-    summary,
-    tell_of_other_sources,
-)
+from harness.run import collect_and_clean as results
 from harness.run.device import check_device
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.progress import Display
@@ -121,22 +115,22 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
         partial.unlink(missing_ok=True)
     if fresh:
         discard(folder, study.cases)
-    stand = outcomes(study, out)
+    stand = results.outcomes(study, out)
     pending = _pending(study, stand, folder)
     done_count = len(study.cases) - len(pending)
-    tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
-    tell_of_other_sources(study, stand)
+    tell(f"{study.name}: {results.counted(len(study.cases), 'case')}, {done_count} done already")
+    results.tell_of_other_sources(study, stand)
     try:
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError, OSError) as error:
-        stand = outcomes(study, out)
+        stand = results.outcomes(study, out)
         can_write = not isinstance(error, ArchiveError)
         if can_write and any(outcome.status == COMPLETED for outcome in stand):
-            collect_and_write(study, out)
-        tell(f"interrupted; {summary(stand)}; the same command goes on with the rest")
+            results.collect_and_write(study, out)
+        tell(f"interrupted; {results.summary(stand)}; the same command goes on with the rest")
         raise
-    return collect_and_write(study, out)
+    return results.collect_and_write(study, out)
 
 
 def _pending(study: Study, stand: Sequence[Outcome], folder: Path) -> list[Case]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import xarray as xr
@@ -11,10 +11,6 @@ import xarray as xr
 from harness.errors import HarnessError, in_one_line
 from mpm_warp.parameters import Value
 from mpm_warp.scenes import Verification, scene_class, scene_names
-
-
-class NotVerifiableError(HarnessError):
-    """The scene has no exact solution; the message is one line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +83,7 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
         extreme: whether the extreme checks are wanted, else all others.
 
     Raises:
-        NotVerifiableError: a scene that is named has none of these checks.
+        HarnessError: a scene that is named has none of these checks.
         UnknownSceneError: there is no scene of that name.
     """
     checks = tuple(
@@ -99,10 +95,10 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
     checked = {check.scene for check in checks}
     for name in names:
         if not scene_class(name).verifications:
-            raise NotVerifiableError(f"{name}: the scene has no exact solution")
+            raise HarnessError(f"{name}: the scene has no exact solution")
         if name not in checked:
             other = "no extreme check" if extreme else "extreme checks alone: add --extreme"
-            raise NotVerifiableError(f"{name}: the scene has {other}")
+            raise HarnessError(f"{name}: the scene has {other}")
     return checks
 
 
@@ -185,38 +181,27 @@ def _line(*texts: str) -> str:
 
 def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
     """Errors, run times and observed orders, over checks and the ranks of their resolutions."""
-    most = max(len(verified.results) for verified in all_verified)
+    each = [_as_dataset(verified) for verified in all_verified]
+    together = xr.concat(each, dim="check", join="outer", combine_attrs="override")
+    return together.assign_coords(check=[verified.check.label for verified in all_verified])
 
-    def padded(values: Sequence[float]) -> list[float]:
-        return [*values, *[math.nan] * (most - len(values))]
 
-    def over_ranks(values: Iterable[Sequence[float]], unit: str, meaning: str) -> xr.Variable:
-        labels = {"units": unit, "long_name": meaning}
-        return xr.Variable(("check", "rank"), [padded(it) for it in values], labels)
-
-    def over_checks(values: Iterable[float], meaning: str) -> xr.Variable:
-        return xr.Variable("check", list(values), {"units": "1", "long_name": meaning})
-
+def _as_dataset(verified: Verified) -> xr.Dataset:
+    over_ranks = {
+        "error": (verified.values("error"), "1", "error against the exact solution"),
+        "run_time": (verified.values("run_time"), "s", "wall-clock time of the run"),
+        "resolution": (
+            verified.check.verification.resolutions,
+            "1",
+            "resolution, in the scene's own parameter",
+        ),
+    }
+    order = {"units": "1", "long_name": "observed order between the two finest resolutions"}
+    passed = {"units": "1", "long_name": "1 where every bound is reached"}
     return xr.Dataset(
         {
-            "error": over_ranks(
-                (it.values("error") for it in all_verified), "1", "error against the exact solution"
-            ),
-            "run_time": over_ranks(
-                (it.values("run_time") for it in all_verified), "s", "wall-clock time of the run"
-            ),
-            "resolution": over_ranks(
-                (it.check.verification.resolutions for it in all_verified),
-                "1",
-                "resolution, in the scene's own parameter",
-            ),
-            "order": over_checks(
-                (it.order for it in all_verified),
-                "observed order between the two finest resolutions",
-            ),
-            "passed": over_checks(
-                (int(not it.shortfalls) for it in all_verified), "1 where every bound is reached"
-            ),
+            name: ("rank", list(values), {"units": unit, "long_name": meaning})
+            for name, (values, unit, meaning) in over_ranks.items()
         },
-        coords={"check": [verified.check.label for verified in all_verified]},
-    )
+        coords={"rank": range(len(verified.results))},
+    ).assign(order=((), verified.order, order), passed=((), int(not verified.shortfalls), passed))

@@ -15,7 +15,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
-from harness.archive.conventions import COMPLETED, MISSING, RUN_TIME, Role, spoken, with_role
+from harness.archive.conventions import COMPLETED, MISSING, Role, spoken, with_role
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
@@ -161,7 +161,7 @@ def _run(case: Case, progress: Progress | None, execution: Execution, repeats: i
         again = run(number)
         if names := differing(dataset, again, measures_machine=scene.runs_alone):
             raise ArithmeticError(f"run {number + 1} gave another {', '.join(names)}")
-        samples.append(float(again[RUN_TIME]))
+        samples.append(float(again["run_time"]))
     return with_samples(dataset, samples) if samples else dataset
 
 

@@ -15,7 +15,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
-from harness.archive.conventions import CASE_TIME, COMPLETED, CRASHED, TIMED_OUT
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.run.measuring import case_time
 from harness.run.worker import serve
 from harness.study.cases import Case
@@ -113,7 +113,7 @@ class WorkerProcess:
                 seconds = max(0.0, time.monotonic() - self.began)
                 message = f"{end}, at {self.fraction:.0%} of the case"
                 outcome = Outcome(status, message, seconds=seconds)
-                dataset = xr.Dataset({CASE_TIME: case_time(seconds)})
+                dataset = xr.Dataset({"case_time": case_time(seconds)})
                 write_case(self.folder, case, dataset, status, message)
             else:
                 continue

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import xarray as xr
 from harness.archive import case_files, study_files
 from harness.archive import collection as archive
 from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.conventions import COMPLETED
+from harness.archive.conventions import COMPLETED, parameter_names, varied_names, with_role
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
@@ -27,7 +29,7 @@ def result(depths: list[float], cone_factor: float) -> xr.Dataset:
     )
 
 
-def complete(folder: Path, cases: list[Case]) -> None:
+def complete(folder: Path, cases: Sequence[Case]) -> None:
     for k, case in enumerate(cases):
         case_files.write_case(folder, case, result([0.1, 0.2], 10 + k / 3), COMPLETED)
 
@@ -170,3 +172,60 @@ def test_a_missing_result_is_answered_with_the_nearest(tmp_path: Path) -> None:
     (tmp_path / "mesh_size.nc").touch()
     with pytest.raises(ArchiveError, match=r"did you mean 'mesh_size\.nc'"):
         study_files.read_study(tmp_path / "meshsize.nc")
+
+
+def test_parameters_that_a_scene_returns_are_those_of_the_case(folder: Path, small: Study) -> None:
+    for case in small.cases:
+        own = result([0.1, 0.2], 10.0)
+        own["rigidity_index"] = (), 100.0, {"role": "parameter"}
+        own["adhesion_factor"] = (), case.parameters["adhesion_factor"], {"role": "parameter"}
+        case_files.write_case(folder, case, own, COMPLETED)
+    dataset = archive.collect(small, folder)
+    assert dataset.rigidity_index.item() == 100
+    assert dataset.adhesion_factor.values.tolist() == [0, 0.5, 1]
+    assert dataset.adhesion_factor.attrs["role"] == "parameter"
+    assert not {"rigidity_index_parameter", "adhesion_factor_parameter"} & set(dataset.variables)
+
+
+def test_what_a_scene_derives_from_varied_parameters_is_no_coordinate(
+    folder: Path, small: Study
+) -> None:
+    derived = [
+        dataclasses.replace(
+            case,
+            parameters={
+                **case.parameters,
+                "shaft_adhesion_factor": case.parameters["adhesion_factor"],
+            },
+        )
+        for case in small.cases
+    ]
+    vars(small)["cases"] = tuple(derived)
+    complete(folder, derived)
+    dataset = archive.collect(small, folder)
+    assert dataset.shaft_adhesion_factor.values.tolist() == [0, 0.5, 1]
+    assert "shaft_adhesion_factor" not in dataset.coords
+    assert varied_names(dataset) == ["adhesion_factor"]
+
+
+def test_numbers_keep_their_type_where_all_cases_have_them(folder: Path, small: Study) -> None:
+    complete(folder, small.cases)
+    assert archive.collect(small, folder).particle_updates.dtype == np.int64
+    case_files.discard(folder, small.cases[:1])
+    assert np.isnan(archive.collect(small, folder).particle_updates.values[0])
+
+
+def test_a_result_from_before_roles_is_told_which_variables_are_parameters(
+    folder: Path, tmp_path: Path, small: Study
+) -> None:
+    complete(folder, small.cases)
+    dataset = archive.collect(small, folder).assign(run_time=1.0)
+    for variable in dataset.variables.values():
+        variable.attrs.pop("role", None)
+    path = tmp_path / "small.nc"
+    study_files.write_study(path, dataset)
+    read = study_files.read_study(path)
+    assert parameter_names(read) == parameter_names(archive.collect(small, folder))
+    assert parameter_names(read)["penetration"] == "penetration_parameter"
+    assert with_role(read, "measured") == ["run_time"]
+    assert with_role(read, "headline") == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,9 +11,11 @@ from pathlib import Path
 import pytest
 from mpm_warp.scenes.cone_penetration import ConePenetration
 
-from harness.cli.main import main
+from harness.cli import arguments
+from harness.cli.main import COMMANDS, main
 from harness.study.files import study_names
 from harness.study.study import load_study
+from mpm_warp.execution import execution
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 
@@ -55,10 +58,20 @@ def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFix
 
 def test_help_loads_nothing_that_computes() -> None:
     script = (
-        "import sys, harness.cli.main as cli; cli.make_parser().format_help(); cli.main(['list'])\n"
-        "sys.exit(str({'numpy', 'xarray', 'warp', 'matplotlib'} & sys.modules.keys()))"
+        "import sys, harness.cli.main as cli; cli.make_parser().format_help()\n"
+        "sys.exit(str({'numpy', 'xarray', 'warp', 'matplotlib', 'scipy'} & sys.modules.keys()))"
     )
     result = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert result.stderr.strip() == "set()"
+
+
+def test_every_command_that_has_help_can_be_loaded() -> None:
+    for place in COMMANDS.values():
+        module, function = place.split(".")
+        assert callable(getattr(importlib.import_module(f"harness.cli.{module}"), function))
+
+
+def test_threads_are_those_of_the_simulator() -> None:
+    assert arguments.THREAD_COUNTS == execution.THREAD_COUNTS

@@ -11,7 +11,7 @@ import pytest
 
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
-from harness.run import pool as runner
+from harness.run import pool
 
 
 @pytest.mark.parametrize(
@@ -71,12 +71,10 @@ def test_a_limit_beyond_what_the_system_can_wait_for_is_waited_for(
     small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waits: list[float | None] = []
-    wait = runner.wait
-    monkeypatch.setattr(
-        runner, "wait", lambda them, left: (waits.append(left), wait(them, left))[1]
-    )
+    wait = pool.wait
+    monkeypatch.setattr(pool, "wait", lambda them, left: (waits.append(left), wait(them, left))[1])
     assert main(["run", str(small_file), f"--out={tmp_path}", "--case-timeout=1e9"]) == 0
-    assert max(left for left in waits if left is not None) <= runner.LONGEST_WAIT
+    assert max(left for left in waits if left is not None) <= pool.LONGEST_WAIT
 
 
 @pytest.mark.parametrize("closed", ["<&-", "2>&-"])

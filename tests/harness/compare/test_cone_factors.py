@@ -66,6 +66,19 @@ def test_reference_and_deviation_stand_over_the_dims_of_the_cone_factor() -> Non
         assert "50 to 500" in variable.attrs["validity"]
 
 
+def test_attributes_of_a_parameter_do_not_leak_into_what_is_worked_out_from_it() -> None:
+    dataset = result(rigidity_index=[50.0, 100.0])
+    dataset["rigidity_index"].attrs = {"description": "rigidity index G/su", "role": "parameter"}
+    dataset["adhesion_factor"].attrs = {"description": "adhesion factor", "role": "parameter"}
+    dataset["cone_factor"].attrs = {"description": "steady", "role": "headline"}
+    compared = with_references(dataset, THREE)
+    for name in THREE:
+        assert compared[f"reference_{name}"].attrs["role"] == "reference"
+        assert compared[f"deviation_{name}"].attrs["role"] == "deviation"
+        for kind in ("reference", "deviation"):
+            assert "description" not in compared[f"{kind}_{name}"].attrs
+
+
 def test_references_survive_a_file(tmp_path: Path) -> None:
     dataset = with_references(result(adhesion_factor=[0.0, 1.0]), THREE)
     dataset.to_netcdf(tmp_path / "study.nc")

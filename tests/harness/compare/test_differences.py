@@ -1,7 +1,8 @@
-"""Two results side by side, case by case."""
+"""Two results side by side: case by case, and bit by bit."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,7 +12,8 @@ import xarray as xr
 
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.compare.differences import NotComparableError, differences, unshared
+from harness.compare.differences import NotComparableError, differences, differing, unshared
+from mpm_warp.parameters import parameter
 
 FACTORS = (10.0, 11.0, 12.0)
 
@@ -95,6 +97,39 @@ def test_a_result_from_before_a_parameter_is_compared_at_its_default(
     assert unshared(other, older) == [f"only the first {told}"]
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Derives:
+    """A scene that fills in what it derives."""
+
+    adhesion_factor: float = parameter(0.0, unit="1", meaning="of the face", minimum=0)
+    shaft_adhesion_factor: float | None = parameter(None, unit="1", meaning="of the shaft")
+
+    def __post_init__(self) -> None:
+        if self.shaft_adhesion_factor is None:
+            object.__setattr__(self, "shaft_adhesion_factor", self.adhesion_factor)
+
+
+@pytest.mark.parametrize("derived", [np.nan, None])
+def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
+    derived: float | None,
+    two: Callable[..., list[xr.Dataset]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("harness.compare.differences.scene_class", lambda name: Derives)
+    one, other = two(*FACTORS)
+    name, role = "shaft_adhesion_factor", {"role": "parameter"}
+    older = without(one, name) if derived is None else one
+    newer = other.assign({name: ("adhesion_factor", [0.0, 0.5, 1.0], role)})
+    found, lonely = differences(older, newer)
+    assert ([it.size for it in found], lonely) == ([0.0, 0.0], [])
+    another = other.assign({name: ("adhesion_factor", [0.0, 0.5, 0.0], role)})
+    _, lonely = differences(older, another)
+    assert lonely == [
+        "only in the first: adhesion_factor=1.0",
+        "only in the second: adhesion_factor=1.0",
+    ]
+
+
 def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(
     two: Callable[..., list[xr.Dataset]],
 ) -> None:
@@ -139,3 +174,26 @@ def test_two_files_beside_each_other(
         "0.01",
         "MISSED" if code else "ok",
     ]
+
+
+def test_a_single_bit_a_type_and_a_sign_of_zero_differ() -> None:
+    one = xr.Dataset(
+        {"a": ("x", [0.0, 1.0]), "run_time": ((), 1.0, {"role": "measured"})}, {"x": ["b", "c"]}
+    )
+    assert differing(one, one.assign(run_time=2 * one["run_time"])) == []
+    for other in (
+        one.assign(a=("x", [-0.0, 1.0])),
+        one.assign(a=("x", [0.0, 1.0 + 2**-52])),
+        one.assign(a=one.a.astype(np.float32)),
+        one.drop_vars("a"),
+    ):
+        assert differing(one, other) == differing(other, one) == ["a"]
+    assert differing(one, one.assign_coords(x=["b", "d"])) == ["x"]
+    nan = one.assign(a=("x", [np.nan, 1.0]))
+    assert differing(nan, nan.copy(deep=True)) == []
+
+
+def test_a_headline_is_a_measurement_where_the_scene_measures_the_machine() -> None:
+    one = xr.Dataset({"update_rate": ((), 1.0, {"role": "headline"})})
+    assert differing(one, one + 1.0) == ["update_rate"]
+    assert differing(one, one + 1.0, measures_machine=True) == []

@@ -37,6 +37,7 @@ def result(**varied: Sequence[object]) -> xr.Dataset:
     factor = 11 + 0.1 * np.arange(np.prod(shape, dtype=int)).reshape(shape)
     dataset["undrained_shear_strength"] = STRENGTH
     dataset["cone_factor"] = tuple(varied), factor, {"units": "1", "long_name": "cone factor"}
+    dataset["status"] = tuple(varied), np.full(shape, "completed")
     depth = xr.DataArray(np.arange(1.0, 19.0), dims="penetration")
     dataset["penetration_resistance"] = dataset.cone_factor * STRENGTH * depth / 18
     dataset = dataset.assign_coords(penetration=depth)

@@ -152,12 +152,27 @@ def test_cases_that_were_not_run_are_left_out() -> None:
     assert strip_of(dataset, "stress").stable.tolist() == [1.0, 3.0]
 
 
-def test_energy_is_told_as_a_share_of_its_limit() -> None:
+def test_a_result_is_told_as_a_share_of_its_limit() -> None:
     dataset = made("one_at_a_time", ["completed"] * 3, stress=[1.0, 2.0, 3.0])
-    limits = np.array([-0.25, 0.5, -0.75])
-    dataset["energy_error"] = "case", limits * LARGEST_ENERGY_ERROR
-    assert strip_of(dataset, "stress").energy == pytest.approx([0.25, 0.5, 0.75])
+    dataset["energy_error"] = "case", np.array([-0.01, 0.02, -0.03]), {"limit": 0.04}
+    assert strip_of(dataset, "stress").limit_share == pytest.approx([0.25, 0.5, 0.75])
     assert stability_rows(dataset)[1][-1] == "up to 75% of the limit"
+
+
+def test_of_several_limits_the_nearest_counts() -> None:
+    dataset = made("one_at_a_time", ["completed"] * 2, stress=[1.0, 2.0])
+    dataset["energy_error"] = "case", np.array([0.01, 0.01]), {"limit": 0.04}
+    dataset["mass_error"] = "case", np.array([0.1, 0.4]), {"limit": 1.0}
+    assert strip_of(dataset, "stress").limit_share == pytest.approx([0.25, 0.4])
+    label = stability_figure(dataset).axes[-1].get_xlabel()
+    assert label.startswith("energy error over its limit of 0.04 or mass error over its limit of 1")
+
+
+def test_a_result_without_a_limit_has_no_scale() -> None:
+    dataset = one_at_a_time()
+    dataset["energy_error"] = "case", np.full(len(OUTCOMES), 0.01)
+    assert np.isnan(strip_of(dataset, "speed_ratio").limit_share).all()
+    assert len(stability_figure(dataset).axes) == len(DEFAULTS)
 
 
 def test_shares_of_random_cases_over_equally_many() -> None:
@@ -225,10 +240,10 @@ def test_the_picture_has_a_mark_for_each_case_and_a_bar_where_it_is_stable() -> 
     assert told == ["completed", "inaccurate", "diverged", "default", "stable"]
 
 
-def test_energy_colours_what_completed() -> None:
+def test_the_share_of_the_limit_colours_what_completed() -> None:
     dataset = one_at_a_time()
-    energy = np.where(dataset["status"] == "completed", 0.5 * LARGEST_ENERGY_ERROR, np.nan)
-    figure = stability_figure(dataset.assign(energy_error=("case", energy)))
+    energy = np.where(dataset["status"] == "completed", 0.025, np.nan)
+    figure = stability_figure(dataset.assign(energy_error=("case", energy, {"limit": 0.05})))
     assert len(figure.axes) == len(DEFAULTS) + 1
     colours: dict[str, set[str]] = {}
     for line in figure.axes[0].lines:
@@ -246,10 +261,10 @@ def test_bars_of_the_shares_add_up_to_one() -> None:
     assert axes.get_xticklabels()[0].get_text() == "1 to 4 (4)"
 
 
-def test_nothing_is_drawn_without_a_failure_or_an_energy_error() -> None:
+def test_nothing_is_drawn_without_a_failure_or_a_limit() -> None:
     sound = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
     assert figures(sound) == {}
-    energy = sound.assign(energy_error=("case", [0.01, 0.02]))
+    energy = sound.assign(energy_error=("case", [0.01, 0.02], {"limit": 0.05}))
     assert list(figures(energy)) == ["stability"]
     assert list(figures(one_at_a_time())) == ["stability"]
 

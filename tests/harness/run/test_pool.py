@@ -22,8 +22,8 @@ from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_rows
-from harness.run import pool as runner
 from harness.run.pool import Watcher, cases_at_once, run_cases, share_of_cores
+from harness.run.worker_process import WorkerProcess
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
@@ -96,13 +96,13 @@ def test_a_case_has_its_threads_from_the_first_step_on(
     tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sent = []
-    send = runner._Worker._send
+    send = WorkerProcess._send
 
-    def noted(worker: runner._Worker, message: tuple[Case, ...] | int) -> None:
+    def noted(worker: WorkerProcess, message: tuple[Case, ...] | int) -> None:
         sent.append(message)
         send(worker, message)
 
-    monkeypatch.setattr(runner._Worker, "_send", noted)
+    monkeypatch.setattr(WorkerProcess, "_send", noted)
     cases = small.cases
     run_cases(cases, prepared(small, tmp_path), 1, Record(), threads=2)
     assert sent == [2, *((case,) for case in cases)]

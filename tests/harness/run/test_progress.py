@@ -11,6 +11,8 @@ from harness.study.study import Study
 
 
 class Terminal(io.StringIO):
+    encoding = "utf-8"
+
     def isatty(self) -> bool:
         return True
 
@@ -28,19 +30,30 @@ def test_the_bar_shows_cases_done_running_and_time_left(
     small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = [100.0]
-    monkeypatch.setattr("time.monotonic", lambda: clock[0])
-    display = Display(4, Terminal())
-    first, second, third = small.cases
-    display.finished(first, Outcome("completed"))
-    display.advanced(second, 0.75)
-    display.advanced(third, 0.25)
-    clock[0] += 60  # half of four cases are done after a minute
-    bar = "█" * 12 + "░" * 12
-    assert display.bar() == f"{bar} 1/4 cases, 2 running, at 50%, 0:01:00 left"
+    monkeypatch.setattr("tqdm.std.time", lambda: clock[0])
+    stream = Terminal()
+    with Display(4, stream) as display:
+        first, second, third = small.cases
+        display.finished(first, Outcome("completed"))
+        display.advanced(second, 0.75)
+        clock[0] += 60  # half of four cases are done after a minute
+        display.advanced(third, 0.25)
+    shown = stream.getvalue().split("\r")
+    bar = "█" * 12 + " " * 12
+    assert any(it.startswith(f"{bar} 1/4 cases, 2 running, at 50%, 01:00 left") for it in shown)
 
 
 def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
     stream = Terminal()
     with Display(3, stream) as display:
         display.advanced(small.cases[0], 0.5)
-    assert re.search(r"0/3 cases.*\r\x1b\[K$", stream.getvalue())
+        assert "0/3 cases" in stream.getvalue()
+    assert re.search(r"\r +\r$", stream.getvalue())
+
+
+def test_lines_of_cases_stand_above_the_bar(small: Study) -> None:
+    stream = Terminal()
+    with Display(3, stream) as display:
+        display.finished(small.cases[0], Outcome("completed", seconds=2.0))
+        assert "\r[1/3] adhesion_factor=0.0: completed, 2.0 s\n" in stream.getvalue()
+        assert "1/3 cases" in stream.getvalue().rpartition("\n")[2]

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from mpm_warp.watch.health import yield_excess
 
 from mpm_warp.benchmark.bare_step import MATERIAL, BareStep
 from mpm_warp.grid.fitted import Floats
 
 COUNT = 400
 ROUNDING = 1e-12
+
+
+def yield_excess(stress: Floats) -> Floats:
+    """How far stresses (rr, zz, rz, tt) are outside the cylinder of von Mises, over strength."""
+    normal = stress[:, [0, 1, 3]]
+    deviator = normal - normal.mean(axis=1, keepdims=True)
+    j2 = 0.5 * np.sum(deviator**2, axis=1) + stress[:, 2] ** 2
+    return np.asarray(np.sqrt(j2) / MATERIAL.strength - 1.0)
 
 
 def state(soil: BareStep, name: str) -> Floats:
@@ -42,7 +49,7 @@ def test_linear_flow_stays_and_strains_the_soil_by_its_gradient() -> None:
     volume = strain[:, [0, 1, 3]].sum(axis=1, keepdims=True)
     pressed = (MATERIAL.bulk_modulus - 2.0 / 3.0 * MATERIAL.shear_modulus) * volume
     trial = pressed * [1.0, 1.0, 0.0, 1.0] + 2.0 * MATERIAL.shear_modulus * strain
-    elastic = yield_excess(trial, MATERIAL) < 0.0
+    elastic = yield_excess(trial) < 0.0
     assert elastic.any()
     np.testing.assert_allclose(state(soil, "stress")[elastic], trial[elastic], atol=ROUNDING)
 
@@ -58,7 +65,7 @@ def test_stress_gives_the_momentum_that_it_has_to_and_does_not_exceed_the_streng
     rounding = ROUNDING * np.abs(momentum).sum()
     assert abs(given - outward) < rounding
     assert abs(along) < rounding
-    assert yield_excess(state(soil, "stress"), MATERIAL).max() < ROUNDING
+    assert yield_excess(state(soil, "stress")).max() < ROUNDING
 
 
 def test_its_rate_counts_the_steps_that_it_takes() -> None:

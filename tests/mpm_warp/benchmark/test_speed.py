@@ -6,10 +6,10 @@ import threading
 from itertools import count
 
 import pytest
-from mpm_warp.scenes.step_cost import StepCost
 
 from mpm_warp.benchmark.clocks import StageClock
 from mpm_warp.benchmark.speed import Run, Sample, ThreadGain
+from mpm_warp.scenes.benchmark.step_cost import StepCost
 from mpm_warp.simulation import Simulation
 
 

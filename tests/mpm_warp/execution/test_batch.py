@@ -11,12 +11,9 @@ import numpy as np
 import pytest
 import warp as wp
 import xarray as xr
-from mpm_warp.scenes.base import ReadyScene
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.watch.health import SimulationDiverged
 
 import mpm_warp.execution.batch
+from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.batched_kernel import make_batched_kernel, real_arguments
 from mpm_warp.execution.batched_plan import batch_key, batched_plan
@@ -24,7 +21,10 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
+from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.simulation import Simulation
 
 SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
@@ -58,7 +58,7 @@ def together(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return counts
 
 
-def run_together(scenes: list[ReadyScene], execution: Batch) -> list[xr.Dataset]:
+def run_together(scenes: list[CatalogueScene], execution: Batch) -> list[xr.Dataset]:
     return execution.run([partial(scene.run, execution=execution) for scene in scenes])
 
 
@@ -79,7 +79,7 @@ def test_a_batch_does_not_change_a_bit(threads: int, together: list[int]) -> Non
 def test_a_batch_larger_than_the_cache_is_taken_in_portions(
     together: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    points = 2 * make_plan(cone().build()[0]).particle_count
+    points = 2 * make_plan(cone().build()).particle_count
     monkeypatch.setattr(mpm_warp.execution.batch, "POINTS_IN_CACHE", points)
     cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
     results = run_together(list(cones), Batch())
@@ -105,7 +105,7 @@ def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
 
 
 @pytest.mark.parametrize("make", [GravityColumn, SlidingBlock])
-def test_any_scene_can_be_run_in_a_batch(make: Callable[[], ReadyScene]) -> None:
+def test_any_scene_can_be_run_in_a_batch(make: Callable[[], CatalogueScene]) -> None:
     alone = make().run()
     for result in run_together([make(), make()], Batch()):
         assert_same(alone, result)
@@ -113,7 +113,7 @@ def test_any_scene_can_be_run_in_a_batch(make: Callable[[], ReadyScene]) -> None
 
 def test_a_thread_for_each_item_gives_the_same_bits() -> None:
     # As on a GPU, where sums are taken in one share.
-    scenes = [cone(adhesion_factor=0.2).build()[0], cone(rigidity_index=300).build()[0]]
+    scenes = [cone(adhesion_factor=0.2).build(), cone(rigidity_index=300).build()]
     alone = [Simulation(scene) for scene in scenes]
     together = [Simulation(scene) for scene in scenes]
     plans, arrays = [it.plan for it in together], [it.arrays for it in together]
@@ -126,11 +126,11 @@ def test_a_thread_for_each_item_gives_the_same_bits() -> None:
 
 
 def test_plans_that_differ_in_numbers_only_have_one_batch_key() -> None:
-    key = batch_key(make_plan(cone().build()[0]))
-    assert key == batch_key(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()[0]))
-    assert key != batch_key(make_plan(cone(particles_per_cell=9).build()[0]))
-    assert key != batch_key(make_plan(cone(precision="float32").build()[0]))
-    assert key != batch_key(make_plan(cone(material="von_mises").build()[0]))
+    key = batch_key(make_plan(cone().build()))
+    assert key == batch_key(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()))
+    assert key != batch_key(make_plan(cone(particles_per_cell=9).build()))
+    assert key != batch_key(make_plan(cone(precision="float32").build()))
+    assert key != batch_key(make_plan(cone(material="von_mises").build()))
 
 
 def test_one_that_diverges_does_not_disturb_the_others() -> None:
@@ -143,7 +143,7 @@ def test_one_that_diverges_does_not_disturb_the_others() -> None:
         results.append(good.run(execution=execution))
 
     def fail() -> None:
-        simulation = Simulation(bad.build()[0], execution)
+        simulation = Simulation(bad.build(), execution)
         simulation.advance(10)
         simulation.array("particle.velocity")[0] = np.nan
         try:
@@ -171,7 +171,7 @@ def test_an_exception_gives_up_the_others() -> None:
         return run
 
     def fail() -> None:
-        Simulation(cone().build()[0], execution).advance(100)
+        Simulation(cone().build(), execution).advance(100)
         raise KeyError("as expected")
 
     with pytest.raises(KeyError, match="as expected"):

@@ -7,10 +7,10 @@ from functools import partial
 import numpy as np
 import pytest
 import warp as wp
-from mpm_warp.scenes.cone_penetration import ConePenetration
 
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 GPU = "cuda:0"
 pytestmark = pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")

@@ -11,17 +11,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import warp as wp
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.scenes.sliding_block import SlidingBlock
-from mpm_warp.scenes.thick_cylinder import ThickCylinder
-from mpm_warp.travel import Travel
 
 import mpm_warp.execution.recorded_steps
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, Replay, ThreadChoice
 from mpm_warp.execution.shares import has_dynamic_chunks
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.simulation import Simulation
 
 CONE = ConePenetration(
@@ -40,11 +39,10 @@ def wait_until(happened: Callable[[], bool]) -> None:
 
 def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str, Floats]:
     """All arrays after a radius of penetration, whose threads change on the way."""
-    simulation = Simulation(CONE.build()[0], execution)
-    travel = Travel(simulation)
+    simulation = Simulation(CONE.build(), execution)
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
-        travel.advance_to(CONE.cone_radius * fraction / len(switches or (1,)))
+        simulation.travel_to(CONE.cone_radius * fraction / len(switches or (1,)))
     assert any(map(has_dynamic_chunks, simulation.plan.step))
     return {name: simulation.array(name).copy() for name in simulation.arrays}
 
@@ -78,7 +76,7 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
     unlucky: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As by Ctrl-C, which reaches the caller between two calls."""
-    simulation = Simulation(CONE.build()[0], Execution(threads=2))
+    simulation = Simulation(CONE.build(), Execution(threads=2))
     # Each step by a call of its own.
     monkeypatch.setattr(mpm_warp.execution.recorded_steps, "UPDATES_PER_CALL", 0)
     simulation.advance(50)
@@ -103,7 +101,7 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
 
 
 def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
-    at_once, one_by_one = (Simulation(CONE.build()[0]) for _ in range(2))
+    at_once, one_by_one = (Simulation(CONE.build()) for _ in range(2))
     at_once.advance(100)
     replay = Replay._replay_one_by_one
     monkeypatch.setattr(Replay, "replay", lambda self, steps, threads: replay(self, steps))
@@ -116,7 +114,7 @@ def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPat
 def test_steps_are_the_same_however_they_are_parted(
     scene: ConePenetration | GravityColumn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    soil = scene.simulated_scene()
+    soil = scene.build()
     assert soil is not None
     whole, parted = Simulation(soil), Simulation(soil)
     whole.advance(100)
@@ -152,7 +150,7 @@ def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
 
 @pytest.mark.usefixtures("all_take_part")
 def test_fewer_rows_than_threads_give_the_same_bits() -> None:
-    runs = [Simulation(FEW_ROWS.simulated_scene(), Execution(threads=count)) for count in (1, 4)]
+    runs = [Simulation(FEW_ROWS.build(), Execution(threads=count)) for count in (1, 4)]
     for simulation in runs:
         simulation.advance(40)
     alone, together = runs
@@ -167,7 +165,7 @@ def test_a_run_that_is_over_lets_go_of_its_arrays_at_once(threads: int) -> None:
     gc.collect()
     gc.disable()
     try:
-        simulation = Simulation(FEW_ROWS.simulated_scene(), Execution(threads=threads))
+        simulation = Simulation(FEW_ROWS.build(), Execution(threads=threads))
         simulation.advance(20)
         arrays = [weakref.ref(array) for array in simulation.arrays.values()]
         del simulation

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from mpm_warp.scenes.cone_penetration import ConePenetration
-from mpm_warp.scenes.gravity_column import GravityColumn
-from mpm_warp.scenes.thick_cylinder import ThickCylinder
 
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.shares import has_dynamic_chunks, share_of
-from mpm_warp.plan.plan import OFFSET, WORTH_SHARING
+from mpm_warp.plan.launch import OFFSET, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 
 CONE = ConePenetration(cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4)
 FEW_ROWS = ThickCylinder(cell_count=120)
@@ -21,7 +21,7 @@ FEW_ROWS = ThickCylinder(cell_count=120)
 def test_the_shares_of_a_launch_make_up_the_whole(
     scene: ConePenetration | GravityColumn, count: int
 ) -> None:
-    soil = scene.simulated_scene()
+    soil = scene.build()
     assert soil is not None
     for launch in make_plan(soil).step:
         if OFFSET not in launch.arguments:
@@ -38,7 +38,7 @@ def test_the_shares_of_a_launch_make_up_the_whole(
 @pytest.mark.usefixtures("all_take_part")
 @pytest.mark.parametrize("threads", [1, 2, 4])
 def test_what_threads_do_of_a_launch_makes_up_the_whole(threads: int) -> None:
-    for launch in make_plan(CONE.build()[0]).step:
+    for launch in make_plan(CONE.build()).step:
         if OFFSET not in launch.arguments:
             continue
         place = launch.arguments.index(OFFSET)
@@ -52,7 +52,7 @@ def test_what_threads_do_of_a_launch_makes_up_the_whole(threads: int) -> None:
 
 
 def test_threads_share_what_takes_longer_than_to_wait_for_each_other() -> None:
-    scene = CONE.build()[0]
+    scene = CONE.build()
     assert scene.contact is not None
     small = [
         launch
@@ -62,7 +62,7 @@ def test_threads_share_what_takes_longer_than_to_wait_for_each_other() -> None:
     assert any(launch.dim == (len(scene.contact.nodes),) for launch in small)
     assert all(launch.item_count < WORTH_SHARING for launch in small)
     # What adds up is always split, else the number of threads would change how sums are rounded.
-    few = GravityColumn(cell_count=3).simulated_scene()
+    few = GravityColumn(cell_count=3).build()
     assert few is not None
     assert all(launch.is_shared == launch.adds_up for launch in make_plan(few).step)
 
