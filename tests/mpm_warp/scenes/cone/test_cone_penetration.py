@@ -10,8 +10,10 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import InaccurateRun
-from mpm_warp.sampling import ContactForces
+from mpm_warp.sampling import ContactForces, transferred_energy
+from mpm_warp.scenes.cone import cone_penetration
 from mpm_warp.scenes.cone.cone_penetration import LARGEST_ENERGY_ERROR, ConePenetration
+from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-9
@@ -99,12 +101,29 @@ def test_the_energy_error_carries_the_limit_that_it_is_held_against(rough: xr.Da
     assert abs(float(rough.energy_error)) < LARGEST_ENERGY_ERROR
 
 
+def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They dissipate noise, create nothing."""
+    expected: list[float] = []
+
+    class Noted(PenetrationCurves):
+        def dataset(self) -> xr.Dataset:
+            expected.append(transferred_energy(self._simulation) / self.work)
+            return super().dataset()
+
+    monkeypatch.setattr(cone_penetration, "PenetrationCurves", Noted)
+    result = ConePenetration(cells_per_radius=2.0, penetration=2.0).run()
+    assert [float(result.energy_error)] == expected
+    assert expected[0] < 0.0
+
+
 def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     hasty = ConePenetration(
         cells_per_radius=1.5, penetration=1, domain_radius=8, domain_above=3, domain_below=3,
         speed_ratio=0.5, approach=0,
     )  # fmt: skip
-    with pytest.raises(InaccurateRun, match=r"took .* of the penetrometer's work") as end:
+    with pytest.raises(InaccurateRun, match=r"took \d+\.\d% of the penetrometer's work") as end:
         hasty.run()
     assert end.value.status == "inaccurate"
     assert end.value.curves.sizes["penetration"] == 10
