@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import variable
+from mpm_warp.results import curves, variable
 from mpm_warp.scenes.waves.column import Column
 from mpm_warp.simulation import Simulation
 
@@ -46,10 +46,13 @@ class Front:
         edges = np.array([0.125, 0.375, 0.625, 0.875])
         exact_velocity = np.array([0.0, -speed, 0.0, speed, 0.0])[np.searchsorted(edges, phase)]
         exact_stress = np.where((phase > 0.25) & (phase < 0.75), -2 * PRESSURE, 0.0)
-        return _over_phase(
-            phase,
-            base_stress=(stress, exact_stress, "Pa", "stress at the base"),
-            velocity=(velocity, exact_velocity, "m s-1", "velocity at half height"),
+        return curves(
+            "phase",
+            (phase, "1", "time over period"),
+            base_stress=(stress, "Pa", "stress at the base"),
+            base_stress_exact=(exact_stress, "Pa", "stress at the base, exact"),
+            velocity=(velocity, "m s-1", "velocity at half height"),
+            velocity_exact=(exact_velocity, "m s-1", "velocity at half height, exact"),
         )
 
 
@@ -81,25 +84,13 @@ class StandingWave:
         """The curves, that of the displacement beside the exact one."""
         phase, displacement, energy = np.array(self._samples).reshape(-1, 3).T
         exact = STRAIN * 2 * HEIGHT / math.pi * np.sin(2 * math.pi * phase)
-        return _over_phase(
-            phase,
-            displacement=(displacement, exact, "m", "displacement of the top"),
-            energy=(energy, None, "J", "kinetic and strain energy per radian"),
+        return curves(
+            "phase",
+            (phase, "1", "time over period"),
+            displacement=(displacement, "m", "displacement of the top"),
+            displacement_exact=(exact, "m", "displacement of the top, exact"),
+            energy=(energy, "J", "kinetic and strain energy per radian"),
         )
-
-
-def _over_phase(phase: Floats, **curves: tuple[Floats, Floats | None, str, str]) -> xr.Dataset:
-    """Curves over time over period: values, exact ones where there are any, unit and meaning."""
-    dims = ("phase",)
-    axis = variable(phase, unit="1", meaning="time over period", dims=dims)
-    dataset = xr.Dataset(coords={"phase": axis})
-    for name, (values, exact, unit, meaning) in curves.items():
-        dataset[name] = variable(values, unit=unit, meaning=meaning, dims=dims)
-        if exact is not None:
-            dataset[f"{name}_exact"] = variable(
-                exact, unit=unit, meaning=f"{meaning}, exact", dims=dims, exact_of=name
-            )
-    return dataset
 
 
 def period_of(phase: Floats, period_count: int) -> Floats:
