@@ -18,7 +18,7 @@ class ArchiveError(HarnessError):
 
 
 def prepare(folder: Path) -> None:
-    """Make the folder, and find out by writing whether anything can be written to it.
+    """Make the folder, and check by writing a small file that it can be written to.
 
     Raises:
         ArchiveError: it cannot be made, or not be written to.

@@ -1,7 +1,7 @@
 """Case files: the result of one case each, in netCDF, written whole or not at all.
 
-The files of a study are ``OUT/<study>/cases/<key>.nc``. A case's name is all that decides whether
-it has been run; no clock is asked.
+The files of a study are ``OUT/<study>/cases/<key>.nc``. Whether a case has been run depends on its
+key alone, not on any time stamp.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     Raises:
         ArchiveError: it cannot be written; an earlier file of that name is as it was.
     """
-    # Made in memory: where a disk is full, the netCDF library only says "HDF error" and keeps the
-    # broken file open, so that its room is not freed before the process ends.
+    # The file is made in memory, because on a full disk the netCDF library only says "HDF error"
+    # and keeps the broken file open, so that its space is not freed until the process ends.
     write_whole(_image(dataset), path)
 
 

@@ -80,12 +80,12 @@ def limits_of(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def stored_name(parameter: str, taken: Iterable[Hashable]) -> str:
-    """What a parameter is called among variables of which one may have its name already."""
+    """What a parameter is called in a dataset, where a result may have its name already."""
     return f"{parameter}{_SUFFIX}" if parameter in taken else parameter
 
 
 def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
-    """The parameters in a dataset: by their own names, what they are called there."""
+    """The parameters in a dataset: what they are called there, by their own names."""
     return {name.removesuffix(_SUFFIX): name for name in with_role(dataset, Role.PARAMETER)}
 
 
@@ -158,7 +158,7 @@ def scenes_of(dataset: xr.Dataset) -> list[str]:
 
 
 def is_there(value: object) -> bool:
-    """Whether a stored value of a parameter is one: another scene's is not a number, or no text."""
+    """Whether a case has a value of a parameter: one of another scene is not a number, or empty."""
     return value is not None and str(value) not in ("", "nan")
 
 
@@ -171,7 +171,7 @@ def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
     parameters = [it if f"{it}{_SUFFIX}" not in dataset else f"{it}{_SUFFIX}" for it in known]
     if "status" in dataset.variables:
         parameters += [name for name in varied_names(dataset) if name != "scene"]
-        # Over no dim of cases but one case alone are results, and what is the same in all cases.
+        # Scalars are parameters that are the same in all cases, unless there is one case alone.
         parameters += [
             str(name)
             for name, it in dataset.data_vars.items()

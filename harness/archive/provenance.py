@@ -51,7 +51,7 @@ def provenance_of_collector() -> dict[str, str]:
 
 @functools.cache
 def sources_digest(scene: type) -> str:
-    """16 hexadecimal digits that tell the code that computes a scene from any other.
+    """16 hexadecimal digits that identify the code that computes a scene.
 
     The digest is over all ``.py`` files of the package `mpm_warp`, and over the file that defines
     the scene where that is elsewhere. It is worked out once a process, in some 10 ms: a process

@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         command = getattr(importlib.import_module(f"harness.cli.{module}"), function)
         code: int = command(options)
     except BrokenPipeError:
-        # Whoever read the output has gone, as in `harness run ... | head`: nobody is to be told.
+        # The reader of the output has gone, as in `harness run ... | head`: no message is needed.
         null = os.open(os.devnull, os.O_WRONLY)
         for stream in (sys.stdout, sys.stderr):
             os.dup2(null, stream.fileno())

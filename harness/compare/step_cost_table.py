@@ -40,9 +40,7 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     dims = case_dims(dataset)
     cases = dataset.stack(it=dims) if dims else dataset.expand_dims("it")
     completed = cases.isel(it=np.flatnonzero(cases.status.values == COMPLETED))
-    rates = [name for name in completed.data_vars if str(name).startswith("update_rate")]
-    millions = completed.assign({name: completed[name] / 1e6 for name in rates})
-    each = [millions.isel(it=place) for place in range(completed.sizes["it"])]
+    each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
     tables = [_by_size(title, text, each, dims) for title, text in TABLES.items()]
     rows = [line for table in tables if table for line in (*table, "")]
     return [*rows, *_stage_rows(completed)] if "stage_time" in completed else rows[:-1]
@@ -54,6 +52,7 @@ def _by_size(title: str, text: str, cases: Sequence[xr.Dataset], dims: Sequence[
     table: dict[str, dict[int, str]] = {}
     for case in cases:
         values = {name: case[name].item() if name in case else np.nan for name in names}
+        values |= {name: values[name] / 1e6 for name in names if name.startswith("update_rate")}
         if np.isfinite(values[names[0]]):
             others = ", ".join(f"{name} {case[name].item()}" for name in dims if name != "size")
             table.setdefault(others, {})[int(case["size"].item())] = text.format(**values)

@@ -95,7 +95,7 @@ class ConeFactor:
     def applies(self, conditions: Conditions) -> Quantity:
         """Whether `conditions` lie within the :attr:`validity`, element by element.
 
-        Criterion and meaning of su may differ: see :attr:`criterion`.
+        The yield criterion and the meaning of su, which :attr:`criterion` tells, are not checked.
         """
         low, high = self.rigidity_index_range
         inside = (

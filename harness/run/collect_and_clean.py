@@ -1,4 +1,4 @@
-"""The results of a study looked after: how its cases stand, one dataset of them, what is left."""
+"""Looks after the results of a study: status of its cases, collected dataset, files to remove."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ Parameters = Mapping[str, Value | None]
 
 
 def check_begun(study: Study, out: Path) -> None:
-    """Refuse a study of which no case has a file: there is nothing to collect.
+    """Check that at least one case of a study has a file, so that there is something to collect.
 
     Raises:
-        ArchiveError: none has.
+        ArchiveError: no case has one.
     """
     folder = case_folder(out, study)
     if not any(case_file(folder, case).exists() for case in study.cases):
@@ -89,12 +89,12 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
 def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
     """Say in one line how many results were computed by other sources of the simulator.
 
-    A result belongs to a case of the same scene, of the same version, with the same parameters; so
-    a raised version of a scene has all its cases run anew. Sources may also change while the
-    version stays: a kernel is edited, or a comment. What that does to the numbers nobody can tell,
-    so nothing is computed again unasked, and nothing is handed on in silence: results are kept, and
-    this line says so until ``run --fresh`` has computed them anew. A result whose file does not say
-    by which sources it was computed counts among these.
+    A stored result belongs to a case with the same scene, scene version and parameters. Raising the
+    version of a scene therefore computes all its cases anew. The sources may also change while the
+    version stays the same, because a kernel was edited, or only a comment. The harness cannot know
+    whether the numbers change. It keeps such results and prints this line with every `run`,
+    `status` and `collect`, until ``run --fresh`` has computed them anew. A result whose file does
+    not say by which sources it was computed counts as computed by other ones.
     """
     digests = {part.name: sources_digest(part.scene) for part in study.parts}
     completed = [
@@ -135,10 +135,10 @@ def counted(count: int, noun: str) -> str:
 
 
 def leftovers(study: Study, out: Path) -> dict[Path, str]:
-    """Files that are no results of the study as it is now, and what they are.
+    """Files that do not belong to the study as it is now, with a description of each.
 
-    These are damaged files, results of cases that the study does not have (with other parameters,
-    or of another version of the simulator), and what processes that were killed left half-written.
+    They are damaged files, results of cases that the study does not have (with other parameters,
+    or of another version of the scene), and files that a killed process left half-written.
     """
     folder = case_folder(out, study)
     found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
@@ -153,7 +153,7 @@ def leftovers(study: Study, out: Path) -> dict[Path, str]:
 
 
 def _stranger(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
-    """What a file in the folder of a study's cases is whose name is the key of none.
+    """Describe a file in the folder of a study's cases that belongs to none of these cases.
 
     Args:
         path: the file.

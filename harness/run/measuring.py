@@ -29,7 +29,11 @@ class Measurement:
         return time.perf_counter() - self._started - idle_time
 
     def variables(self, idle_time: float = 0.0) -> dict[str, xr.Variable]:
-        """What was measured up to now, as variables of a case's dataset; see :meth:`seconds`."""
+        """What was measured up to now, as variables of a case's dataset.
+
+        Args:
+            idle_time: time for which the case stood still [s], left out of its time.
+        """
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {
             "case_time": case_time(self.seconds(idle_time)),

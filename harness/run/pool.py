@@ -47,7 +47,7 @@ def run_cases(
 ) -> None:
     """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
 
-    Whatever becomes of a case, the others go on. An exception, such as Ctrl-C raises, ends the
+    A case that fails does not stop the others. An exception, such as that of Ctrl-C, ends the
     workers; the results so far are kept. A case that another run has completed meanwhile is not
     run again.
 
@@ -68,7 +68,7 @@ def run_cases(
     Raises:
         ArchiveError: a result cannot be written.
     """
-    # Starting this helper of multiprocessing lets signals through that are held; so it comes first.
+    # Starting this process of multiprocessing unblocks signals that are held: it must come first.
     resource_tracker.ensure_running()
     waiting = deque(cases)
     alone: deque[Case] = deque()
@@ -94,7 +94,7 @@ def run_cases(
             if isinstance(news, float):
                 watcher.advanced(case, news)
             elif news.status == MISSING:
-                raise ArchiveError(news.message)  # of no use to compute what is not kept
+                raise ArchiveError(news.message)  # results that cannot be kept need not be computed
             else:
                 watcher.finished(case, news)
 
@@ -103,7 +103,7 @@ def run_cases(
             while len(workers) < worker_count and (following := next_cases()):
                 workers.append(WorkerProcess(folder, device, repeats))
                 ready.append((workers[-1], following))
-            # A case may take long to its first report, and is told of its threads no sooner.
+            # A worker takes the number of threads with its first report, which may come late.
             for worker in workers:
                 worker.allow(threads or share_of_cores(len(workers)))
             for worker, following in ready:

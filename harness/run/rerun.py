@@ -54,7 +54,7 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
 
 
 def _case(path: Path, dataset: xr.Dataset) -> Case:
-    """What is to be run for a result, which is as the file of a case has it or a cell of many."""
+    """The case of a result that comes from the file of a case, or from a collected dataset."""
     try:
         scene, key = str(dataset.attrs["scene"]), str(dataset.attrs["case_key"])
         version = int(dataset.attrs["scene_version"])
@@ -62,7 +62,7 @@ def _case(path: Path, dataset: xr.Dataset) -> Case:
     except (KeyError, TypeError, ValueError):
         raise _incomplete(path, "scene, scene_version or status") from None
     known = scene_class(scene)
-    if version != known.version:  # whose parameters may be others
+    if version != known.version:  # its parameters may be others
         raise ArchiveError(
             f"{path}: was computed by version {version} of {scene}, "
             f"this simulator has version {known.version}"
@@ -116,7 +116,7 @@ def _status(dataset: xr.Dataset) -> str:
 
 
 def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
-    """A case of a collected dataset, with what is said of it alone as attributes."""
+    """A case of a collected dataset; what the dataset says of each case becomes an attribute."""
     keys = dataset.case_key
     places = np.argwhere(keys.values == key)
     if key is None or not len(places):
@@ -144,7 +144,7 @@ def _parameters_of_cell(
 
 
 def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
-    """The case as its own file had it: without padding, each number in its own type."""
+    """A case of a collected dataset as its own file had it: no padding, each number in its type."""
     variables = {}
     for name, array in again.variables.items():
         of_scene = f"{cell.attrs['scene']}_{name}"

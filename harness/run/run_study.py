@@ -36,7 +36,7 @@ def on_this_machine(
     """How to run the cases of a study in worker processes here.
 
     Args:
-        study: where it asks for timed runs, or its scenes measure the machine, one process runs
+        study: if it asks for timed runs, or its scenes measure the machine, one process runs
             alone.
         worker_count: processes at work; None: as many as there are cores for their threads.
         time_limit: time that a case may take [s].

@@ -103,10 +103,10 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
 
 
 def verify(check: Check) -> Verified:
-    """Run a check; a run that ends with an exception is a result, not a number, with a message.
+    """Run a check; the results of a run that ends with an exception are not a number.
 
-    Of several resolutions the coarsest is run once beforehand, so that no run time holds a first
-    start.
+    Of several resolutions the coarsest is run once more before the others, so that no run time
+    includes the compilation of kernels.
     """
     scene = scene_class(check.scene)
     verification = check.verification

@@ -1,4 +1,4 @@
-"""What a worker process does: it runs one case after the other, and keeps each result itself."""
+"""What a worker process does: it runs cases one after the other and writes their files."""
 
 from __future__ import annotations
 
@@ -103,10 +103,10 @@ def run_case(
 def serve(connection: Connection, folder: Path, device: str, repeats: int) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
-    A tuple of cases is run together. A number that comes instead, before cases or during them, is
-    that of the threads to use from then on. Sent back are pairs of the number of a case in its
-    tuple and a fraction done, 0 as the cases begin, or in the end an :class:`Outcome`. To be called
-    first thing in a fresh process, whose signals it makes its own.
+    The parent sends tuples of cases, which are run together, and numbers of threads, which hold
+    from then on, also while cases run. The worker sends pairs: the number of a case in its tuple,
+    and the fraction done (0 when the cases begin) or, at the end, the :class:`Outcome`. To be
+    called first in a fresh process, because it sets how the process reacts to signals.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

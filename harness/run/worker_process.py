@@ -46,11 +46,11 @@ class WorkerProcess:
         self.process = _PROCESSES.Process(
             target=serve, args=(theirs, folder, device, repeats), daemon=True
         )
-        # Inherited by the worker, whose libraries load with one thread; those here have loaded.
+        # The worker inherits this before its libraries load; those of this process have.
         os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
-        with _interrupts_held():  # the worker inherits that and never sees a SIGINT
+        with _interrupts_held():  # the worker inherits the mask and never sees a SIGINT
             self.process.start()
-        # With this copy closed, the death of the worker reads as an end of file.
+        # With this copy closed, the end of the worker reads as an end of file.
         theirs.close()
 
     def begin(self, cases: Sequence[Case]) -> None:
@@ -81,7 +81,7 @@ class WorkerProcess:
         return time.monotonic() >= self.deadline(time_limit)
 
     def news(self, time_limit: float) -> list[tuple[Case, float | Outcome]]:
-        """What the worker has to say, or what became of its cases."""
+        """What the worker has sent, or how its cases ended."""
         if not self.connection.poll():
             assert self.is_late(time_limit)
             end_all([self])
@@ -103,12 +103,12 @@ class WorkerProcess:
         return [(case, news)]
 
     def _lost(self, status: str, end: str) -> list[tuple[Case, float | Outcome]]:
-        """Note what became of the cases of a worker that is no more, but not of all of many."""
+        """How the cases of a dead worker ended; of several, those not done are run again."""
         self.is_at_work = False
         news: list[tuple[Case, float | Outcome]] = []
         for number, case in list(self.left.items()):
             if is_complete(self.folder, case, self.repeats):
-                outcome = Outcome(COMPLETED)  # it came to write the result, not to tell of it
+                outcome = Outcome(COMPLETED)  # it wrote the result, and died before it could say so
             elif len(self.given) == 1:
                 seconds = max(0.0, time.monotonic() - self.began)
                 message = f"{end}, at {self.fraction:.0%} of the case"
@@ -142,8 +142,8 @@ def end_all(workers: Sequence[WorkerProcess]) -> None:
 def _interrupts_held() -> Iterator[None]:
     """Let Ctrl-C and SIGTERM wait until the block is over.
 
-    Python's own handlers are put off, because any thread may be handed a signal of the process,
-    one of a numerical library too. SIGINT is blocked besides, which a worker inherits.
+    Python's handlers are replaced, because any thread may receive a signal of the process, also a
+    thread of a numerical library. SIGINT is blocked as well, and a worker inherits that.
     """
     came: list[int] = []
     handlers = {

@@ -1,4 +1,4 @@
-"""From a study to its cases. A case is named by the hash of all that decides its numbers."""
+"""From a study to its cases. The key of a case is a hash of everything its numbers depend on."""
 
 from __future__ import annotations
 
