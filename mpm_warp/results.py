@@ -70,6 +70,17 @@ def labelled(
 
     What is called ``x_exact`` is the exact value of ``x`` and has that role.
     """
+    return _labelled(quantities, dims, role)
+
+
+def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
+    """Curves over one axis, which is called `axis` and has the `places`."""
+    return xr.Dataset(_labelled(quantities, (axis,)), coords=_labelled({axis: places}, (axis,)))
+
+
+def _labelled(
+    quantities: Mapping[str, Quantity], dims: tuple[str, ...], role: str | None = None
+) -> dict[str, xr.Variable]:
     return {
         name: variable(
             value,
@@ -82,12 +93,6 @@ def labelled(
         )
         for name, (value, unit, meaning, *description) in quantities.items()
     }
-
-
-def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
-    """Curves over one axis, which is called `axis` and has the `places`."""
-    coordinate = labelled(dims=(axis,), **{axis: places})
-    return xr.Dataset(labelled(dims=(axis,), **quantities), coords=coordinate)
 
 
 def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:

@@ -55,8 +55,8 @@ class LoadCurve:
         """The limit beside the exact one, over area and su, which comes from a source."""
         error = abs(self.limit / exact - 1)
         plateau = (
-            f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes there "
-            f"by at most {PLATEAU_CHANGE:.0%}; else not a number"
+            f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes "
+            f"there by at most {PLATEAU_CHANGE:.0%}; else not a number"
         )
         return labelled(
             role="headline",
