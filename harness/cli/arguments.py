@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from harness.cli.exit_codes import BAD_INPUT
-
-THREAD_COUNTS = (1, 2, 4)
-"""Those of the simulator, for which the help is not to wait."""
+from mpm_warp.execution import THREAD_COUNTS
 
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]

@@ -18,7 +18,7 @@ from harness.cli.result_commands import list_misses, show
 from harness.compare.step_cost_table import bench_rows
 from harness.errors import HarnessError, tell
 from harness.pictures.work_precision import draw_work_precision
-from harness.run.device import check_device, start_warp_in_silence
+from harness.run.device import check_device
 from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.run_study import on_cluster, on_this_machine, run_study
@@ -92,7 +92,6 @@ def bench(options: argparse.Namespace) -> int:
 def verify_scenes(options: argparse.Namespace) -> int:
     """Hold scenes against their exact solutions."""
     checks = checks_of(options.scene, extreme=options.extreme)
-    start_warp_in_silence()
     if options.out is not None:
         prepare(options.out)
     lines, results = [heading()], []

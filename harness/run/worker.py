@@ -19,7 +19,6 @@ from harness.archive.conventions import COMPLETED, MISSING, Role, spoken, with_r
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
-from harness.run.device import start_warp_in_silence
 from harness.run.measuring import Measurement, with_samples, without_idle_time
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
@@ -112,7 +111,6 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
-    start_warp_in_silence()
 
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)

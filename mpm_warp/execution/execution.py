@@ -5,9 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import warp as wp
+
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
+
+
+def device_names() -> list[str]:
+    """Names of the devices of this machine: "cpu", and "cuda:0" and so on for GPUs."""
+    return [str(device.alias) for device in wp.get_devices()]
 
 
 class Steps(Protocol):

@@ -121,7 +121,9 @@ def test_all_parameters_are_in_the_study(folder: Path, small: Study) -> None:
     assert dataset.rigidity_index.item() == 100
     assert dataset.undrained_shear_strength.attrs["units"] == "Pa"
     assert dataset.material.item() == "tresca"
-    assert np.isnan(dataset.shaft_adhesion_factor.item())
+    # A default that is derived is stored as what was used: the adhesion factor of the face.
+    shaft = dataset.shaft_adhesion_factor
+    np.testing.assert_array_equal(shaft, dataset.adhesion_factor.broadcast_like(shaft))
     assert dataset.penetration_parameter.item() == 1  # `penetration` is a coordinate of the scene
     assert all("long_name" in variable.attrs for variable in dataset.variables.values())
 

@@ -10,11 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli import arguments
 from harness.cli.main import COMMANDS, main
 from harness.study.files import study_names
 from harness.study.study import load_study
-from mpm_warp.execution import execution
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -71,7 +69,3 @@ def test_every_command_that_has_help_can_be_loaded() -> None:
     for place in COMMANDS.values():
         module, function = place.split(".")
         assert callable(getattr(importlib.import_module(f"harness.cli.{module}"), function))
-
-
-def test_threads_are_those_of_the_simulator() -> None:
-    assert arguments.THREAD_COUNTS == execution.THREAD_COUNTS

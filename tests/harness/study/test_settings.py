@@ -57,9 +57,11 @@ def test_a_setting_holds_in_every_case_of_a_list(tmp_path: Path) -> None:
     assert [case.label for case in cases] == ["rigidity_index=50.0", "rigidity_index=70.0"]
 
 
-def test_cases_of_a_list_that_a_setting_makes_alike_are_one() -> None:
-    cases = load_study("contact_surface", ["cells_per_radius=1"]).cases
-    assert values(cases, "contact_surface", "cells_per_radius") == [("fitted", 1), ("points", 1)]
+def test_cases_of_a_list_that_a_setting_makes_alike_are_one(tmp_path: Path) -> None:
+    cases = study(
+        tmp_path, LISTED, "rigidity_index=60", "cells_per_radius=1", "adhesion_factor=0"
+    ).cases
+    assert values(cases, "rigidity_index", "cells_per_radius") == [(60, 1)]
 
 
 @pytest.mark.parametrize("value", ["[50, 60]", "{from = 50, to = 60, count = 2}"])
