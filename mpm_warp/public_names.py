@@ -1,47 +1,46 @@
 """The names that `mpm_warp` offers: each is imported from here when it is first asked for."""
 
-from mpm_warp.errors import InaccurateRun as InaccurateRun
-from mpm_warp.errors import ParameterError as ParameterError
-from mpm_warp.errors import SceneError as SceneError
-from mpm_warp.errors import SimulationDiverged as SimulationDiverged
-from mpm_warp.errors import UnknownSceneError as UnknownSceneError
-from mpm_warp.errors import WindowOverfull as WindowOverfull
-from mpm_warp.execution.batch import Batch as Batch
-from mpm_warp.execution.execution import Execution as Execution
-from mpm_warp.grid.fitted import Grid as Grid
-from mpm_warp.grid.polar import PolarGrid as PolarGrid
-from mpm_warp.materials.linear_elastic import LinearElastic as LinearElastic
-from mpm_warp.materials.tresca import Tresca as Tresca
-from mpm_warp.materials.von_mises import VonMises as VonMises
-from mpm_warp.parts.contact import SurfaceContact as SurfaceContact
-from mpm_warp.parts.damping import Damping as Damping
-from mpm_warp.parts.far_field import FarField as FarField
-from mpm_warp.parts.fixed import Fixed as Fixed
-from mpm_warp.parts.gravity import Gravity as Gravity
-from mpm_warp.parts.moving_wall import MovingWall as MovingWall
-from mpm_warp.parts.nodal_load import NodalLoad as NodalLoad
-from mpm_warp.parts.window import Approach as Approach
-from mpm_warp.parts.window import Window as Window
-from mpm_warp.scene import Scene as Scene
-from mpm_warp.scenes.bars.stretched_bar import StretchedBar as StretchedBar
-from mpm_warp.scenes.bearing.cone_bearing import ConeBearing as ConeBearing
-from mpm_warp.scenes.bearing.footings import CircularFooting as CircularFooting
-from mpm_warp.scenes.bearing.footings import StripFooting as StripFooting
-from mpm_warp.scenes.benchmark.step_cost import StepCost as StepCost
-from mpm_warp.scenes.blocks.flying_block import FlyingBlock as FlyingBlock
-from mpm_warp.scenes.blocks.sliding_block import SlidingBlock as SlidingBlock
-from mpm_warp.scenes.catalogue import CatalogueScene as CatalogueScene
-from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder as CavityCylinder
-from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere as CavitySphere
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration as ConePenetration
-from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar as ConeSelfSimilar
-from mpm_warp.scenes.discovery import scene_class as scene_class
-from mpm_warp.scenes.discovery import scene_names as scene_names
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn as GravityColumn
-from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder as ThickCylinder
-from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder as FullFlowCylinder
-from mpm_warp.scenes.impact.struck_bar import StruckBar as StruckBar
-from mpm_warp.scenes.impact.struck_column import StruckColumn as StruckColumn
-from mpm_warp.scenes.material.material_point import MaterialPoint as MaterialPoint
-from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave as ElasticColumnWave
-from mpm_warp.simulation import Simulation as Simulation
+from mpm_warp.errors import (
+    InaccurateRun,
+    ParameterError,
+    SceneError,
+    SimulationDiverged,
+    UnknownSceneError,
+    WindowOverfull,
+)
+from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.execution import Execution
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.von_mises import VonMises
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.gravity import Gravity
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.window import Approach, Window
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bars.stretched_bar import StretchedBar
+from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
+from mpm_warp.scenes.bearing.footings import CircularFooting, StripFooting
+from mpm_warp.scenes.benchmark.step_cost import StepCost
+from mpm_warp.scenes.blocks.flying_block import FlyingBlock
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
+from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
+from mpm_warp.scenes.discovery import scene_class, scene_names
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
+from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder
+from mpm_warp.scenes.impact.struck_bar import StruckBar
+from mpm_warp.scenes.impact.struck_column import StruckColumn
+from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
+from mpm_warp.simulation import Simulation

@@ -121,24 +121,3 @@ def _stored(value: Value | None, definition: Parameter) -> Value:
     if value is None:
         return "" if definition.kind is str else np.nan
     return value
-
-
-COSTS = {
-    "run_time": ("s", "wall-clock time of the time loop", "measured"),
-    "setup_time": ("s", "wall-clock time to set up", "measured"),
-    "compile_time": ("s", "wall-clock time to compile or load kernels", "measured"),
-    "time_step": ("s", "time step, the last one", None),
-    "step_count": ("1", "time steps", None),
-    "particle_count": ("1", "material points at the start", None),
-    "particle_updates": ("1", "material points times steps", None),
-}
-"""Unit, meaning and role of what tells the time and work of a run."""
-
-
-def costs(**values: float) -> Mapping[str, xr.Variable]:
-    """Time and work of a run, by the names of `COSTS`, as variables of its dataset."""
-    return {
-        name: variable(value, unit=unit, meaning=meaning, role=role)
-        for name, value in values.items()
-        for unit, meaning, role in [COSTS[name]]
-    }

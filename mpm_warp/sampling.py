@@ -11,7 +11,7 @@ import xarray as xr
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.results import costs
+from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -100,14 +100,16 @@ def soil_scene(simulation: Simulation) -> Scene:
 
 def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:
     """Time and work of a simulation from its first step until now."""
-    return costs(
-        run_time=simulation.run_time,
-        setup_time=simulation.setup_time,
-        compile_time=simulation.compile_time,
-        time_step=simulation.plan.time_step,
-        step_count=simulation.step_count,
-        particle_count=simulation.plan.particle_count,
-        particle_updates=simulation.particle_updates,
+    return labelled(
+        role="measured",
+        run_time=(simulation.run_time, "s", "wall-clock time of the time loop"),
+        setup_time=(simulation.setup_time, "s", "wall-clock time to set up"),
+        compile_time=(simulation.compile_time, "s", "wall-clock time to compile or load kernels"),
+    ) | labelled(
+        time_step=(simulation.plan.time_step, "s", "time step, the last one"),
+        step_count=(simulation.step_count, "1", "time steps"),
+        particle_count=(simulation.plan.particle_count, "1", "material points at the start"),
+        particle_updates=(simulation.particle_updates, "1", "material points times steps"),
     )
 
 
