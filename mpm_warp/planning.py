@@ -65,11 +65,7 @@ def make_soil_plan(
     )
     add_particles_to_grid(plan, grid, has_empty_slots=window is not None)
     add_cell_stress(
-        plan,
-        grid,
-        material,
-        bulk_viscosity=scene.bulk_viscosity,
-        free_surface=scene.free_surface,
+        plan, grid, material, bulk_viscosity=scene.bulk_viscosity, free_surface=scene.free_surface
     )
     add_momentum(plan, grid, material, corrected=scene.has_mass_matrix_correction)
     for part in scene.node_actions:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import TracebackType
+from contextlib import AbstractContextManager
 from typing import TextIO
 
 from tqdm import tqdm
@@ -11,7 +11,7 @@ from harness.archive.case_files import Outcome
 from harness.study.cases import Case
 
 
-class Display:
+class Display(AbstractContextManager["Display"]):
     """Shows cases as they run; a context that leaves the terminal's line clean.
 
     Args:
@@ -35,15 +35,7 @@ class Display:
             bar_format="{bar:24} {desc}{remaining} left",
         )
 
-    def __enter__(self) -> Display:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.bar.close()
 
     def advanced(self, case: Case, fraction: float) -> None:

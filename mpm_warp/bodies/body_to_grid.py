@@ -46,10 +46,7 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     plan.add_array("field.held", "int", held)
     plan.add_zeros("field.inverse_mass", "real", scene.field_shape)
     plan.add_zeros("field.velocity", "vec2", scene.field_shape)
-    plan.add_launch(
-        make_body_prediction(plan.precision),
-        scene.field_shape,
-    )
+    plan.add_launch(make_body_prediction(plan.precision), scene.field_shape)
 
 
 def _held_nodes(body: Body, grid: UniformGrid) -> Integers:

@@ -28,11 +28,7 @@ FAR = -1e30
 
 
 def add_contact_detection(
-    plan: Plan,
-    contact: str,
-    pair: tuple[int, int],
-    bodies: Sequence[Body],
-    grid: UniformGrid,
+    plan: Plan, contact: str, pair: tuple[int, int], bodies: Sequence[Body], grid: UniformGrid
 ) -> tuple[str, str, str]:
     """Find where a body touches its base, after the velocities that each has alone are known.
 

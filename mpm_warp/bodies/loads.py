@@ -61,9 +61,7 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
     plan.add_zeros("load.time", "real", 1)
     plan.add_zeros("particle.load", "vec2", plan.particle_count)
     plan.add_launch(
-        make_body_loads(plan.precision),
-        plan.particle_count,
-        half_step=0.5 * plan.time_step,
+        make_body_loads(plan.precision), plan.particle_count, half_step=0.5 * plan.time_step
     )
 
 

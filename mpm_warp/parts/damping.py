@@ -32,9 +32,7 @@ class Damping:
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over all nodes."""
         plan.add_launch(
-            _make_damping(plan.precision),
-            setting.grid.node_count,
-            drag=self.rate * plan.time_step,
+            _make_damping(plan.precision), setting.grid.node_count, drag=self.rate * plan.time_step
         )
 
 
