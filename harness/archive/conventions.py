@@ -37,12 +37,10 @@ from mpm_warp.scenes import scene_class, scene_names
 FORMAT_VERSION = 1
 """Version of the layout of case files and study files alike."""
 
-COMPLETED = "completed"
-MISSING = "missing"
-CRASHED = "crashed"
-TIMED_OUT = "timed_out"
-DAMAGED = "damaged"
-UNTIMED = "untimed"
+COMPLETED, UNTIMED = "completed", "untimed"
+CRASHED, TIMED_OUT = "crashed", "timed_out"
+MISSING, DAMAGED = "missing", "damaged"
+"""Statuses of cases that the harness itself gives; a scene's errors name others."""
 
 
 class Role(StrEnum):

@@ -58,11 +58,10 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
             "an error and a run_time, nor a map of its stability"
         )
     folder.mkdir(parents=True, exist_ok=True)
-    stem = folder / dataset.attrs["study"]
-    paths = {name: Path(f"{stem}_{name}.png") for name in shown}
-    for name, figure in shown.items():
-        write_whole(png(figure), paths[name])
-    return list(paths.values())
+    paths = [folder / f"{dataset.attrs['study']}_{name}.png" for name in shown]
+    for path, figure in zip(paths, shown.values(), strict=True):
+        write_whole(png(figure), path)
+    return paths
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:

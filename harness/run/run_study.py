@@ -119,8 +119,8 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     pending = _pending(study, stand, folder)
     done_count = len(study.cases) - len(pending)
     tell(f"{study.name}: {results.counted(len(study.cases), 'case')}, {done_count} done already")
-    results.tell_of_other_sources(study, stand)
     try:
+        results.tell_of_other_sources(study, stand)
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError, OSError) as error:
