@@ -169,10 +169,11 @@ def test_clean_says_what_each_file_is(
     assert told.pop(str(damaged)).startswith("cannot be read: ")
     stranger = "no case of this study: cone_penetration version"
     version = second.scene_version
+    of_second = "adhesion_factor=0.5, shaft_adhesion_factor=0.5"
     assert told == {
         str(copy): f"a copy of case {second.key}",
-        str(older): f"{stranger} 0, completed: adhesion_factor=0.5",
-        str(stiff): f"{stranger} {version}, completed: rigidity_index=50.0, adhesion_factor=0.5",
+        str(older): f"{stranger} 0, completed: {of_second}",
+        str(stiff): f"{stranger} {version}, completed: rigidity_index=50.0, {of_second}",
     }
 
 
