@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
-PAGES = sorted(path for folder in (".", "[!.]*") for path in ROOT.glob(f"{folder}/*.md"))
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
 
 
 def blocks(page: Path) -> list[str]:
