@@ -23,7 +23,7 @@ class StruckColumn(Impact):
     """Soil that falls on its base all at once; its top leaves cells behind as it comes down."""
 
     summary: ClassVar[str] = "column that strikes its base at half its wave speed; shock relations"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     modulus: ClassVar[float] = 1e7
     density: ClassVar[float] = 1700.0
 

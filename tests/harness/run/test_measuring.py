@@ -75,7 +75,7 @@ def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
 def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
     """A worker that kept the arrays of each case would grow by their size each time."""
     case_count, warm = 60, 10
-    scene = GravityColumn(cell_count=200).simulated_scene()
+    scene = GravityColumn(cell_count=200).build()
     assert scene is not None
     arrays = sum(array.byte_count for array in make_plan(scene).arrays.values())
     cases = [
