@@ -11,11 +11,12 @@ from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
-from harness.archive.conventions import COMPLETED, MISSING, Role, spoken, with_role
+from harness.archive.conventions import COMPLETED, MISSING, UNFINISHED, Role, spoken, with_role
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
@@ -36,7 +37,8 @@ class Result:
 
     Attributes:
         outcome: how it ended.
-        dataset: what the scene returned, if it completed; what it cost and where it was computed.
+        dataset: what the scene returned, or had computed up to its error; what it cost and where it
+            was computed.
     """
 
     outcome: Outcome
@@ -65,13 +67,20 @@ def compute(
     status, message = COMPLETED, ""
     try:
         dataset = _run(case, progress, execution, repeats)
+        if (missing := _without_headline(dataset)) is not None:
+            status, message = UNFINISHED, missing
     except Exception as error:
         curves = getattr(error, "curves", None)
         dataset = xr.Dataset() if curves is None else curves
-        status = getattr(error, "status", "failed")
-        message = in_one_line(error)
-    headlines = [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
-    headline = ", ".join(f"{spoken(name)} {dataset[name].item():.4g}" for name in headlines)
+        status = getattr(error, "status", "")
+        # What a scene has a status for speaks for itself; anything else needs the name of its type.
+        message = " ".join(str(error).split()) if status else in_one_line(error)
+        status = status or "failed"
+    headline = ", ".join(
+        f"{spoken(name)} {dataset[name].item():.4g}"
+        for name in _headlines(dataset)
+        if status == COMPLETED
+    )
     idle_time = execution.idle_time
     dataset = without_idle_time(dataset, idle_time)
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
@@ -135,6 +144,21 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
                 execution = batch = Batch(device, threads)
                 batch.run([partial(run, *it, batch) for it in enumerate(message)])
             threads = execution.threads
+
+
+def _headlines(dataset: xr.Dataset) -> list[str]:
+    return [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
+
+
+def _without_headline(dataset: xr.Dataset) -> str | None:
+    """Why a dataset is no result, where the scalar that its scene is run for is not finite."""
+    for name in _headlines(dataset):
+        if not np.isfinite(dataset[name].item()):
+            return (
+                f"{spoken(name)} is not a finite number: the run was too short for it, or the "
+                "scene has none for these parameters; try a longer run"
+            )
+    return None
 
 
 def _run(case: Case, progress: Progress | None, execution: Execution, repeats: int) -> xr.Dataset:

@@ -113,6 +113,7 @@ class CatalogueScene(ABC):
             mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was
                 recorded up to there.
             mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
+            mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
         """
         with _reporter(progress, self.catalogue_name()) as report:
             results = self.compute(report, execution)
