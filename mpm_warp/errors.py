@@ -54,10 +54,24 @@ class InaccurateRun(RuntimeError):
     """The run came to its end, but its result is not to be relied on.
 
     Attributes:
-        curves: what was sampled.
+        curves: what was computed, scalars included.
     """
 
     status = "inaccurate"
+
+    def __init__(self, message: str, curves: xarray.Dataset) -> None:
+        super().__init__(message)
+        self.curves = curves
+
+
+class UnfinishedRun(RuntimeError):
+    """The run came to its end before what it is for: the message says what a longer one needs.
+
+    Attributes:
+        curves: what was computed, scalars included.
+    """
+
+    status = "unfinished"
 
     def __init__(self, message: str, curves: xarray.Dataset) -> None:
         super().__init__(message)

@@ -5,6 +5,7 @@ from mpm_warp.errors import (
     ParameterError,
     SceneError,
     SimulationDiverged,
+    UnfinishedRun,
     UnknownSceneError,
     WindowOverfull,
 )

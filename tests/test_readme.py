@@ -37,7 +37,8 @@ def run(*arguments: str, folder: Path) -> str:
 
 def test_its_python_runs(tmp_path: Path) -> None:
     # The main job, coarse and short: the names and dims of its result are those of the full one.
-    settings = ("--set", "cells_per_radius=1", "--set", "penetration=1")
+    short = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
+    settings = [word for setting in short for word in ("--set", setting)]
     run("-m", "harness", "run", "adhesion_factor", *settings, folder=tmp_path)
     from_python, from_file = (run("-c", block, folder=tmp_path) for block in blocks(README))
     assert f"`{from_python.strip()}`" in README.read_text()

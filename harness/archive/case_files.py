@@ -29,9 +29,9 @@ class Outcome:
 
     Attributes:
         status: ``completed``; ``refused``, by its scene before it began; ``diverged``,
-            ``inaccurate``, ``failed``, ``crashed``, ``timed_out``; ``missing`` where there is no
-            file, ``damaged`` where the file is of no use, ``untimed`` where it completed without
-            the timed runs that its study asks for.
+            ``inaccurate``, ``unfinished``, ``failed``, ``crashed``, ``timed_out``; ``missing``
+            where there is no file, ``damaged`` where the file is of no use, ``untimed`` where it
+            completed without the timed runs that its study asks for.
         message: why it did not complete, one line.
         headline: name and value of the scalar that the scene is run for.
         seconds: time that the case took in all.

@@ -6,7 +6,7 @@ varies is a coordinate along these dims. A variable's attribute ``role`` says wh
 harness, which knows no other names of results than those below.
 
 =============  =====================================================================================
-``headline``   the scalar that the scene is run for
+``headline``   the scalar that the scene is run for; without a finite one no case is `completed`
 ``exact``      an exact value or curve; the attribute ``exact_of`` names the variable it belongs to
 ``error``      a scalar error against an exact solution
 ``measured``   a time, a speed or an amount of memory: it differs from run to run
@@ -39,6 +39,7 @@ FORMAT_VERSION = 1
 
 COMPLETED, UNTIMED = "completed", "untimed"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
+UNFINISHED = "unfinished"
 MISSING, DAMAGED = "missing", "damaged"
 """Statuses of cases that the harness itself gives; a scene's errors name others."""
 

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from harness.cli.exit_codes import BAD_INPUT
 from mpm_warp.execution import THREAD_COUNTS
 
+UNITS = {"K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+"""First letters of units of memory, in bytes."""
+
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]
 
@@ -57,7 +60,14 @@ def make_parser() -> argparse.ArgumentParser:
         type=_number("a number > 0", lambda number: number > 0),
         default=math.inf,
         metavar="SECONDS",
-        help="end a case that takes longer; default: none is ended",
+        help="end a case that computes for longer; default: none is ended",
+    )
+    run.add_argument(
+        "--memory-limit",
+        type=_bytes,
+        metavar="SIZE",
+        help="memory that the cases at work may take together, as 8e9 or 8GB; one that needs more "
+        "than its share is refused; default: most of this machine's",
     )
 
     status = commands.add_parser("status", help="list how the cases of a study stand")
@@ -182,6 +192,20 @@ def _number(meaning: str, holds: Callable[[float], bool]) -> Callable[[str], flo
         return number
 
     return read
+
+
+def _bytes(text: str) -> float:
+    """A size in bytes, or with a decimal unit."""
+    number, unit = text.upper().removesuffix("B"), 1.0
+    if text.upper().endswith("B") and number[-1:] in UNITS:
+        number, unit = number[:-1], UNITS[number[-1]]
+    try:
+        size = float(number) * unit
+    except ValueError:
+        size = math.nan
+    if not 0 < size < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 8e9 or 8GB")
+    return size
 
 
 def _page(text: str) -> Path:

@@ -32,10 +32,11 @@ def run(options: argparse.Namespace) -> int:
     if options.dask is not None and options.case_timeout < math.inf:
         raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
     if options.dask is not None and (
-        options.threads or options.device != "cpu" or options.batch > 1
+        options.threads or options.device != "cpu" or options.batch > 1 or options.memory_limit
     ):
         raise HarnessError(
-            "--threads, --device and --batch are of this machine; leave them out with --dask"
+            "--threads, --device, --batch and --memory-limit are of this machine; leave them out "
+            "with --dask"
         )
     study = load_study(options.study, options.set)
     _ = study.cases  # what is wrong with them is told before anything is started
@@ -47,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
             device=options.device,
             threads=options.threads,
             batch=options.batch,
+            memory_limit=options.memory_limit,
         )
         if options.dask is None
         else on_cluster(study, options.dask)

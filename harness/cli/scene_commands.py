@@ -6,6 +6,7 @@ import argparse
 import json
 
 from harness.cli.exit_codes import DONE
+from harness.run.limits import UPDATE_RATE
 from harness.study.files import study_names
 from harness.study.schema import study_schema
 from harness.study.study import load_study
@@ -13,9 +14,6 @@ from mpm_warp.parameters import parameters_of
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scenes import scene_class, scene_names
-
-UPDATE_RATE = 20e6
-"""Particle updates a second on one thread, as `harness bench` measures them."""
 
 
 def list_names(options: argparse.Namespace) -> int:

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
-from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT, UNFINISHED
 from harness.pictures.stability import Values, limit_label
 from harness.pictures.stability_shares import SHARE_HEADING, Shares, share_row, shares
 from harness.pictures.stability_strips import STRIP_HEADING, Strip, strip_row, strips
@@ -26,6 +26,7 @@ from harness.study.designs import ONE_AT_A_TIME
 STATUSES = {
     COMPLETED: ("o", "#009E73"),
     "inaccurate": ("^", "#E69F00"),
+    UNFINISHED: ("p", "#F0E442"),
     "diverged": ("X", "#D55E00"),
     "refused": ("s", "#666666"),
     TIMED_OUT: ("D", "#56B4E9"),

@@ -10,6 +10,7 @@ from pathlib import Path
 import xarray as xr
 from distributed import Client, KilledWorker, as_completed
 from distributed.comm.addressing import get_address_host_port
+from distributed.security import Security
 
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED
@@ -21,6 +22,10 @@ from harness.study.cases import Case
 
 PATIENCE = 10.0
 """Seconds to wait for the scheduler's answer."""
+NO_CERTIFICATE = (
+    "there is no certificate: set DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
+    "DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT and DASK_DISTRIBUTED__COMM__TLS__CLIENT__KEY"
+)
 
 _TURN = threading.Lock()
 
@@ -48,9 +53,15 @@ def connect(address: str) -> Client:
     for name in logging.root.manager.loggerDict:
         if name.startswith(("asyncio", "distributed", "tornado")):
             logging.getLogger(name).setLevel(logging.CRITICAL)
+    security = Security()
     try:
+        if (
+            address.startswith("tls:")
+            and security.get_tls_config_for_role("client")["cert"] is None
+        ):
+            raise ClusterError(f"--dask {address}: {NO_CERTIFICATE}")
         get_address_host_port(address)  # a client would take 20 s to give up a malformed one
-        return Client(address, timeout=PATIENCE, set_as_default=False)
+        return Client(address, security=security, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         reason = " ".join(str(error).split())
         raise ClusterError(f"--dask {address}: cannot be reached: {reason}") from None

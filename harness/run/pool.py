@@ -44,6 +44,7 @@ def run_cases(
     time_limit: float = math.inf,
     repeats: int = 0,
     batch: int = 1,
+    memory_limit: float | None = None,
 ) -> None:
     """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
 
@@ -59,11 +60,12 @@ def run_cases(
         device: where the cases are computed.
         threads: for each case; None: the cases at work share the cores, whose number may be more
             than theirs where there are few, or few left.
-        time_limit: time that a case may take [s]; one that takes more is ended. Cases that a
-            process runs together have the sum of theirs.
+        time_limit: time that a case may take [s], from the beginning of its computation; one that
+            takes more is ended. Cases that a process runs together have the sum of theirs.
         repeats: times to run each case again to measure its run time warm.
         batch: greatest number of cases that a process runs together. If it dies, or its time is up,
             those of them that are not done are run again one by one.
+        memory_limit: memory that a case may take [byte]; None: most of this machine's.
 
     Raises:
         ArchiveError: a result cannot be written.
@@ -101,7 +103,7 @@ def run_cases(
     try:
         while waiting or alone or workers:
             while len(workers) < worker_count and (following := next_cases()):
-                workers.append(WorkerProcess(folder, device, repeats))
+                workers.append(WorkerProcess(folder, device, repeats, memory_limit))
                 ready.append((workers[-1], following))
             # A worker takes the number of threads with its first report, which may come late.
             for worker in workers:

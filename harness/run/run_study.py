@@ -15,6 +15,7 @@ from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.errors import HarnessError, tell
 from harness.run import collect_and_clean as results
 from harness.run.device import check_device
+from harness.run.limits import default_memory_limit, tell_of_long_cases
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.progress import Display
 from harness.study.cases import Case
@@ -32,6 +33,7 @@ def on_this_machine(
     device: str = "cpu",
     threads: int | None = None,
     batch: int = 1,
+    memory_limit: float | None = None,
 ) -> RunCases:
     """How to run the cases of a study in worker processes here.
 
@@ -39,10 +41,12 @@ def on_this_machine(
         study: if it asks for timed runs, or its scenes measure the machine, one process runs
             alone.
         worker_count: processes at work; None: as many as there are cores for their threads.
-        time_limit: time that a case may take [s].
+        time_limit: time that a case may take, from the beginning of its computation [s].
         device: where the cases are computed.
         threads: of each case; None: those that are idle, or one where the study asks for timing.
         batch: greatest number of cases that a process computes together.
+        memory_limit: memory that the cases at work may take together [byte]; None: most of this
+            machine's.
 
     Raises:
         HarnessError: there is no such device, or cases to be timed are to run at the same time.
@@ -56,6 +60,7 @@ def on_this_machine(
     workers = 1 if alone else worker_count or cases_at_once(threads)
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
+    memory = memory_limit or default_memory_limit()
     return lambda cases, folder, watcher: run_cases(
         cases,
         folder,
@@ -66,6 +71,7 @@ def on_this_machine(
         time_limit=time_limit,
         repeats=repeats,
         batch=batch,
+        memory_limit=memory / max(1, min(workers * batch, len(cases))),
     )
 
 
@@ -121,6 +127,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     tell(f"{study.name}: {results.counted(len(study.cases), 'case')}, {done_count} done already")
     try:
         results.tell_of_other_sources(study, stand)
+        tell_of_long_cases(pending)
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError, OSError) as error:

@@ -11,14 +11,16 @@ from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
-from harness.archive.conventions import COMPLETED, MISSING, Role, spoken, with_role
+from harness.archive.conventions import COMPLETED, MISSING, UNFINISHED, Role, spoken, with_role
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
+from harness.run.limits import check_memory, default_memory_limit
 from harness.run.measuring import Measurement, with_samples, without_idle_time
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
@@ -36,7 +38,8 @@ class Result:
 
     Attributes:
         outcome: how it ended.
-        dataset: what the scene returned, if it completed; what it cost and where it was computed.
+        dataset: what the scene returned, or had computed up to its error; what it cost and where it
+            was computed.
     """
 
     outcome: Outcome
@@ -48,6 +51,7 @@ def compute(
     progress: Progress | None = None,
     execution: Execution | None = None,
     repeats: int = 0,
+    memory_limit: float | None = None,
 ) -> Result:
     """Run a case in this process.
 
@@ -59,19 +63,27 @@ def compute(
         progress: is told the fraction done now and then.
         execution: where it is computed, and on how many threads; default: one of the processor.
         repeats: times to run it again to measure its run time warm.
+        memory_limit: memory that the process may take [byte]; None: most of this machine's.
     """
     execution = execution or Execution()
     measurement = Measurement()
     status, message = COMPLETED, ""
     try:
-        dataset = _run(case, progress, execution, repeats)
+        dataset = _run(case, progress, execution, repeats, memory_limit or default_memory_limit())
+        if (missing := _without_headline(dataset)) is not None:
+            status, message = UNFINISHED, missing
     except Exception as error:
         curves = getattr(error, "curves", None)
         dataset = xr.Dataset() if curves is None else curves
-        status = getattr(error, "status", "failed")
-        message = in_one_line(error)
-    headlines = [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
-    headline = ", ".join(f"{spoken(name)} {dataset[name].item():.4g}" for name in headlines)
+        status = getattr(error, "status", "")
+        # What a scene has a status for speaks for itself; anything else needs the name of its type.
+        message = " ".join(str(error).split()) if status else in_one_line(error)
+        status = status or "failed"
+    headline = ", ".join(
+        f"{spoken(name)} {dataset[name].item():.4g}"
+        for name in _headlines(dataset)
+        if status == COMPLETED
+    )
     idle_time = execution.idle_time
     dataset = without_idle_time(dataset, idle_time)
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
@@ -86,6 +98,7 @@ def run_case(
     progress: Progress | None = None,
     execution: Execution | None = None,
     repeats: int = 0,
+    memory_limit: float | None = None,
 ) -> Outcome:
     """Run a case in this process and write its file, whatever becomes of it.
 
@@ -94,18 +107,21 @@ def run_case(
     Raises:
         ArchiveError: the result cannot be written.
     """
-    result = compute(case, progress, execution, repeats)
+    result = compute(case, progress, execution, repeats, memory_limit)
     write_case(folder, case, result.dataset, result.outcome.status, result.outcome.message)
     return result.outcome
 
 
-def serve(connection: Connection, folder: Path, device: str, repeats: int) -> None:
+def serve(
+    connection: Connection, folder: Path, device: str, repeats: int, memory_limit: float | None
+) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
     The parent sends tuples of cases, which are run together, and numbers of threads, which hold
     from then on, also while cases run. The worker sends pairs: the number of a case in its tuple,
-    and the fraction done (0 when the cases begin) or, at the end, the :class:`Outcome`. To be
-    called first in a fresh process, because it sets how the process reacts to signals.
+    and None when the cases are taken on, the fraction done (0 when the computation begins) or, at
+    the end, the :class:`Outcome`. To be called first in a fresh process, because it sets how the
+    process reacts to signals.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -115,7 +131,7 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)
         try:
-            outcome = run_case(case, folder, reporter, execution, repeats)
+            outcome = run_case(case, folder, reporter, execution, repeats, memory_limit)
         except ArchiveError as error:
             outcome = Outcome(MISSING, str(error))
         connection.send((number, outcome))
@@ -127,7 +143,7 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
             if isinstance(message, int):
                 threads = message
                 continue
-            connection.send((0, 0.0))
+            connection.send((0, None))
             if len(message) == 1:
                 execution = Execution(device, threads)
                 run(0, message[0], execution)
@@ -137,13 +153,35 @@ def serve(connection: Connection, folder: Path, device: str, repeats: int) -> No
             threads = execution.threads
 
 
-def _run(case: Case, progress: Progress | None, execution: Execution, repeats: int) -> xr.Dataset:
+def _headlines(dataset: xr.Dataset) -> list[str]:
+    return [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
+
+
+def _without_headline(dataset: xr.Dataset) -> str | None:
+    """Why a dataset is no result, where the scalar that its scene is run for is not finite."""
+    for name in _headlines(dataset):
+        if not np.isfinite(dataset[name].item()):
+            return (
+                f"{spoken(name)} is not a finite number: the run was too short for it, or the "
+                "scene has none for these parameters; try a longer run"
+            )
+    return None
+
+
+def _run(
+    case: Case,
+    progress: Progress | None,
+    execution: Execution,
+    repeats: int,
+    memory_limit: float,
+) -> xr.Dataset:
     """The dataset of the scene and its sources, with the run times of `repeats` more runs."""
     scene = scene_class(case.scene)
     if scene.version != case.scene_version:  # as on a cluster with another installation
         raise RuntimeError(
             f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
         )
+    check_memory(from_mapping(scene, case.parameters), memory_limit)
     run_count = repeats + 1
 
     def run(number: int) -> xr.Dataset:

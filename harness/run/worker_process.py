@@ -38,13 +38,15 @@ class WorkerProcess:
         is_at_work: whether it is at them.
     """
 
-    def __init__(self, folder: Path, device: str, repeats: int) -> None:
+    def __init__(
+        self, folder: Path, device: str, repeats: int, memory_limit: float | None = None
+    ) -> None:
         self.folder = folder
         self.repeats = repeats
         self.threads = 1
         self.connection, theirs = _PROCESSES.Pipe()
         self.process = _PROCESSES.Process(
-            target=serve, args=(theirs, folder, device, repeats), daemon=True
+            target=serve, args=(theirs, folder, device, repeats, memory_limit), daemon=True
         )
         # The worker inherits this before its libraries load; those of this process have.
         os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
@@ -59,7 +61,7 @@ class WorkerProcess:
         self.left = dict(enumerate(cases))
         self.is_at_work = True
         self.fraction = 0.0
-        self.began = math.inf  # a new worker needs its time to start
+        self.began = math.inf  # until all is imported, set up and compiled
         self._send(self.given)
 
     def allow(self, threads: int) -> None:
@@ -94,6 +96,8 @@ class WorkerProcess:
             end = signal.Signals(-code).name if code < 0 else f"code {code}"
             return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
         case = self.given[number]
+        if news is None:
+            return [(case, 0.0)]
         if isinstance(news, float):
             self.fraction = news
             self.began = min(self.began, time.monotonic())

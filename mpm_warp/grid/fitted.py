@@ -17,6 +17,7 @@ plane strain per unit thickness.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -29,6 +30,9 @@ Integers = NDArray[np.integer[Any]]
 
 # Two Gauss points on [0, 1], equal weights: exact for cubics.
 GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
+
+LARGEST_EXPONENT = 700.0
+"""Of e, in double precision: beyond 709 it overflows."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -230,7 +234,9 @@ def graded(first: float, length: float, growth: float) -> Floats:
     low, high = 1.0 + 1e-12, 10.0
     for _ in range(100):
         middle = 0.5 * (low + high)
-        reached = first * (middle**count - 1.0) / (middle - 1.0)
+        # A sum beyond the largest number is beyond the length, too.
+        is_huge = count * math.log(middle) > LARGEST_EXPONENT
+        reached = math.inf if is_huge else first * (middle**count - 1.0) / (middle - 1.0)
         low, high = (middle, high) if reached < length else (low, middle)
     edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
     edges[-1] = length

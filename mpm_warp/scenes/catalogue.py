@@ -17,6 +17,7 @@ from mpm_warp.parameters import Value, check_parameters
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import parameter_variables
+from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
 Progress = Callable[[float], None]
@@ -85,6 +86,10 @@ class CatalogueScene(ABC):
     def build(self) -> Any:
         """The composition that is simulated: of soil in a grid, of bodies, or of another kind."""
 
+    def run_size(self) -> RunSize | None:
+        """How large a run is, worked out at once; None where any that is allowed is small."""
+        return None
+
     def plan(self) -> Plan:
         """The arrays and launches of a run."""
         return make_plan(self.build())
@@ -100,7 +105,8 @@ class CatalogueScene(ABC):
 
         Args:
             progress: True for a progress bar on the terminal; or a function, which is called now
-                and then with the fraction done, from 0 to 1, and at the end with 1.
+                and then with the fraction done: with 0 when the first step is begun, at the end
+                with 1.
             execution: device and threads; default: one thread of the processor.
 
         Returns:
@@ -113,6 +119,7 @@ class CatalogueScene(ABC):
             mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was
                 recorded up to there.
             mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
+            mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
         """
         with _reporter(progress, self.catalogue_name()) as report:
             results = self.compute(report, execution)
@@ -125,10 +132,13 @@ class CatalogueScene(ABC):
         A scene overrides it instead of `record` where it does more than run one simulation.
 
         Args:
-            progress: is to be called now and then with the fraction done.
+            progress: is to be called with 0 once all is compiled, and then now and then with the
+                fraction done.
             execution: device and threads; default: one thread of the processor.
         """
-        return self.record(Simulation(self.build(), execution), progress)
+        simulation = Simulation(self.build(), execution)
+        progress(0.0)  # set up and compiled: from here on it computes
+        return self.record(simulation, progress)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Run a simulation of what `build` gives, and take down its results.

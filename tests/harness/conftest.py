@@ -24,6 +24,7 @@ SMALL = """
 
     [fixed]
     penetration = 1
+    steady_tolerance = 0
     cells_per_radius = 1
     particles_per_cell = 4
 

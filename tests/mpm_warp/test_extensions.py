@@ -31,7 +31,12 @@ from mpm_warp.simulation import Simulation
 
 SHEAR_MODULUS, STRENGTH, HARDENING = 2e6, 20e3, 3e5
 SMALL_CONE = ConePenetration(
-    cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3, penetration=2
+    cells_per_radius=1.5,
+    domain_radius=8,
+    domain_above=3,
+    domain_below=3,
+    penetration=2,
+    steady_tolerance=0,
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
+from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
@@ -16,7 +18,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.limit_load import LoadSampler
+from mpm_warp.scenes.bearing.limit_load import PLATEAU_CHANGE, PLATEAU_SHARE, LoadSampler
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.simulation import Simulation
 
@@ -121,9 +123,21 @@ class Bearing(CatalogueScene):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Press the body into the ground, and hold the limit of its load against the exact one."""
+        """Press the body into the ground, and hold the limit of its load against the exact one.
+
+        Raises:
+            UnfinishedRun: the load still changes at the end of the displacement.
+        """
         scene = soil_scene(simulation)
         sampler = LoadSampler(simulation, length=RADIUS, load=lambda nodal: self.load(scene, nodal))
         steps = sampler.steps(self.displacement / self.rigidity_index * RADIUS, SAMPLE_COUNT)
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
-        return recorded.assign(sampler.curve.limit_beside(self.exact_load, self.exact_source))
+        results = recorded.assign(sampler.curve.limit_beside(self.exact_load, self.exact_source))
+        if math.isnan(sampler.curve.limit):
+            raise UnfinishedRun(
+                f"the load has no plateau: it changes by more than {PLATEAU_CHANGE:.0%} over the "
+                f"last {PLATEAU_SHARE:.0%} of displacement = {self.displacement:g}; try more "
+                "displacement",
+                results,
+            )
+        return results

@@ -58,17 +58,23 @@ class LoadCurve:
             f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes "
             f"there by at most {PLATEAU_CHANGE:.0%}; else not a number"
         )
-        return labelled(
-            role="headline",
-            error=(
-                error,
-                "1",
-                "error of the limit load",
-                "relative error of the plateau; not a number where there is none",
-            ),
-        ) | labelled(
-            bearing_capacity=(self.limit, "1", "limit load over area and su", plateau),
-            bearing_capacity_exact=(exact, "1", "limit load over area and su, exact", source),
+        return (
+            labelled(
+                role="error",
+                error=(
+                    error,
+                    "1",
+                    "error of the limit load",
+                    "relative error of the plateau; not a number where no exact load is known",
+                ),
+            )
+            | labelled(
+                role="headline",
+                bearing_capacity=(self.limit, "1", "limit load over area and su", plateau),
+            )
+            | labelled(
+                bearing_capacity_exact=(exact, "1", "limit load over area and su, exact", source),
+            )
         )
 
 

@@ -23,6 +23,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
+from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.shared_parameters import floating_point
 from mpm_warp.simulation import Simulation
 
@@ -68,10 +69,16 @@ class StepCost(CatalogueScene):
             cone = ConePenetration(
                 cells_per_radius=cells_per_radius, precision=self.precision, approach=0.0
             )
-            scene = cone.build()
-            count = scene.grid.cell_count * scene.particles_per_side**2
-            cells_per_radius = max(1.0, cells_per_radius * math.sqrt(self.size / count))
+            count = cone.run_size().cell_count * cone.particles_per_cell
+            finer = cells_per_radius * math.sqrt(self.size / count)
+            cells_per_radius = min(max(1.0, finer), 100.0)
         return cone
+
+    def run_size(self) -> RunSize:
+        """Of all cases that are computed together, and those that the threads are compared with."""
+        one = self.cone().run_size()
+        count = self.cases + (self.threads if self.cases == 1 else 0)
+        return RunSize(cell_count=count * one.cell_count, particle_count=count * one.particle_count)
 
     def build(self) -> Scene:
         """The scene of the cone penetration, or its soil alone."""
@@ -125,6 +132,7 @@ class StepCost(CatalogueScene):
         """The speed of a case, or of all that go along with it step by step."""
         simulation = Simulation(self.build(), execution)
         companion = self._companion(simulation, execution)
+        progress(0.0)
         run = self._stirred(simulation)
         step_count = run.steps_within(self.sample_time)
         samples = []

@@ -18,6 +18,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
 from mpm_warp.simulation import Simulation
 
 SIDE = 1.0
@@ -71,6 +72,29 @@ class FlyingBlock(CatalogueScene):
         """Side of a cell [m]."""
         return SIDE / self.cells_per_side
 
+    def run_size(self) -> RunSize:
+        """Cells along the way of the block, and its material points."""
+        columns, rows = self._cell_counts
+        return RunSize(
+            cell_count=columns * rows,
+            particle_count=4 * self.cells_per_side**2,
+            step_count=self.step_count,
+            bytes_per_cell=BODY_CELL_BYTES,
+            bytes_per_particle=BODY_PARTICLE_BYTES,
+        )
+
+    @property
+    def _reach(self) -> int:
+        """Cells from the middle of the block to beyond the circle through its corners."""
+        return math.ceil(math.sqrt(0.5) * self.cells_per_side) + 2
+
+    @property
+    def _cell_counts(self) -> tuple[int, int]:
+        """Cells that hold the circle through the corners, at both ends of the flight."""
+        way = np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
+        columns, rows = 2 * self._reach + way
+        return int(columns), int(rows)
+
     def build(self) -> BodyScene:
         """The block is the only body."""
         half, cell = 0.5 * SIDE, self.cell_size
@@ -78,14 +102,8 @@ class FlyingBlock(CatalogueScene):
             shear_modulus=SHEAR_MODULUS, poissons_ratio=POISSONS_RATIO, density=DENSITY
         )
         block = InterfaceFrame(angle=0.0).body((-half, half), (-half, half), 0.5 * cell, material)
-        # The grid holds the circle through the corners, at both ends of the flight.
-        reach = math.ceil(math.sqrt(0.5) * self.cells_per_side) + 2
-        counts = 2 * reach + np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
-        grid = UniformGrid(
-            lower=(-reach * cell, -reach * cell),
-            cell_size=cell,
-            cell_counts=(int(counts[0]), int(counts[1])),
-        )
+        lower = -self._reach * cell
+        grid = UniformGrid(lower=(lower, lower), cell_size=cell, cell_counts=self._cell_counts)
         return BodyScene(grid=grid, bodies=(block,), time_step_fraction=TIME_STEP_FRACTION)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

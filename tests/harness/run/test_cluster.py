@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import dask.config
 import pytest
 
 from harness.archive import case_files, study_files
@@ -276,3 +277,20 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     assert outcome.status == "failed"
     asked, here = older.scene_version, case.scene_version
     assert f"version {asked} of gravity_column is asked for; here is {here}" in outcome.message
+
+
+def test_tls_without_certificates_is_one_line(
+    small_file: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    line = refusal(["run", str(small_file), "--dask", "tls://127.0.0.1:9"])
+    assert "--dask tls://127.0.0.1:9: there is no certificate: set DASK_DISTRIBUTED__COMM" in line
+
+
+def test_a_certificate_that_is_not_there_is_one_line(
+    small_file: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    names = ("ca-file", "client.cert", "client.key")
+    settings = {f"distributed.comm.tls.{name}": "/nowhere/cert.pem" for name in names}
+    with dask.config.set(settings):
+        line = refusal(["run", str(small_file), "--dask", "tls://127.0.0.1:9"])
+    assert "cannot be reached: " in line

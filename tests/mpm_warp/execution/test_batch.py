@@ -27,7 +27,13 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.simulation import Simulation
 
-SMALL = {"cells_per_radius": 1, "domain_radius": 10, "domain_above": 4, "domain_below": 4}
+SMALL = {
+    "cells_per_radius": 1,
+    "domain_radius": 10,
+    "domain_above": 4,
+    "domain_below": 4,
+    "steady_tolerance": 0,
+}
 VECTOR_1 = wp.types.vector(1, wp.float64)
 
 

@@ -1,0 +1,88 @@
+"""What a case may take: its memory is predicted before it begins, and a long one is told of."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.errors import tell
+from harness.study.cases import Case
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scenes import CatalogueScene, scene_class
+from mpm_warp.scenes.run_size import RunSize
+
+UPDATE_RATE = 20e6
+"""Particle updates a second on one thread, as `harness bench` measures them."""
+LONG = 24 * 3600.0
+"""Time of a case beyond which a run tells of it before it begins [s]."""
+PROCESS_MEMORY = 300e6
+"""What a process takes before it runs a case: the interpreter and its libraries [byte]."""
+SHARE_OF_MACHINE = 0.9
+"""Of the machine's memory, that cases may take where nothing is said."""
+CONTAINER_LIMITS = (
+    Path("/sys/fs/cgroup/memory.max"),
+    Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+)
+"""Where Linux says how much memory a container has."""
+
+
+class TooLarge(SceneError):
+    """A case needs more memory than it may take."""
+
+
+def machine_memory() -> float:
+    """Memory of this machine, or of the container that the process is in [byte]."""
+    machine = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    told = [it.read_text().strip() for it in CONTAINER_LIMITS if it.is_file()]
+    return min([machine, *(float(text) for text in told if text.isdecimal())])
+
+
+def default_memory_limit() -> float:
+    """Memory that all cases at work may take where nothing is said [byte]."""
+    return SHARE_OF_MACHINE * machine_memory()
+
+
+def check_memory(scene: CatalogueScene, limit: float) -> None:
+    """Refuse a scene that needs more memory than it may take, before anything is built.
+
+    Args:
+        scene: what is to be run.
+        limit: memory that its process may take [byte].
+
+    Raises:
+        TooLarge: it needs more.
+    """
+    size = scene.run_size()
+    if size is None:
+        return
+    needed = PROCESS_MEMORY + size.byte_count
+    if needed > limit:
+        raise TooLarge(
+            f"needs about {needed / 1e9:.3g} GB of memory for {size.cell_count:,} cells and "
+            f"{size.particle_count:,} material points, where a case may take {limit / 1e9:.3g} GB: "
+            "try fewer cells or a smaller domain, fewer --workers, or a higher --memory-limit"
+        )
+
+
+def tell_of_long_cases(cases: Sequence[Case]) -> None:
+    """Say in one line which cases may take longer than `LONG`."""
+    seconds = {case.label: _seconds(case) for case in cases}
+    long = {label: it for label, it in seconds.items() if it > LONG}
+    if long:
+        longest = max(long, key=lambda label: long[label])
+        tell(
+            f"{len(long)} of {len(cases)} cases may take longer than {LONG / 3600:.0f} hours; "
+            f"{longest}: about {long[longest] / 86400:.3g} days on one thread; --case-timeout ends "
+            "such cases"
+        )
+
+
+def _seconds(case: Case) -> float:
+    """Time of a case on one thread, about [s]; 0 where it is not known, or the case is refused."""
+    try:
+        size: RunSize | None = from_mapping(scene_class(case.scene), case.parameters).run_size()
+    except (ParameterError, SceneError):
+        return 0.0
+    return 0.0 if size is None else size.particle_updates / UPDATE_RATE

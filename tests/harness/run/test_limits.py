@@ -1,0 +1,121 @@
+"""What a case may take of memory and time is looked at before it begins."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.cli.arguments import make_parser
+from harness.cli.main import main
+from harness.run import limits
+from harness.run.limits import PROCESS_MEMORY, TooLarge, check_memory, default_memory_limit
+from harness.run.run_study import on_this_machine, run_study
+from harness.study.study import load_study
+from mpm_warp.scenes.blocks.flying_block import FlyingBlock
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.run_size import RunSize
+
+HUGE = ConePenetration(
+    cells_per_radius=100, domain_radius=1000, domain_above=500, domain_below=500, cell_growth=0.1
+)
+
+
+def test_the_largest_grid_is_refused_before_anything_large_is_built() -> None:
+    tracemalloc.start()
+    with pytest.raises(TooLarge, match=r"needs about \d+ GB .* where a case may take 16 GB: try"):
+        check_memory(HUGE, 16e9)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 50e6
+    assert TooLarge.status == "refused"
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        ConePenetration(),
+        ConePenetration(cells_per_radius=6.5, particles_per_cell=9, friction_coefficient=0.3),
+        FlyingBlock(cells_per_side=8, travel=20),
+        SlidingBlock(cells_per_length=30, particles_per_cell=9),
+    ],
+    ids=lambda scene: scene.catalogue_name(),
+)
+def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
+    scene: CatalogueScene,
+) -> None:
+    """Set-up takes up to half of it besides."""
+    size, plan = scene.run_size(), scene.plan()
+    assert size is not None
+    taken = sum(array.byte_count for array in plan.arrays.values())
+    assert 0.2 * size.byte_count < taken < size.byte_count
+    bound = scene.step_count_bound(plan)
+    if bound is not None:
+        assert size.step_count == pytest.approx(bound, rel=0.1)
+
+
+def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = ["--set", "adhesion_factor=0", "--set", "cells_per_radius=[1, 60]"]
+    out = str(tmp_path / "results")
+    run = ["run", str(small_file), "--out", out, "--workers", "2", *settings]
+    assert main([*run, "--memory-limit", "0.8GB"]) == 1
+    told = capsys.readouterr().err
+    assert "cells_per_radius=60.0: refused: needs about 0.9" in told
+    assert "where a case may take 0.4 GB" in told
+    assert "cells_per_radius=1.0: completed" in told
+
+
+def test_a_limit_is_a_number_with_or_without_a_unit(
+    small_file: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    for text in ("8GB", "8e9", "8000MB", "8gb", "8000000000"):
+        assert make_parser().parse_args(["run", "s", "--memory-limit", text]).memory_limit == 8e9
+    line = refusal(["run", str(small_file), "--memory-limit", "8e9", "--dask", "tcp://localhost:1"])
+    assert "--memory-limit" in line
+    for text in ("0", "-1GB", "much", "GB", "inf", "nan"):
+        with pytest.raises(SystemExit) as end:
+            make_parser().parse_args(["run", "s", f"--memory-limit={text}"])
+        assert end.value.code == 2
+
+
+def test_the_default_is_most_of_a_container(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = tmp_path / "memory.max"
+    monkeypatch.setattr(limits, "CONTAINER_LIMITS", (told, tmp_path / "none"))
+    told.write_text("max\n")
+    whole = default_memory_limit()
+    assert whole > PROCESS_MEMORY
+    told.write_text("400000000\n")
+    assert default_memory_limit() == 0.9 * 400e6 < whole
+
+
+def test_a_case_of_days_is_told_of_in_one_line(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = load_study(str(small_file), ["cells_per_radius=30", "penetration=[1, 200]"])
+    run_study(study, tmp_path, lambda cases, folder, watcher: None, fresh=False)
+    (line,) = [it for it in capsys.readouterr().err.splitlines() if "24 hours" in it]
+    assert "3 of 6 cases may take longer than 24 hours; " in line
+    assert "penetration=200.0" in line
+    assert " days on one thread; --case-timeout ends such cases" in line
+
+
+def test_nothing_is_told_of_short_cases(
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = load_study(str(small_file))
+    run_study(study, tmp_path, on_this_machine(study, 1, 100.0), fresh=False)
+    assert "24 hours" not in capsys.readouterr().err
+
+
+def test_memory_and_work_of_a_size() -> None:
+    size = RunSize(cell_count=10, particle_count=100, step_count=1000)
+    assert size.byte_count == 10 * 1000 + 100 * 130
+    assert size.particle_updates == 100_000

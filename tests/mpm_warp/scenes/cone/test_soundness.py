@@ -1,0 +1,67 @@
+"""What is no cone factor: one that still changes, one that soil cannot give."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import pytest
+import xarray as xr
+
+from mpm_warp.errors import InaccurateRun, UnfinishedRun
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.soundness import check_bound, check_levelled, cone_factor_estimate
+
+SHORT = ConePenetration(
+    cells_per_radius=1, penetration=2, domain_radius=8, domain_above=3, domain_below=3
+)
+
+
+def test_a_run_that_was_to_be_steady_and_still_rises_is_unfinished_and_keeps_its_numbers() -> None:
+    expected = dataclasses.replace(SHORT, steady_tolerance=0.0).run()
+    with pytest.raises(
+        UnfinishedRun, match=r"still changes by \d+% .* 2 radii; try more penetration"
+    ) as end:
+        SHORT.run()
+    assert end.value.status == "unfinished"
+    assert float(end.value.curves.cone_factor) == float(expected.cone_factor)
+    xr.testing.assert_equal(
+        end.value.curves.penetration_resistance, expected.penetration_resistance
+    )
+
+
+@pytest.mark.parametrize(("variation", "is_result"), [(0.049, True), (0.051, False)])
+def test_the_resistance_may_still_change_by_a_twentieth(variation: float, is_result: bool) -> None:
+    results = xr.Dataset({"cone_factor_variation": variation, "penetration_reached": 30.0})
+    if is_result:
+        check_levelled(results)
+        return
+    with pytest.raises(UnfinishedRun):
+        check_levelled(results)
+
+
+def test_the_estimate_is_the_limit_pressure_of_a_cavity_and_the_shear_on_the_face() -> None:
+    angle = math.radians(60.0)
+    rough = cone_factor_estimate(
+        rigidity_index=100.0, strength_ratio=1.0, face_shear=1.0, apex_angle=angle
+    )
+    assert rough == pytest.approx(4 / 3 * (1 + math.log(100)) + math.sqrt(3), rel=1e-12)
+
+
+@pytest.mark.parametrize(("factor", "is_result"), [(14.9, True), (15.0, False)])
+def test_no_cone_factor_is_twice_the_estimate(factor: float, is_result: bool) -> None:
+    soil = {"rigidity_index": 100.0, "strength_ratio": 1.0, "face_shear": 0.0, "apex_angle": 1.0}
+    results = xr.Dataset({"cone_factor": factor})
+    if is_result:
+        check_bound(results, **soil)
+        return
+    with pytest.raises(InaccurateRun, match=r"the cone factor 15 is above 14\.9"):
+        check_bound(results, **soil)
+
+
+def test_a_cone_too_fast_for_its_soil_has_no_cone_factor() -> None:
+    """The inertia of the soil, rho V^2 / su = 45, is more than its strength."""
+    fast = dataclasses.replace(SHORT, rigidity_index=5000, speed_ratio=0.095, steady_tolerance=0)
+    with pytest.raises(InaccurateRun) as end:
+        fast.run()
+    assert end.value.curves.cone_factor > 2 * 4 / 3 * (1 + math.log(5000))
