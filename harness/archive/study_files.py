@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import read_netcdf, write_netcdf
 from harness.archive.conventions import PER_CASE, TOLERANCES, with_roles_told
+from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
 from harness.study.study import Study
 from mpm_warp.parameters import did_you_mean, known_names

@@ -151,8 +151,8 @@ def random(path: Path) -> None:
 
 
 def older(path: Path) -> None:
-    result = case_files.read_netcdf(path)
-    case_files.write_netcdf(result.assign_attrs(format_version=0), path)
+    result = netcdf_files.read_netcdf(path)
+    netcdf_files.write_netcdf(result.assign_attrs(format_version=0), path)
 
 
 @pytest.mark.parametrize(
