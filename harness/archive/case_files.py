@@ -18,6 +18,7 @@ from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
 from harness.archive.netcdf_files import DIGEST, opened, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
+from harness.archive.structure import malformed
 from harness.study.cases import Case
 from harness.study.study import Study
 
@@ -123,6 +124,8 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
         return None
     dataset = read_netcdf(path)
     _check_owner(path, case, dataset.attrs)
+    if (fault := malformed(dataset)) is not None:
+        raise ArchiveError(f"{path}: is no whole result: {fault}")
     return dataset
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files, provenance, study_files
+from harness.archive import case_files, netcdf_files, provenance, study_files
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.compare.differences import differing
