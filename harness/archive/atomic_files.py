@@ -60,7 +60,7 @@ def write_whole(content: bytes | memoryview, path: Path) -> None:
 def discard_partial(folder: Path, process_id: int) -> None:
     """Remove what a process of this machine that was killed has left half-written."""
     for partial in folder.glob(f".*{partial_ending(process_id)}"):
-        partial.unlink(missing_ok=True)
+        remove_file(partial)
 
 
 def abandoned(folder: Path) -> list[Path]:
@@ -70,9 +70,28 @@ def abandoned(folder: Path) -> list[Path]:
     found = []
     for partial in sorted(folder.glob(f".*{ending}")):
         process_id = partial.name.rpartition(before)[2].removesuffix(after)
-        if process_id.isdecimal() and not _is_alive(int(process_id)):
+        if process_id.isdecimal() and not _is_alive(int(process_id)) and not is_folder(partial):
             found.append(partial)
     return found
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder itself; a link to one is not, it can be removed like a file."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def remove_file(path: Path) -> None:
+    """Remove a file, or a link and not what it leads to; it may be gone already.
+
+    Raises:
+        ArchiveError: it is a folder, or may not be removed.
+    """
+    if is_folder(path):
+        raise ArchiveError(f"{path}: is a folder, where only files belong; move it away")
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise ArchiveError(f"{path}: cannot be removed: {error.strerror}") from None
 
 
 def _partial(path: Path) -> Path:

@@ -7,18 +7,18 @@ key alone, not on any time stamp.
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import netCDF4
-import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, write_whole
+from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
+from harness.archive.netcdf_files import DIGEST, opened, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
+from harness.archive.structure import malformed
 from harness.study.cases import Case
 from harness.study.study import Study
 
@@ -52,26 +52,36 @@ def case_folder(out: Path, study: Study) -> Path:
     return out / study.name / "cases"
 
 
+def check_no_link(out: Path, study: Study) -> None:
+    """Check that the case files of a study are inside the results, before any is removed.
+
+    The folder of results itself may be a link.
+
+    Raises:
+        ArchiveError: a folder on the way to them is a link.
+    """
+    folder = case_folder(out, study)
+    for place in (folder.parent, folder):
+        if place.is_symlink():
+            raise ArchiveError(
+                f"{place}: is a link, and no file is removed outside the results; "
+                f"put a folder in its place, or make {out} a link"
+            )
+
+
 def case_file(folder: Path, case: Case) -> Path:
     """The file of a case in the folder of its study's cases."""
     return folder / f"{case.key}.nc"
 
 
-def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file, whole or not at all.
+def discard(folder: Path, cases: Iterable[Case]) -> None:
+    """Remove the results of cases, so that they are run again.
 
     Raises:
-        ArchiveError: it cannot be written; an earlier file of that name is as it was.
+        ArchiveError: one is a folder, or may not be removed.
     """
-    # The file is made in memory, because on a full disk the netCDF library only says "HDF error"
-    # and keeps the broken file open, so that its space is not freed until the process ends.
-    write_whole(_image(dataset), path)
-
-
-def discard(folder: Path, cases: Iterable[Case]) -> None:
-    """Remove the results of cases, so that they are run again."""
     for case in cases:
-        case_file(folder, case).unlink(missing_ok=True)
+        remove_file(case_file(folder, case))
 
 
 def write_case(
@@ -114,11 +124,13 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
         return None
     dataset = read_netcdf(path)
     _check_owner(path, case, dataset.attrs)
+    if (fault := malformed(dataset)) is not None:
+        raise ArchiveError(f"{path}: is no whole result: {fault}")
     return dataset
 
 
 def read_outcome(folder: Path, case: Case) -> Outcome:
-    """How a case ended, as its file says; all of that is read, so that damage shows.
+    """How a case ended, as its file says; damage anywhere in the file shows.
 
     Its status is ``missing`` where there is no file, ``damaged`` where that is of no use.
     """
@@ -126,21 +138,22 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
     if not path.exists():
         return Outcome(MISSING)
     try:
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_maskandscale(False)
+        with opened(path) as file:
             attributes = file.__dict__
-            numbers = {name: variable[...] for name, variable in file.variables.items()}
-        check_version(path, attributes)
+            if DIGEST not in attributes:
+                # Nothing else shows damage of a file from before there were digests.
+                for variable in file.variables.values():
+                    variable[...]
+            seconds = float(file["case_time"][...]) if "case_time" in file.variables else 0.0
+            repeats = len(file.dimensions["repeat"]) if "repeat" in file.dimensions else 0
         _check_owner(path, case, attributes)
-    except (OSError, RuntimeError, ValueError, KeyError) as error:
-        return Outcome(DAMAGED, f"{path}: cannot be read: {' '.join(str(error).split())}")
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
     return Outcome(
-        str(attributes["status"]),
-        str(attributes["message"]),
-        seconds=float(numbers.get("case_time", 0.0)),
-        repeats=len(numbers.get("repeat", ())),
+        attributes["status"],
+        attributes["message"],
+        seconds=seconds,
+        repeats=repeats,
         sources=str(attributes.get(SOURCES, "")),
     )
 
@@ -151,55 +164,8 @@ def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
     return outcome.status == COMPLETED and outcome.repeats >= repeats
 
 
-def read_netcdf(path: Path) -> xr.Dataset:
-    """Read a file of the archive into memory.
-
-    Raises:
-        ArchiveError: it is damaged or of another format version.
-    """
-    try:
-        dataset = xr.load_dataset(path, engine="netcdf4")
-    except (OSError, RuntimeError, ValueError, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise ArchiveError(f"{path}: cannot be read: {reason}") from None
-    check_version(path, dataset.attrs)
-    return dataset
-
-
-def check_version(path: Path, attributes: dict[str, Any]) -> None:
-    """Refuse a file of another format version.
-
-    Raises:
-        ArchiveError: it has one.
-    """
-    version = attributes.get("format_version")
-    if version != FORMAT_VERSION:
-        raise ArchiveError(
-            f"{path}: has format version {version}, where {FORMAT_VERSION} can be read"
-        )
-
-
 def _check_owner(path: Path, case: Case, attributes: dict[str, Any]) -> None:
-    is_whole = {"status", "message", "scene"} <= attributes.keys()
+    texts = (attributes.get(name) for name in ("status", "message", "scene"))
+    is_whole = all(isinstance(text, str) for text in texts)
     if attributes.get("case_key") != case.key or not is_whole:
         raise ArchiveError(f"{path}: is not the result of case {case.key}")
-
-
-def _image(dataset: xr.Dataset) -> memoryview:
-    """The bytes of the netCDF file."""
-    image: memoryview = dataset.to_netcdf(engine="netcdf4", encoding=_encoding(dataset))
-    # In memory HDF5 grows a file by 64 KiB at a time. Where it ends stands in its superblock, from
-    # version 2 on in bytes 28 to 35 (HDF5 File Format Specification, III.A).
-    has_end = image[8] >= 2
-    return image[: int.from_bytes(image[28:36], "little")] if has_end else image
-
-
-def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
-    """Compress arrays of numbers; no fill value in coordinates, which CF forbids."""
-    encoding: dict[Hashable, dict[str, Any]] = {}
-    for name, variable in dataset.variables.items():
-        numeric = np.issubdtype(variable.dtype, np.number)
-        encoding[name] = {"zlib": True, "shuffle": True} if numeric and variable.ndim else {}
-        if name in dataset.coords:
-            encoding[name]["_FillValue"] = None
-    return encoding

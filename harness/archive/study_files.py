@@ -10,9 +10,10 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import read_netcdf, write_netcdf
 from harness.archive.conventions import PER_CASE, TOLERANCES, with_roles_told
+from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
+from harness.archive.structure import malformed
 from harness.study.study import Study
 from mpm_warp.parameters import did_you_mean, known_names
 
@@ -62,7 +63,10 @@ def read_result(path: Path) -> xr.Dataset:
     dataset = read_netcdf(path)
     if "study" in dataset.attrs:
         _check_study(path, dataset)
-    return with_roles_told(dataset)
+    dataset = with_roles_told(dataset)
+    if (fault := malformed(dataset)) is not None:
+        raise ArchiveError(f"{path}: is no whole result: {fault}; make it again")
+    return dataset
 
 
 def _check_study(path: Path, dataset: xr.Dataset) -> None:

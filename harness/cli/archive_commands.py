@@ -11,6 +11,7 @@ from harness.archive.study_files import study_file
 from harness.cli.exit_codes import DONE, INCOMPLETE
 from harness.errors import tell
 from harness.run import collect_and_clean as results
+from harness.run.leftovers import leftovers, remove
 from harness.study.study import load_study
 
 
@@ -42,19 +43,18 @@ def collect(options: argparse.Namespace) -> int:
 def clean(options: argparse.Namespace) -> int:
     """Remove files that are no results of the study, where the user agrees."""
     study = load_study(options.study, options.set)
-    found = results.leftovers(study, options.out)
-    for path, what in found.items():
-        print(f"{path}: {what}")
+    found = leftovers(study, options.out)
+    for leftover in found:
+        print(f"{leftover.path}: {leftover.what}")
     if not found:
         tell("nothing to remove")
         return DONE
     if not options.yes and not _confirmed(f"remove {results.counted(len(found), 'file')}?"):
         tell("nothing removed")
         return INCOMPLETE
-    for path in found:
-        path.unlink(missing_ok=True)
-    tell(f"{results.counted(len(found), 'file')} removed")
-    return DONE
+    count = remove(found)
+    tell(f"{results.counted(count, 'file')} removed")
+    return DONE if count == len(found) else INCOMPLETE
 
 
 def _confirmed(question: str) -> bool:

@@ -9,8 +9,8 @@ import sys
 import xarray as xr
 
 from harness.archive.atomic_files import prepare, write_whole
-from harness.archive.case_files import write_netcdf
 from harness.archive.conventions import COMPLETED, over_cases
+from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import provenance
 from harness.archive.study_files import study_file
 from harness.cli.exit_codes import DONE, INCOMPLETE, end_at_sigterm

@@ -7,11 +7,12 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
+from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, over_cases, varied_names
+from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study
 from harness.compare.finest_error import error_name
 from harness.errors import HarnessError
@@ -87,9 +88,8 @@ def results_in(folder: Path) -> list[Path]:
 def _has(file: Path, scene: str) -> bool:
     """Whether a file is the result of a study of the scene, or cannot be read, which is told."""
     try:
-        with netCDF4.Dataset(file) as opened:
-            attributes = opened.__dict__
-    except (OSError, RuntimeError, ValueError):
+        attributes = read_attributes(file)
+    except ArchiveError:
         return True
     return "study" in attributes and scene in str(attributes.get("scene")).split()
 

@@ -1,21 +1,19 @@
-"""Looks after the results of a study: status of its cases, collected dataset, files to remove."""
+"""Looks after the results of a study: status of its cases, collected dataset."""
 
 from __future__ import annotations
 
-import json
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, abandoned
+from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
 from harness.archive.collection import collect
-from harness.archive.conventions import COMPLETED, DAMAGED, UNTIMED, over_cases
+from harness.archive.conventions import COMPLETED, UNTIMED, over_cases
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import study_file, write_study
 from harness.compare.cone_factors import NothingToCompareError, with_references
@@ -24,9 +22,6 @@ from harness.compare.tolerances import with_tolerances
 from harness.errors import tell
 from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.parameters import Value
-
-Parameters = Mapping[str, Value | None]
 
 
 def check_begun(study: Study, out: Path) -> None:
@@ -132,58 +127,3 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 def counted(count: int, noun: str) -> str:
     """A number of things in words: ``1 file``, ``2 files``."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
-def leftovers(study: Study, out: Path) -> dict[Path, str]:
-    """Files that do not belong to the study as it is now, with a description of each.
-
-    They are damaged files, results of cases that the study does not have (with other parameters,
-    or of another version of the scene), and files that a killed process left half-written.
-    """
-    folder = case_folder(out, study)
-    found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
-    present = {case_file(folder, case): case for case in study.cases}
-    keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
-    for path in sorted(folder.glob("*.nc")):
-        if path not in present:
-            found[path] = _stranger(path, keys, shared)
-        elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
-            found[path] = outcome.message.removeprefix(f"{path}: ")
-    return found
-
-
-def _stranger(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
-    """Describe a file in the folder of a study's cases that belongs to none of these cases.
-
-    Args:
-        path: the file.
-        keys: of the study's cases.
-        shared: by scene, the parameters that are the same in all of these.
-    """
-    try:
-        with netCDF4.Dataset(path) as file:
-            parameters = dict(json.loads(file.parameters))
-            key, scene = str(file.case_key), str(file.scene)
-            told = f"{scene} version {file.scene_version}, {file.status}"
-    except (OSError, RuntimeError, ValueError, TypeError, AttributeError):
-        return "not a case file, or a damaged one"
-    if key in keys:
-        return f"a copy of case {key}"
-    if scene not in shared:
-        return f"no case of this study: {told}: another scene"
-    others = ", ".join(
-        f"{name}={value}"
-        for name, value in parameters.items()
-        if name not in shared[scene] or value != shared[scene][name]
-    )
-    return f"no case of this study: {told}: {others or 'the same parameters'}"
-
-
-def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:
-    """By scene, the parameters that are the same in all of its cases."""
-    shared: dict[str, Parameters] = {}
-    for case in cases:
-        before = shared.get(case.scene, case.parameters)
-        same = {name: value for name, value in before.items() if value == case.parameters[name]}
-        shared[case.scene] = same
-    return shared

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, abandoned, prepare
-from harness.archive.case_files import Outcome, case_folder, discard
+from harness.archive.atomic_files import ArchiveError, abandoned, prepare, remove_file
+from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.errors import HarnessError, tell
 from harness.run import collect_and_clean as results
@@ -112,13 +112,15 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
         fresh: whether what is done already is run again.
 
     Raises:
-        HarnessError: results cannot be written, or a cluster is lost.
+        HarnessError: results cannot be written or lie outside the folder of results, or a cluster
+            is lost.
         KeyboardInterrupt: Ctrl-C.
     """
     folder = case_folder(out, study)
+    check_no_link(out, study)
     prepare(folder)
     for partial in (*abandoned(out), *abandoned(folder)):
-        partial.unlink(missing_ok=True)
+        remove_file(partial)
     if fresh:
         discard(folder, study.cases)
     stand = results.outcomes(study, out)

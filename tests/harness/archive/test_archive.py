@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive import case_files, study_files
+from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, parameter_names, varied_names, with_role
@@ -83,17 +83,17 @@ def test_another_format_version_is_refused_by_name(
 ) -> None:
     case = small.cases[0]
     complete(folder, [case])
-    monkeypatch.setattr(case_files, "FORMAT_VERSION", 99)
+    monkeypatch.setattr(netcdf_files, "FORMAT_VERSION", 99)
     with pytest.raises(ArchiveError, match="has format version 1, where 99 can be read"):
         case_files.read_case(folder, case)
 
 
 def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
     path = folder / "a.nc"
-    case_files.write_netcdf(result([0.1], 1.0), path)
+    netcdf_files.write_netcdf(result([0.1], 1.0), path)
     content = path.read_bytes()
     with pytest.raises(ValueError, match="'bad'"):
-        case_files.write_netcdf(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
+        netcdf_files.write_netcdf(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
     assert path.read_bytes() == content
     assert list(folder.iterdir()) == [path]
 

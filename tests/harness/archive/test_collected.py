@@ -10,9 +10,10 @@ import pytest
 import xarray as xr
 
 from harness.archive.atomic_files import prepare
-from harness.archive.case_files import case_file, case_folder, write_case, write_netcdf
+from harness.archive.case_files import case_file, case_folder, write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, CRASHED
+from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files, provenance, study_files
+from harness.archive import case_files, netcdf_files, provenance, study_files
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.compare.differences import differing
@@ -151,8 +151,8 @@ def random(path: Path) -> None:
 
 
 def older(path: Path) -> None:
-    result = case_files.read_netcdf(path)
-    case_files.write_netcdf(result.assign_attrs(format_version=0), path)
+    result = netcdf_files.read_netcdf(path)
+    netcdf_files.write_netcdf(result.assign_attrs(format_version=0), path)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import write_netcdf
 from harness.archive.conventions import COMPLETED, FORMAT_VERSION
+from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.compare.recommend import DERIVED, recommend

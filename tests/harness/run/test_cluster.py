@@ -12,7 +12,7 @@ from pathlib import Path
 import dask.config
 import pytest
 
-from harness.archive import case_files, study_files
+from harness.archive import case_files, netcdf_files, study_files
 from harness.cli.main import main
 from harness.compare.differences import differing
 from harness.study.cases import Case
@@ -141,7 +141,7 @@ def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
     results = [study_files.read_study(folder / "twenty.nc") for folder in (out, local)]
     assert differing(*results) == []
     case_file = case_files.case_file(case_files.case_folder(out, twenty), twenty.cases[0])
-    result = case_files.read_netcdf(case_file)
+    result = netcdf_files.read_netcdf(case_file)
     assert "--dask" in result.attrs["command_line"]
     assert result.peak_memory > 0
 

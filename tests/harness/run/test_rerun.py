@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import case_files, study_files
+from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
 from harness.archive.conventions import CRASHED
 from harness.cli.main import main
@@ -86,11 +86,11 @@ def test_what_cannot_be_run_again_is_one_line(
     one, other = done.cases
     folder = case_files.case_folder(tmp_path, done)
     path = case_files.case_file(folder, one)
-    changed = case_files.read_netcdf(path)
+    changed = netcdf_files.read_netcdf(path)
     parameters = json.loads(changed.attrs["parameters"])
     forged, older = tmp_path / "forged.nc", tmp_path / "older.nc"
     attributes = {"parameters": json.dumps({**parameters, "rigidity_index": 51.0})}
-    case_files.write_netcdf(changed.assign_attrs(attributes), forged)
+    netcdf_files.write_netcdf(changed.assign_attrs(attributes), forged)
     case_files.write_case(
         tmp_path, old := one.__class__(**{**vars(one), "scene_version": 0}), changed, "completed"
     )
@@ -102,9 +102,9 @@ def test_what_cannot_be_run_again_is_one_line(
         (unversioned, {"scene_version": "new"}),
         (unread, {"scene": "spiral"}),
     ):
-        case_files.write_netcdf(changed.assign_attrs(attributes_), path_)
+        netcdf_files.write_netcdf(changed.assign_attrs(attributes_), path_)
     stranger = tmp_path / "stranger.nc"
-    case_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
+    netcdf_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
     refusals = {
         (str(path), other.key): f"is the file of case {one.key} alone",
         (

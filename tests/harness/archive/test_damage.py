@@ -1,0 +1,259 @@
+"""Damage on disk: flipped bits, cut files, and what is no file at all.
+
+``HARNESS_FLIPS=5000 python -m pytest tests/harness/archive/test_damage.py`` flips that many bits
+instead of the few hundred of the suite.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive import netcdf_files
+from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.case_files import (
+    case_file,
+    case_folder,
+    is_complete,
+    read_case,
+    read_outcome,
+    write_case,
+)
+from harness.archive.conventions import COMPLETED, DAMAGED
+from harness.archive.netcdf_files import read_netcdf, write_netcdf
+from harness.cli.main import main
+from harness.run.collect_and_clean import collect_and_write
+from harness.run.worker import run_case
+from harness.study.study import Study, load_study
+
+FLIPS = int(os.environ.get("HARNESS_FLIPS", "600"))
+"""Bits that are flipped in all, one at a time."""
+
+STUDIES = {
+    "cone_penetration": "penetration = 1\ncells_per_radius = 1\nparticles_per_cell = 4",
+    "sliding_block": "cells_per_length = 10\ntravel = 0.01",
+    "material_point": "step_count = 16",
+}
+COMMANDS = ("compare", "plot", "report", "rerun", "recommend")
+
+
+@pytest.fixture(scope="module", params=list(STUDIES))
+def computed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """A study of one case, computed and collected; the results stand beside its file."""
+    folder = tmp_path_factory.mktemp(request.param)
+    source = folder / "one.toml"
+    source.write_text(
+        f'title = "one"\nscene = "{request.param}"\n[fixed]\n{STUDIES[request.param]}\n'
+    )
+    study = load_study(str(source))
+    place = case_folder(folder, study)
+    prepare(place)
+    assert run_case(study.cases[0], place).status == COMPLETED
+    collect_and_write(study, folder)
+    return study
+
+
+def flipped(content: bytes, bit: int) -> bytes:
+    changed = bytearray(content)
+    changed[bit // 8] ^= 1 << bit % 8
+    return bytes(changed)
+
+
+def flips(content: bytes, count: int) -> list[int]:
+    return np.random.default_rng(23).integers(8 * len(content), size=count).tolist()
+
+
+def read(path: Path) -> xr.Dataset | str:
+    """What a file holds, or why it cannot be read; any other exception fails the test."""
+    try:
+        return read_netcdf(path)
+    except ArchiveError as error:
+        return str(error)
+
+
+def is_same(one: xr.Dataset, other: xr.Dataset) -> bool:
+    dtypes = ({name: it.dtype for name, it in each.variables.items()} for each in (one, other))
+    return one.identical(other) and next(dtypes) == next(dtypes)
+
+
+def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
+    computed: Study, tmp_path: Path
+) -> None:
+    (case,) = computed.cases
+    assert computed.source is not None
+    content = case_file(case_folder(computed.source.parent, computed), case).read_bytes()
+    path = case_file(tmp_path, case)
+    path.write_bytes(content)
+    before = read_case(tmp_path, case)
+    assert before is not None
+    stand = read_outcome(tmp_path, case)
+    noticed = 0
+    for bit in flips(content, FLIPS // len(STUDIES)):
+        path.write_bytes(flipped(content, bit))
+        outcome = read_outcome(tmp_path, case)
+        after = read(path)
+        if isinstance(after, str):
+            assert after.startswith(f"{path}: ")
+            assert outcome.status == DAMAGED
+            noticed += 1
+        else:
+            assert is_same(after, before)
+            assert outcome == stand
+    assert noticed
+
+
+def test_a_flipped_bit_of_a_collected_file_is_noticed_or_changes_nothing(
+    computed: Study, tmp_path: Path
+) -> None:
+    assert computed.source is not None
+    content = (computed.source.parent / "one.nc").read_bytes()
+    path = tmp_path / "one.nc"
+    path.write_bytes(content)
+    before = read_netcdf(path)
+    for bit in flips(content, FLIPS // len(STUDIES)):
+        path.write_bytes(flipped(content, bit))
+        after = read(path)
+        if isinstance(after, str):
+            assert after.startswith(f"{path}: ")
+        else:
+            assert is_same(after, before)
+
+
+def test_a_flipped_bit_at_the_edges_of_netcdf_and_digest_is_noticed(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "a.nc"
+    write_netcdf(xr.Dataset({"a": 1.0}, attrs={"format_version": 1}), path)
+    content = path.read_bytes()
+    for byte in (0, len(content) // 2, len(content) - 73, len(content) - 72, len(content) - 1):
+        path.write_bytes(flipped(content, 8 * byte))
+        with pytest.raises(ArchiveError, match="was damaged or changed after it was written"):
+            read_netcdf(path)
+
+
+@pytest.fixture
+def result(small: Study, tmp_path: Path) -> Path:
+    """The collected file of a study of which all cases are complete."""
+    folder = case_folder(tmp_path, small)
+    prepare(folder)
+    for case in small.cases:
+        write_case(folder, case, xr.Dataset({"cone_factor": 10.0}), COMPLETED)
+    collect_and_write(small, tmp_path)
+    return tmp_path / "small.nc"
+
+
+def arguments(command: str, result: Path) -> list[str]:
+    if command == "recommend":
+        return [command, "cone_penetration", "--error", "1%", "--results", str(result.parent)]
+    more = ["-o", str(result.with_suffix(".html"))] if command == "report" else []
+    return [command, str(result), *more]
+
+
+def truncated(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def cut_by_the_digest(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-72])
+
+
+def changed(path: Path) -> None:
+    with xr.open_dataset(path) as dataset:
+        other = dataset.load()
+    other["cone_factor"] = other["cone_factor"] + 1
+    other.to_netcdf(path)
+
+
+def fifo(path: Path) -> None:
+    path.unlink()
+    os.mkfifo(path)
+
+
+def folder(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+def device(path: Path) -> None:
+    path.unlink()
+    path.symlink_to("/dev/zero")
+
+
+def bomb(path: Path) -> None:
+    """A tera of numbers in a file of some kilobytes, as it would be read from before digests."""
+    path.unlink()
+    with netCDF4.Dataset(path, "w") as file:
+        file.format_version = np.int64(1)
+        file.study = "small"
+        file.scene = "cone_penetration"
+        file.createDimension("case", 10**12)
+        file.createVariable("status", "f8", ("case",), zlib=True, chunksizes=(1000,))
+
+
+DAMAGES = (truncated, cut_by_the_digest, changed, fifo, folder, device, bomb)
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_collected_file_of_no_use_is_one_line_and_collected_again(
+    command: str,
+    damage: Callable[[Path], None],
+    result: Path,
+    small: Study,
+    refusal: Callable[[list[str]], str],
+) -> None:
+    damage(result)
+    line = refusal(arguments(command, result))
+    assert line.startswith(f"harness: {result}: cannot be read: ")
+    assert len(line) < 200 + len(str(result))
+    if damage is not folder:
+        assert main(["collect", str(small.source), "--out", str(result.parent)]) == 0
+        assert read_netcdf(result).attrs["study"] == "small"
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_case_file_of_no_use_is_damaged(
+    damage: Callable[[Path], None], result: Path, small: Study, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place, case = case_folder(result.parent, small), small.cases[1]
+    path = case_file(place, case)
+    damage(path)
+    assert main(["status", str(small.source), "--out", str(result.parent)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert f"{path}: cannot be read: " in lines[2]
+    assert lines[-1].startswith("3 cases: 2 completed, 1 damaged")
+    if damage not in (folder, fifo):
+        return  # that it is run again is the same for all, and takes seconds
+    code = main(["run", str(small.source), "--out", str(result.parent)])
+    told = capsys.readouterr().err
+    if damage is folder:
+        assert (code, is_complete(place, case)) == (2, False)
+        assert told.splitlines()[-1].endswith("is a folder, where only files belong; move it away")
+    else:
+        assert (code, is_complete(place, case)) == (0, True)
+        assert "the case is run again" in told
+        assert "3 cases, 2 done already" in told
+
+
+def test_files_from_before_digests_are_read_as_before(result: Path, small: Study) -> None:
+    place, case = case_folder(result.parent, small), small.cases[0]
+    before, stand = read_case(place, case), read_outcome(place, case)
+    assert before is not None
+    path = case_file(place, case)
+    path.write_bytes(bytes(netcdf_files._image(before)))
+    after = read_case(place, case)
+    assert after is not None
+    assert is_same(after, before)
+    assert read_outcome(place, case) == stand
+
+
+def test_a_digest_is_of_the_file_and_not_of_the_result(result: Path) -> None:
+    with xr.open_dataset(result) as dataset:  # as any program reads it
+        assert dataset.attrs["digest"].startswith("SHA-256")
+    assert "digest" not in read_netcdf(result).attrs
