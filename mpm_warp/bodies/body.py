@@ -53,7 +53,7 @@ class Body:
 
     def __post_init__(self) -> None:
         count = np.size(self.volume)
-        check_whole("body: number of particles", count, FROM_ONE)
+        check_whole("body: length of volume", count, FROM_ONE)
         check_array("body: volume", self.volume, (count,), POSITIVE)
         check_array("body: position", self.position, (count, 2))
         check_number("body: spacing", self.spacing, POSITIVE, unit="m")
@@ -65,7 +65,7 @@ class Body:
         check_kind("body: loads", self.loads, tuple)
         for load in self.loads:
             check_kind("body: load", load, Load)
-            check_array("load: forces", load.forces, (count, 2))
+            check_array("body: loads: forces", load.forces, (count, 2))
 
     @property
     def particle_count(self) -> int:

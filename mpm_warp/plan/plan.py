@@ -75,13 +75,13 @@ class Array:
         kinds = "iu" if is_whole else "fiu"
         check_array(name, given, shape, allowed, kinds=kinds, error=ValueError)
         if self.counts:
-            indices = np.atleast_1d(given)
-            is_none = (indices == -1).reshape(len(indices), -1).all(axis=1)
-            there = indices[~is_none] if self.may_be_none else indices
-            for part, count in zip(there.reshape(-1, len(self.counts)).T, self.counts, strict=True):
+            row = (len(self.counts),)
+            indices = given.reshape(-1, *row) if given.ndim else np.full((1, *row), given)
+            there = indices[(indices != -1).any(axis=1)] if self.may_be_none else indices
+            for part, count in zip(there.T, self.counts, strict=True):
                 within = Range(minimum=0, maximum=count - 1)
                 check_array(
-                    f"{name}: index", part, part.shape, within, kinds=kinds, error=ValueError
+                    f"{name}: index", part, part.shape, within, kinds="iu", error=ValueError
                 )
 
 

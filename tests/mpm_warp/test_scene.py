@@ -37,7 +37,10 @@ def plane(rectilinear: Grid) -> Grid:
     ("changes", "message"),
     [
         ({"particles_per_side": 0}, "particles_per_side = 0 must be >= 1$"),
-        ({"time_step_fraction": float("nan")}, "time_step_fraction = nan must be a finite number > 0$"),
+        (
+            {"time_step_fraction": float("nan")},
+            "time_step_fraction = nan must be a finite number > 0$",
+        ),
         ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0$"),
         ({"precision": "float16"}, "precision = 'float16' must be one of float64, float32$"),
         (
