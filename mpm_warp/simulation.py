@@ -121,7 +121,7 @@ class Simulation:
         self._run.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
-        """Launch a kernel of the plan."""
+        """Launch a kernel of the plan; a launch of another plan is not checked, as in `array`."""
         self._run.launch(launch)
 
     def advance(self, step_count: int) -> None:
