@@ -36,9 +36,10 @@ def make_plan(
     Args:
         scene: what to run.
         share_count: into how many shares its launches are split, >= 1.
-        time_step: length of a step [s]; default: the scene's fraction of the critical one.
+        time_step: length of a step [s], > 0; default: the scene's fraction of the critical one.
 
     Raises:
+        SceneError: a value is not allowed.
         TypeError: nobody has said how such a scene is planned.
     """
     raise TypeError(f"a {type(scene).__name__} cannot be planned")
@@ -103,10 +104,12 @@ def _empty_plan(scene: Scene, share_count: int, time_step: float | None) -> Plan
     # Soil carries its waves along.
     flow_speed = 0.0 if scene.window is None else scene.window.first_speed
     critical_time_step = float(scene.grid.cell_lengths.min()) / (wave_speed + flow_speed)
+    if time_step is None:
+        time_step = scene.time_step_fraction * critical_time_step
     plan = Plan(
         precision=PRECISIONS[scene.precision],
         share_count=share_count,
-        time_step=time_step or scene.time_step_fraction * critical_time_step,
+        time_step=time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=wave_speed,
         particle_bounds=scene.grid.particle_bounds,

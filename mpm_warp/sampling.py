@@ -125,8 +125,16 @@ class ContactForces:
         self._taken_at = simulation.time
 
     def take(self) -> Floats:
-        """Normal and tangential force per radian [N], shape [contact node_count, 2]."""
+        """Normal and tangential force per radian [N], shape [contact node_count, 2].
+
+        Raises:
+            ValueError: no time has passed since they were taken before, so there is no mean.
+        """
         simulation = self._simulation
+        if simulation.time == self._taken_at:
+            raise ValueError(
+                f"contact forces: taken at t = {self._taken_at:.4g} s already; take steps before"
+            )
         forces: Floats = simulation.array("contact.impulse") / (simulation.time - self._taken_at)
         simulation.assign("contact.impulse", 0.0)
         self._taken_at = simulation.time

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpm_warp.arguments import FROM_ONE, POSITIVE, check_kind, check_number, check_whole
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.material import Material
@@ -14,9 +15,22 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.parts.part import NodeAction
+from mpm_warp.parts.part import FitsGrid, NodeAction
 from mpm_warp.parts.window import Window
 from mpm_warp.precision import PRECISIONS
+
+REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": str} | dict.fromkeys(
+    ("free_surface", "conservative_interpolation", "energy_audit"), bool
+)
+"""Of what type a value of a scene has to be."""
+OPTIONAL = {
+    "fixed": Fixed,
+    "far_field": FarField,
+    "contact": SurfaceContact,
+    "moving_wall": MovingWall,
+    "window": Window,
+}
+"""Of what type it has to be where it is not None."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,24 +80,34 @@ class Scene:
     precision: str = "float64"
 
     def __post_init__(self) -> None:
-        for name in ("particles_per_side", "time_step_fraction"):
-            if not getattr(self, name) > 0:
-                raise SceneError(f"{name} = {getattr(self, name):g} must be > 0")
-        if self.bulk_viscosity is not None and not self.bulk_viscosity > 0.0:
-            raise SceneError(f"bulk_viscosity = {self.bulk_viscosity:g} must be > 0, or none")
+        check_whole("particles_per_side", self.particles_per_side, FROM_ONE)
+        check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
+        if self.bulk_viscosity is not None:
+            check_number("bulk_viscosity", self.bulk_viscosity, POSITIVE)
+        for name, kind in REQUIRED.items():
+            check_kind(name, getattr(self, name), kind)
+        for name, kind in OPTIONAL.items():
+            check_kind(name, getattr(self, name), (kind, type(None)))
+        for number, force in enumerate(self.forces):
+            if not isinstance(force, NodeAction):
+                raise SceneError(f"forces[{number}]: a {type(force).__name__} has no `add_to`")
         if self.precision not in PRECISIONS:
             raise SceneError(
                 f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
             )
         leans = np.ptp(self.grid.surface_radius) > 0.0
         has_rays_or_is_plane = self.grid.polar or self.grid.planar
-        for part, does_not_go_with, why in (
+        for name, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
             ("moving_wall", self.window, "a window"),
+            ("window", self.grid.polar, "a grid of rays"),
             ("conservative_interpolation", has_rays_or_is_plane, "a grid of rays or that is plane"),
         ):
-            if getattr(self, part) and does_not_go_with:
-                raise SceneError(f"{part}: not together with {why}")
+            if getattr(self, name) and does_not_go_with:
+                raise SceneError(f"{name}: not together with {why}")
+        for part in self.node_actions:
+            if isinstance(part, FitsGrid):
+                part.check(self)
 
     @property
     def node_actions(self) -> Iterator[NodeAction]:

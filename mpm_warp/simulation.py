@@ -9,6 +9,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.device_run import DeviceRun
 from mpm_warp.execution.execution import Execution
@@ -96,25 +97,43 @@ class Simulation:
         return self._watch.particle_count
 
     def array(self, name: str) -> NDArray[Any]:
-        """An array of the plan on the host: the device's own memory where they share it."""
+        """An array of the plan on the host: the device's own memory where they share it.
+
+        What is written to it there is not checked: an index beyond its range, in "particle.cell"
+        say, ends the process. `assign` checks.
+
+        Raises:
+            KeyError: there is no array of that name; the message names the nearest.
+        """
+        self.plan.check_known(name)
         return self._run.array(name)
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
-        """Give an array of the plan other values, or one value everywhere."""
+        """Give an array of the plan other values, or one value everywhere.
+
+        Raises:
+            KeyError: there is no array of that name; the message names the nearest.
+            ValueError: the values are of another shape or type, not finite, or indices of what
+                there is not.
+        """
+        self.plan.check_known(name)
+        self.plan.arrays[name].check(name, values)
         self._run.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
-        """Launch a kernel of the plan."""
+        """Launch a kernel of the plan; a launch of another plan is not checked, as in `array`."""
         self._run.launch(launch)
 
     def advance(self, step_count: int) -> None:
         """Take steps.
 
         Raises:
+            ValueError: `step_count` is not an integer >= 0.
             SimulationDiverged: noticed by the watch, which looks every `CHECK_INTERVAL` steps; the
                 message names what, where, when and what may help.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
+        check_whole("step_count", step_count, NOT_NEGATIVE, error=ValueError)
         if self._first_step_at is None:
             self._first_step_at = time.perf_counter()
         last = self.step_count + step_count
@@ -138,18 +157,22 @@ class Simulation:
         """Take steps until so many have been taken since the start.
 
         Raises:
+            ValueError: `step` is not finite.
             SimulationDiverged: the run became unstable.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
-        self.advance(int(step) - self.step_count)
+        check_number("step", step, error=ValueError)
+        self.advance(max(0, int(step) - self.step_count))
 
     def advance_to(self, time: float) -> None:
         """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.
 
         Raises:
+            ValueError: `time` is not finite.
             SimulationDiverged: the run became unstable.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
+        check_number("time", time, unit="s", error=ValueError)
         while (left := self._steps_until(time)) > 0:
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
@@ -157,10 +180,11 @@ class Simulation:
         """Take steps until the window has moved so far [m] since the start.
 
         Raises:
-            ValueError: the scene has no window.
+            ValueError: `travel` is not finite, or the scene has no window.
             SimulationDiverged: the run became unstable.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
+        check_number("travel", travel, unit="m", error=ValueError)
         inflow = self._window_inflow
         while inflow.travel < travel:
             self.advance(inflow.steps_to(travel))

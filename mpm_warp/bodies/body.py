@@ -9,6 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mpm_warp.arguments import (
+    FROM_ONE,
+    POSITIVE,
+    check_array,
+    check_kind,
+    check_number,
+    check_whole,
+)
 from mpm_warp.bodies.loads import Load
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
@@ -30,6 +38,9 @@ class Body:
             times the rate of strain [s], > 0; None where the body has no damping. It damps a
             frequency omega by omega tau / 2 of the critical damping.
         loads: forces on the particles.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     position: Floats
@@ -39,6 +50,22 @@ class Body:
     held: NDArray[np.bool_] | None = None
     retardation_time: float | None = None
     loads: tuple[Load, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = np.size(self.volume)
+        check_whole("body: length of volume", count, FROM_ONE)
+        check_array("body: volume", self.volume, (count,), POSITIVE)
+        check_array("body: position", self.position, (count, 2))
+        check_number("body: spacing", self.spacing, POSITIVE, unit="m")
+        check_kind("body: material", self.material, LinearElastic)
+        if self.held is not None:
+            check_array("body: held", self.held, (count,), kinds="b")
+        if self.retardation_time is not None:
+            check_number("body: retardation_time", self.retardation_time, POSITIVE, unit="s")
+        check_kind("body: loads", self.loads, tuple)
+        for load in self.loads:
+            check_kind("body: load", load, Load)
+            check_array("body: loads: forces", load.forces, (count, 2))
 
     @property
     def particle_count(self) -> int:
@@ -68,7 +95,7 @@ def add_particles(plan: Plan, bodies: Sequence[Body]) -> None:
     counts = [body.particle_count for body in bodies]
     plan.particle_count = sum(counts)
     numbers = np.repeat(np.arange(len(bodies)), counts)
-    plan.add_array("particle.body", "int", numbers.astype(np.int32))
+    plan.add_array("particle.body", "int", numbers.astype(np.int32), (len(bodies),))
     plan.add_array("particle.position", "vec2", np.concatenate([b.position for b in bodies]))
     plan.add_array("particle.mass", "real", np.concatenate([b.mass for b in bodies]))
     plan.add_array("particle.volume", "real", np.concatenate([b.volume for b in bodies]))

@@ -23,6 +23,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.contact_detection import add_contact_detection
 from mpm_warp.bodies.grid import UniformGrid
@@ -48,12 +49,21 @@ class BodyContact:
         base: index of the other.
         friction: Coulomb coefficient, dimensionless, >= 0.
         adhesion: shear stress transmitted without normal stress [Pa], >= 0.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     body: int
     base: int
     friction: float = 0.0
     adhesion: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_whole("contact: body", self.body, NOT_NEGATIVE)
+        check_whole("contact: base", self.base, NOT_NEGATIVE)
+        check_number("contact: friction", self.friction, NOT_NEGATIVE)
+        check_number("contact: adhesion", self.adhesion, NOT_NEGATIVE, unit="Pa")
 
     def add_to(self, plan: Plan, index: int, bodies: Sequence[Body], grid: UniformGrid) -> None:
         """Add contact number `index` of a scene, after the velocities that each body has alone."""

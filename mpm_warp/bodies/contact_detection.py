@@ -48,7 +48,8 @@ def add_contact_detection(
     area = plan.add_zeros(f"{contact}.area", "real", grid.node_count)
     extent = plan.add_zeros(f"{contact}.extent", "vec2", grid.node_count)
     half_spacing = np.array([0.5 * it.spacing for it in bodies])
-    plan.add_array("body.half_spacing", "real", half_spacing)
+    if plan.find("body.half_spacing") is None:  # a contact before this one may have added it
+        plan.add_array("body.half_spacing", "real", half_spacing)
     plan.add_launch(
         make_interface(plan.precision),
         grid.node_counts[::-1],

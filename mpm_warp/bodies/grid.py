@@ -13,6 +13,15 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from mpm_warp.arguments import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    Range,
+    check_kind,
+    check_number,
+    check_whole,
+)
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.precision import Precision
@@ -38,12 +47,16 @@ class UniformGrid:
     axisymmetric: bool = False
 
     def __post_init__(self) -> None:
-        if self.cell_size <= 0.0:
-            raise SceneError(f"grid: cell_size = {self.cell_size:g} m must be > 0")
-        if min(self.cell_counts) < 3:
-            raise SceneError(f"grid: cell_counts = {self.cell_counts} must be 3 or more each")
-        if self.axisymmetric and self.lower[0] < 0.0:
-            raise SceneError(f"grid: lower r = {self.lower[0]:g} m must be >= 0")
+        check_number("grid: cell_size", self.cell_size, POSITIVE, unit="m")
+        check_kind("grid: axisymmetric", self.axisymmetric, bool)
+        for name in ("lower", "cell_counts"):
+            if np.shape(getattr(self, name)) != (2,):
+                raise SceneError(f"grid: {name} = {getattr(self, name)!r} must be two numbers")
+        for count in self.cell_counts:
+            check_whole("grid: cell_counts: one", count, Range(minimum=3))
+        r, z = self.lower
+        check_number("grid: lower r", r, NOT_NEGATIVE if self.axisymmetric else FINITE, unit="m")
+        check_number("grid: lower z", z, unit="m")
 
     @property
     def node_counts(self) -> tuple[int, int]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, check_array, check_number
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -27,11 +28,19 @@ class Load:
         forces: final force on each particle [N], shape [particle_count, 2].
         start: time t_0 at which they begin to rise [s], >= 0.
         rise_time: time T that they take to rise [s], > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     forces: Floats
     start: float
     rise_time: float
+
+    def __post_init__(self) -> None:
+        check_array("load: forces", self.forces, (None, 2))
+        check_number("load: start", self.start, NOT_NEGATIVE, unit="s")
+        check_number("load: rise_time", self.rise_time, POSITIVE, unit="s")
 
     def impulse_time(self, time: Floats) -> Floats:
         """Impulse until each time over the final force: time integral of the fraction acting [s].

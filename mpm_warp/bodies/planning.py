@@ -5,6 +5,7 @@ Arrays over "field" have a row for each body and a column for each node.
 
 from __future__ import annotations
 
+from mpm_warp.arguments import FROM_ONE, check_whole
 from mpm_warp.bodies.body import add_particles
 from mpm_warp.bodies.body_to_grid import add_body_to_grid
 from mpm_warp.bodies.contact_detection import add_clear_surfaces
@@ -24,12 +25,15 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
     Args:
         scene: what to run.
         share_count: not used: no launch over bodies is split into shares.
-        time_step: length of a step [s]; default: the scene's fraction of the critical one.
+        time_step: length of a step [s], > 0; default: the scene's fraction of the critical one.
     """
+    check_whole("share_count", share_count, FROM_ONE)
     critical_time_step = scene.critical_time_step()
+    if time_step is None:
+        time_step = scene.time_step_fraction * critical_time_step
     plan = Plan(
         precision=FLOAT64,
-        time_step=time_step or scene.time_step_fraction * critical_time_step,
+        time_step=time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),
         particle_bounds=scene.grid.particle_bounds,

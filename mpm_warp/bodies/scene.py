@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpm_warp.arguments import POSITIVE, check_kind, check_number
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
@@ -45,10 +46,12 @@ class BodyScene:
     contacts: tuple[BodyContact, ...] = ()
 
     def __post_init__(self) -> None:
+        check_kind("grid", self.grid, UniformGrid)
+        check_kind("bodies", self.bodies, tuple)
+        check_kind("contacts", self.contacts, tuple)
         if not self.bodies:
             raise SceneError("bodies: there is none; give one or more")
-        if self.time_step_fraction <= 0.0:
-            raise SceneError(f"time_step_fraction = {self.time_step_fraction:g} must be > 0")
+        check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
         for index, body in enumerate(self.bodies):
             self._check_body(index, body)
         for index, contact in enumerate(self.contacts):
@@ -93,6 +96,7 @@ class BodyScene:
         return least
 
     def _check_body(self, index: int, body: Body) -> None:
+        check_kind(f"bodies[{index}]", body, Body)
         lower, upper = self.grid.particle_bounds
         outside = ~np.all((body.position >= lower) & (body.position <= upper), axis=1)
         if outside.any():
@@ -101,18 +105,9 @@ class BodyScene:
                 f"body {index}: {outside.sum()} particles, one at {first} m, are outside the grid "
                 f"or within half a cell of its edge, which allows {lower} to {upper} m; widen it"
             )
-        if body.retardation_time is not None and not body.retardation_time > 0.0:
-            raise SceneError(
-                f"body {index}: retardation_time = {body.retardation_time:g} s must be > 0"
-            )
-        for load in body.loads:
-            if load.start < 0.0 or load.rise_time <= 0.0:
-                raise SceneError(
-                    f"body {index}: load with start = {load.start:g} s, rise_time = "
-                    f"{load.rise_time:g} s: must be >= 0 and > 0"
-                )
 
     def _check_contact(self, index: int, contact: BodyContact) -> None:
+        check_kind(f"contacts[{index}]", contact, BodyContact)
         for name in ("body", "base"):
             value = getattr(contact, name)
             if not 0 <= value < len(self.bodies):
@@ -122,10 +117,6 @@ class BodyScene:
                 )
         if contact.body == contact.base:
             raise SceneError(f"contact {index}: body {contact.body} cannot touch itself")
-        for name in ("friction", "adhesion"):
-            value = getattr(contact, name)
-            if not (np.isfinite(value) and value >= 0.0):
-                raise SceneError(f"contact {index}: {name} = {value:g} must be >= 0")
 
 
 def _check_overlap(first: int, one: Body, second: int, other: Body) -> None:

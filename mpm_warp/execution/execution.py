@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import warp as wp
 
+from mpm_warp.arguments import FROM_ONE, check_whole
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -43,10 +44,16 @@ class Execution:
         device: "cpu", or the name that Warp gives to a GPU, for example "cuda:0".
         threads: threads of the processor, one of `mpm_warp.execution.THREAD_COUNTS`. The number may
             change while a run goes on. A GPU ignores it.
+
+    Raises:
+        ValueError: the number of threads is not an integer >= 1.
     """
 
     device: str = "cpu"
     threads: int = 1
+
+    def __post_init__(self) -> None:
+        check_whole("threads", self.threads, FROM_ONE, error=ValueError)
 
     def steps(self, plan: Plan, arrays: dict[str, Any]) -> Steps:
         """The steps of a plan on the device, for one run.

@@ -25,6 +25,17 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mpm_warp.arguments import (
+    FROM_ONE,
+    POSITIVE,
+    Range,
+    check_array,
+    check_kind,
+    check_number,
+    check_whole,
+)
+from mpm_warp.errors import SceneError
+
 Floats = NDArray[np.floating[Any]]
 Integers = NDArray[np.integer[Any]]
 
@@ -47,6 +58,9 @@ class Grid:
             shape [row_count + 1]; 0 on the axis.
         outer_radius: radius of the last column of nodes [m].
         planar: whether strain is plane; r is then a Cartesian coordinate.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     columns: Floats
@@ -56,6 +70,25 @@ class Grid:
     planar: bool = False
     polar: ClassVar[bool] = False
     """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
+
+    def __post_init__(self) -> None:
+        for name in ("columns", "rows"):
+            values = getattr(self, name)
+            check_array(f"grid: {name}", values, (None,))
+            check_whole(f"grid: length of {name}, less 1,", len(values) - 1, FROM_ONE)
+            falls = np.flatnonzero(values[1:] <= values[:-1])
+            if len(falls):
+                one, next_one = values[falls[0] : falls[0] + 2]
+                raise SceneError(
+                    f"grid: {name}[{falls[0] + 1}] = {next_one:g} must be > {one:g}, the one before"
+                )
+        if self.columns[0] != 0.0 or self.columns[-1] != 1.0:
+            ends = f"{self.columns[0]:g} to {self.columns[-1]:g}"
+            raise SceneError(f"grid: columns are from {ends}, must be from 0 to 1")
+        check_number("grid: outer_radius", self.outer_radius, POSITIVE, unit="m")
+        within = Range(minimum=0.0, below=self.outer_radius)
+        check_array("grid: surface_radius", self.surface_radius, self.rows.shape, within)
+        check_kind("grid: planar", self.planar, (bool, np.bool_))
 
     def weight(self, radius: Floats) -> Floats:
         """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
@@ -193,9 +226,17 @@ class GroundGrid(Grid):
 
     Attributes:
         ground_level: height of the surface of the ground before anything moves [m].
+
+    Raises:
+        SceneError: a value is not allowed, or there is no soil in the grid.
     """
 
     ground_level: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        above_bottom = Range(above=float(self.rows[0]))
+        check_number("grid: ground_level", self.ground_level, above_bottom, unit="m")
 
     def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
         """See `Grid`."""
@@ -229,7 +270,13 @@ def graded(first: float, length: float, growth: float) -> Floats:
         first: width of the first cell [m].
         length: sum of all widths [m], more than `first`.
         growth: ratio of a cell's width to the one before, more than 1.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
+    check_number("graded: first", first, POSITIVE, unit="m")
+    check_number("graded: length", length, Range(above=first), unit="m")
+    check_number("graded: growth", growth, Range(above=1.0))
     count = max(1, round(np.log1p(length / first * (growth - 1.0)) / np.log(growth)))
     low, high = 1.0 + 1e-12, 10.0
     for _ in range(100):

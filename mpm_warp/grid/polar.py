@@ -8,6 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from mpm_warp.arguments import Range, check_array
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 
 GAUSS_COUNT = 6
@@ -21,9 +23,19 @@ class PolarGrid(Grid):
     Distance from the origin takes the place of r, and the angle from the z axis, `rows` [rad], that
     of z: shape functions are bilinear in the two, cells are sectors of rings. Positions and
     velocities stay those along r and z.
+
+    Raises:
+        SceneError: a value is not allowed, or the surface is not round.
     """
 
     polar: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_array("grid: rows", self.rows, (None,), Range(minimum=0.0, maximum=np.pi))
+        if np.ptp(self.surface_radius) > 0.0:
+            radii = f"{self.surface_radius.min():g} to {self.surface_radius.max():g} m"
+            raise SceneError(f"grid: surface_radius is {radii}, must be the same on all rays")
 
     def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
         """See `Grid`."""

@@ -2,7 +2,8 @@
 
 A material is one file: its properties, what a material point of it remembers, its stress update as
 a function on the device, and what its stress must not exceed. A new one is a subclass of `Material`
-in a file of its own, which may be a user's.
+in a file of its own, which may be a user's. Such a file must not have `from __future__ import
+annotations`: Warp reads the types of a kernel from its annotations, and would raise a `NameError`.
 """
 
 import math
@@ -10,6 +11,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from mpm_warp.arguments import POSITIVE, Range, check_number
 from mpm_warp.precision import Precision
 
 
@@ -21,7 +23,8 @@ class Law:
     holds the material's `properties`, `state` what the point remembers, both as vectors.
 
     Attributes:
-        key: tells the law from all others, in a word or two.
+        key: tells the law from all others: where its class is, and how many properties and numbers
+            of state it has, by which a class that was defined anew differs from the one before.
         update: (trial stress, strain increment, time step, properties, state) -> (stress, state).
         yield_function: (stress, properties, state) -> (f, k): the material yields where the
             measure f of the stress [Pa] reaches the strength k [Pa]; None where it never does.
@@ -47,6 +50,9 @@ class Material(ABC):
         shear_modulus: G [Pa], > 0.
         poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
         density: rho [kg/m3], > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     state: ClassVar[tuple[str, ...]] = ()
@@ -55,6 +61,11 @@ class Material(ABC):
     shear_modulus: float
     poissons_ratio: float
     density: float
+
+    def __post_init__(self) -> None:
+        check_number("material: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
+        check_number("material: poissons_ratio", self.poissons_ratio, Range(minimum=0, below=0.5))
+        check_number("material: density", self.density, POSITIVE, unit="kg/m3")
 
     @property
     def properties(self) -> tuple[float, ...]:
@@ -71,8 +82,9 @@ class Material(ABC):
 
     def law(self, precision: Precision) -> Law:
         """The material's functions on the device in one precision."""
+        name = f"{type(self).__module__}.{type(self).__qualname__}".replace("<locals>.", "")
         return Law(
-            key=f"{type(self).__module__}.{type(self).__qualname__}".replace("<locals>.", ""),
+            key=f"{name}.{len(self.properties)}.{len(self.state)}",
             update=self.update(precision),
             yield_function=self.yield_function(precision),
             properties_type=precision.vector(len(self.properties)),
@@ -115,6 +127,10 @@ class PerfectlyPlastic(Material):
     """
 
     strength: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("material: strength", self.strength, POSITIVE, unit="Pa")
 
     @property
     def properties(self) -> tuple[float, ...]:

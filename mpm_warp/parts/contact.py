@@ -15,6 +15,15 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from mpm_warp.arguments import (
+    FROM_ONE,
+    NOT_NEGATIVE,
+    check_array,
+    check_nodes,
+    check_number,
+    check_whole,
+)
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.contact_law import make_contact_law
@@ -24,6 +33,8 @@ from mpm_warp.precision import Precision
 
 PARTED = 1e-3
 """Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
+UNIT_ROUNDING = 1e-6
+"""What the length of a unit normal may differ from 1 by."""
 
 
 def nodal_areas(weight: Floats, length: Floats) -> Floats:
@@ -55,6 +66,9 @@ class SurfaceContact:
             part where the simulated traction pulls by more.
         speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
             the window has the speed and this one is not used.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     nodes: Integers
@@ -65,6 +79,28 @@ class SurfaceContact:
     in_situ_stress: float
     speed: float = 0.0
 
+    def __post_init__(self) -> None:
+        count = np.size(self.nodes)
+        check_whole("contact: number of nodes", count, FROM_ONE)
+        check_array("contact: normals", self.normals, (count, 2))
+        lengths = np.hypot(self.normals[:, 0], self.normals[:, 1])
+        if not np.allclose(lengths, 1.0, rtol=0.0, atol=UNIT_ROUNDING):
+            worst = int(np.argmax(np.abs(lengths - 1.0)))
+            raise SceneError(
+                f"contact: normals[{worst}] is {lengths[worst]:g} long, must be a unit normal"
+            )
+        for name in ("normal_areas", "adhesion_forces"):
+            check_array(f"contact: {name}", getattr(self, name), (count,), NOT_NEGATIVE)
+        if not self.normal_areas.any():
+            raise SceneError("contact: normal_areas are all 0, must be > 0 at one node at least")
+        check_number("contact: friction", self.friction, NOT_NEGATIVE)
+        check_number("contact: in_situ_stress", self.in_situ_stress, NOT_NEGATIVE, unit="Pa")
+        check_number("contact: speed", self.speed, unit="m/s")
+
+    def check(self, setting: Setting) -> None:
+        """Check that the grid has the nodes."""
+        check_nodes("contact: nodes", self.nodes, setting.grid.node_count)
+
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the nodes in contact.
 
@@ -73,7 +109,7 @@ class SurfaceContact:
         shape [node_count, 2], since it was last cleared.
         """
         window_motion = plan.find("window.motion")
-        plan.add_array("contact.nodes", "int", self.nodes)
+        plan.add_array("contact.nodes", "int", self.nodes, (setting.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
         plan.add_array("contact.adhesion", "real", self.adhesion_forces)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)

@@ -6,7 +6,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.errors import SceneError
+from mpm_warp.arguments import POSITIVE, check_number
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -26,8 +26,7 @@ class Damping:
     rate: float
 
     def __post_init__(self) -> None:
-        if not self.rate > 0.0:
-            raise SceneError(f"damping: rate = {self.rate:g} 1/s must be > 0")
+        check_number("damping: rate", self.rate, POSITIVE, unit="1/s")
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over all nodes."""

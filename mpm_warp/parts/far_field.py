@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
+from mpm_warp.arguments import NOT_NEGATIVE, check_array, check_nodes
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.part import Setting
@@ -34,13 +35,26 @@ class FarField:
 
     Attributes:
         nodes: flat indices of the nodes on the side, from below to above, shape [node_count].
-        spring: stiffness of each node per radian [N/m], shape [node_count].
-        dashpot: viscosity of each node along r and z per radian [N s/m], shape [node_count, 2].
+        spring: stiffness of each node per radian [N/m], >= 0, shape [node_count].
+        dashpot: viscosity of each node along r and z per radian [N s/m], >= 0,
+            shape [node_count, 2].
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     nodes: Integers
     spring: Floats
     dashpot: Floats
+
+    def __post_init__(self) -> None:
+        count = np.size(self.nodes)
+        check_array("far_field: spring", self.spring, (count,), NOT_NEGATIVE)
+        check_array("far_field: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
+
+    def check(self, setting: Setting) -> None:
+        """Check that the grid has the nodes."""
+        check_nodes("far_field: nodes", self.nodes, setting.grid.node_count)
 
     @classmethod
     def around(cls, grid: Grid, material: Material) -> Self:
@@ -60,7 +74,7 @@ class FarField:
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the nodes of the side."""
         count = len(self.nodes)
-        plan.add_array("far_field.nodes", "int", self.nodes)
+        plan.add_array("far_field.nodes", "int", self.nodes, (setting.grid.node_count,))
         plan.add_array("far_field.spring", "real", self.spring)
         plan.add_array("far_field.dashpot", "vec2", self.dashpot)
         plan.add_zeros("far_field.displacement", "real", count)

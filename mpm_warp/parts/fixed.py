@@ -8,6 +8,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from mpm_warp.arguments import Range, check_array, check_nodes
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
@@ -23,10 +25,24 @@ class Fixed:
     Attributes:
         nodes: flat indices, each once, shape [node_count].
         free: 1 where the velocity component is free, 0 where it is held, shape [node_count, 2].
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     nodes: Integers
     free: Floats
+
+    def __post_init__(self) -> None:
+        count = np.size(self.nodes)
+        check_array("fixed: free", self.free, (count, 2), Range(minimum=0.0, maximum=1.0))
+        between = self.free[(self.free != 0.0) & (self.free != 1.0)]
+        if between.size:
+            raise SceneError(f"fixed: free = {between[0]:g} must be 0 or 1")
+
+    def check(self, setting: Setting) -> None:
+        """Check that the grid has the nodes."""
+        check_nodes("fixed: nodes", self.nodes, setting.grid.node_count)
 
     @classmethod
     def axis_and_ends(cls, grid: Grid) -> Self:
@@ -51,7 +67,7 @@ class Fixed:
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the held nodes."""
-        plan.add_array("fixed.nodes", "int", self.nodes)
+        plan.add_array("fixed.nodes", "int", self.nodes, (setting.grid.node_count,))
         plan.add_array("fixed.free", "vec2", self.free)
         plan.add_launch(_make_fixed(plan.precision), len(self.nodes))
 

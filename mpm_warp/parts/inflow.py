@@ -21,6 +21,7 @@ from mpm_warp.plan.run import Run
 
 ROUNDING = 1e-6
 """Share of a step that counts as rounding: no step beyond a distance is taken for it."""
+REMEDY = "where soil piles up finer cells, more spare slots or less travel"
 
 
 def add_inflow(plan: Plan, setting: Setting) -> None:
@@ -29,18 +30,19 @@ def add_inflow(plan: Plan, setting: Setting) -> None:
     Of every array "particle.x" the plan gets "layer.x", its values in a layer that enters, and the
     launch "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
     """
+    plan.remedy += f", or {REMEDY}"
     cell = plan.arrays["particle.cell"].initial
     assert cell is not None
     slots = np.flatnonzero(cell[:, 1] == 0)
     slots = slots[: len(slots) // setting.particles_per_side]
-    plan.add_zeros("layer.slots", "int", len(slots))
+    plan.add_zeros("layer.slots", "int", len(slots), (len(cell),))
     for name in [name for name in plan.arrays if name.startswith("particle.")]:
         field = plan.arrays[name]
         of_layer = name.replace("particle.", "layer.")
         if field.initial is None:
             plan.add_zeros(of_layer, field.kind, len(slots))
         else:
-            plan.add_array(of_layer, field.kind, field.initial[slots])
+            plan.add_array(of_layer, field.kind, field.initial[slots], field.counts)
         plan.between_steps[name.replace("particle.", "enter.")] = plan.launch(
             _make_enter(field.kind, field.dtype), len(slots), layer=of_layer, field=name
         )
@@ -98,8 +100,7 @@ class Inflow:
         if len(free) < len(self._position):
             raise WindowOverfull(
                 f"after {self.travel:.4g} m of travel more soil has stayed in the window than it "
-                "has slots for: it piles up on the shaft; try more cells_per_radius or a shorter "
-                "penetration"
+                f"has slots for; {self._run.plan.remedy}"
             )
         position = self._position.copy()
         position[:, 1] += position.dtype.type(above_bottom)

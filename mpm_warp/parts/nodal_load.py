@@ -4,8 +4,10 @@ import functools
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import warp as wp
 
+from mpm_warp.arguments import check_array, check_nodes
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
@@ -19,14 +21,24 @@ class NodalLoad:
     Attributes:
         nodes: flat indices, each once, shape [node_count].
         forces: (r, z) per radian, or in plane strain per thickness [N], shape [node_count, 2].
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     nodes: Integers
     forces: Floats
 
+    def __post_init__(self) -> None:
+        check_array("load: forces", self.forces, (np.size(self.nodes), 2))
+
+    def check(self, setting: Setting) -> None:
+        """Check that the grid has the nodes."""
+        check_nodes("load: nodes", self.nodes, setting.grid.node_count)
+
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the loaded nodes."""
-        plan.add_array("load.nodes", "int", self.nodes)
+        plan.add_array("load.nodes", "int", self.nodes, (setting.grid.node_count,))
         plan.add_array("load.forces", "vec2", self.forces)
         plan.add_launch(_make_nodal_load(plan.precision), len(self.nodes))
 

@@ -1,8 +1,12 @@
-"""What a part of a scene may know of the soil that it acts on, and how it enters a run."""
+"""What a part of a scene may know of the soil that it acts on, and how it enters a run.
+
+A file with kernels must not have `from __future__ import annotations`: Warp reads the types of a
+kernel from its annotations, and would raise a `NameError`.
+"""
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.material import Material
@@ -25,6 +29,7 @@ class Setting(Protocol):
         """Particles along each side of a cell."""
 
 
+@runtime_checkable
 class NodeAction(Protocol):
     """A part that changes the new velocities of nodes: a force, a boundary, a contact.
 
@@ -35,3 +40,15 @@ class NodeAction(Protocol):
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add arrays and launches of the part to a plan, at the end of what it has by now."""
+
+
+@runtime_checkable
+class FitsGrid(Protocol):
+    """A part that names nodes of the grid, which a scene has it check when it is made."""
+
+    def check(self, setting: Setting) -> None:
+        """Check that the grid has the nodes.
+
+        Raises:
+            SceneError: it has not.
+        """

@@ -12,6 +12,7 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 
@@ -27,11 +28,20 @@ class Approach:
         speed: of the grid on the way [m/s], above the final one.
         travel: where it has fallen to the final speed [m], > `slowing_travel`.
         slowing_travel: travel over which it falls, linearly [m], > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     speed: float
     travel: float
     slowing_travel: float
+
+    def __post_init__(self) -> None:
+        check_number("approach: speed", self.speed, POSITIVE, unit="m/s")
+        check_number("approach: slowing_travel", self.slowing_travel, POSITIVE, unit="m")
+        beyond = Range(above=self.slowing_travel)
+        check_number("approach: travel", self.travel, beyond, unit="m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,12 +57,24 @@ class Window:
         approach: a hurried start, or none.
         spare_fraction: slots for particles beyond those of the full grid, over their number,
             dimensionless, > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     speed: float
     ramp_travel: float
     spare_fraction: float
     approach: Approach | None = None
+
+    def __post_init__(self) -> None:
+        check_number("window: speed", self.speed, POSITIVE, unit="m/s")
+        check_number("window: ramp_travel", self.ramp_travel, POSITIVE, unit="m")
+        check_number("window: spare_fraction", self.spare_fraction, POSITIVE)
+        check_kind("window: approach", self.approach, (Approach, type(None)))
+        if self.approach is not None:
+            faster = Range(above=self.speed)
+            check_number("approach: speed", self.approach.speed, faster, unit="m/s")
 
     @property
     def first_speed(self) -> float:

@@ -13,6 +13,9 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from mpm_warp.arguments import FROM_ONE, POSITIVE, Range, check_array, check_number, check_whole
+from mpm_warp.errors import SceneError
+from mpm_warp.parameters import nearest_name
 from mpm_warp.plan.launch import OFFSET, Launch
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import Precision
@@ -25,7 +28,7 @@ WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 Floats = NDArray[np.floating[Any]]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Array:
     """One array on the device.
 
@@ -34,12 +37,17 @@ class Array:
         dtype: that type of Warp.
         shape: its lengths.
         initial: what it holds when the run starts; None: zeros.
+        counts: how many there are of what its numbers are indices of, for each component; none
+            where they are no indices.
+        may_be_none: whether indices may be -1 all, for none.
     """
 
     kind: str
     dtype: Any
     shape: tuple[int, ...]
     initial: np.ndarray | None
+    counts: tuple[int, ...] = ()
+    may_be_none: bool = False
 
     @property
     def byte_count(self) -> int:
@@ -51,6 +59,30 @@ class Array:
         if self.initial is None:
             return wp.zeros(self.shape, dtype=self.dtype, device=device)
         return wp.array(self.initial, dtype=self.dtype, device=device, copy=False)
+
+    def check(self, name: str, values: object) -> None:
+        """Check that values, or one for all, can be given to the array, whose name is for errors.
+
+        Raises:
+            ValueError: shape or type is another, one is not finite, or an index is out of range.
+        """
+        given = np.asarray(values)
+        scalar = getattr(self.dtype, "_wp_scalar_type_", self.dtype)
+        is_whole = self.kind in WHOLE
+        limits: Any = (np.iinfo if is_whole else np.finfo)(wp.dtype_to_numpy(scalar))
+        allowed = Range(minimum=float(limits.min), maximum=float(limits.max))
+        shape = (*self.shape, *getattr(self.dtype, "_shape_", ())) if given.ndim else ()
+        kinds = "iu" if is_whole else "fiu"
+        check_array(name, given, shape, allowed, kinds=kinds, error=ValueError)
+        if self.counts:
+            row = (len(self.counts),)
+            indices = given.reshape(-1, *row) if given.ndim else np.full((1, *row), given)
+            there = indices[(indices != -1).any(axis=1)] if self.may_be_none else indices
+            for part, count in zip(there.T, self.counts, strict=True):
+                within = Range(minimum=0, maximum=count - 1)
+                check_array(
+                    f"{name}: index", part, part.shape, within, kinds="iu", error=ValueError
+                )
 
 
 @dataclass(kw_only=True, eq=False)
@@ -72,6 +104,9 @@ class Plan:
         step: the launches of one step, in order.
         audited_step: the same with an audit of energy in it, to be taken now and then; or none.
         between_steps: launches that the host orders between steps, by name.
+
+    Raises:
+        SceneError: the time step is not > 0, or there is no share.
     """
 
     precision: Precision
@@ -88,33 +123,58 @@ class Plan:
     audited_step: list[Launch] = field(default_factory=list)
     between_steps: dict[str, Launch] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        check_whole("share_count", self.share_count, FROM_ONE)
+        check_number("time_step", self.time_step, POSITIVE, unit="s")
+
     @property
     def launches(self) -> list[Launch]:
         """Every launch of the run, those of a step first."""
         audit = [it for it in self.audited_step if it not in self.step]
         return [*self.step, *audit, *self.between_steps.values()]
 
-    def add_array(self, name: str, kind: str, values: np.ndarray) -> str:
+    def add_array(
+        self,
+        name: str,
+        kind: str,
+        values: np.ndarray,
+        counts: tuple[int, ...] = (),
+        may_be_none: bool = False,
+    ) -> str:
         """Add an array that starts with the given values; returns its name.
 
         Args:
             name: of the array.
             kind: a type of the precision: "real", "vec2", ..., or "int", "vec2i".
             values: its numbers; the last axes are the components of a vector.
+            counts: see `Array`.
+            may_be_none: see `Array`.
+
+        Raises:
+            SceneError: the plan has an array of that name, or of one that is the same in kernels.
         """
         dtype = self._dtype(kind)
         components = getattr(dtype, "_shape_", ())
         shape = values.shape[: values.ndim - len(components)]
         scalar = np.int32 if kind in WHOLE else self.precision.numpy_name
         initial = np.array(values, dtype=scalar, order="C")
-        self.arrays[name] = Array(kind=kind, dtype=dtype, shape=shape, initial=initial)
-        return name
+        return self._add(name, Array(kind, dtype, shape, initial, counts, may_be_none))
 
-    def add_zeros(self, name: str, kind: str, shape: int | tuple[int, ...]) -> str:
-        """Add an array that starts with zeros; returns its name."""
+    def add_zeros(
+        self, name: str, kind: str, shape: int | tuple[int, ...], counts: tuple[int, ...] = ()
+    ) -> str:
+        """Add an array that starts with zeros, see `add_array`; returns its name."""
         lengths = shape if isinstance(shape, tuple) else (shape,)
-        self.arrays[name] = Array(kind=kind, dtype=self._dtype(kind), shape=lengths, initial=None)
-        return name
+        return self._add(name, Array(kind, self._dtype(kind), lengths, None, counts))
+
+    def check_known(self, name: str) -> None:
+        """Check that there is an array of that name.
+
+        Raises:
+            KeyError: there is none; the message names the nearest.
+        """
+        if name not in self.arrays:
+            raise KeyError(f"no array {name!r} in this run{nearest_name(str(name), self.arrays)}")
 
     def find(self, name: str) -> str | None:
         """The name of an array that a part may have added; None where it has not."""
@@ -154,6 +214,18 @@ class Plan:
     def position_after(self, name: str) -> int:
         """Position in the step after the launch of that name."""
         return 1 + [launch.name for launch in self.step].index(name)
+
+    def _add(self, name: str, array: Array) -> str:
+        in_kernels = name.replace(".", "_")
+        for other in self.arrays:
+            if other == name:
+                raise SceneError(f"array {name!r} is added twice: only one part may have it")
+            if other.replace(".", "_") == in_kernels:
+                raise SceneError(
+                    f"array {name!r} goes not with {other!r}: kernels know both as {in_kernels!r}"
+                )
+        self.arrays[name] = array
+        return name
 
     def _dtype(self, kind: str) -> Any:
         return WHOLE[kind] if kind in WHOLE else self.precision.type_of(kind)

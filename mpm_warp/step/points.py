@@ -45,6 +45,7 @@ def add_points(
     plan.add_zeros("particle.velocity", "vec2", slots)
     plan.add_zeros("particle.stress", "vec4", slots)
     plan.add_array("particle.mass", "real", mass)
-    plan.add_array("particle.cell", "vec2i", cell)
+    counts = (grid.column_count, grid.row_count)
+    plan.add_array("particle.cell", "vec2i", cell, counts, may_be_none=spare_fraction > 0.0)
     if material.state:
         plan.add_zeros("particle.state", f"vec{len(material.state)}", slots)

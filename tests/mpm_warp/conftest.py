@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import subprocess
+import sys
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -109,3 +112,24 @@ def cavity() -> Scene:
         far_field=dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot),
         moving_wall=MovingWall(speed=0.02, ramp_travel=0.3),
     )
+
+
+@pytest.fixture(scope="session")
+def tried_alone() -> Callable[[str], str]:
+    """Run a file of tests as a script, in a process of its own whose end no other test shares.
+
+    What it gives tells what has ended the process before its end; "" where nothing has.
+    """
+
+    def run(file: str) -> str:
+        tried = subprocess.run(
+            [sys.executable, "-X", "faulthandler", file],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
+        )
+        last = tried.stdout.splitlines()[-1:]
+        return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
+
+    return run

@@ -36,9 +36,12 @@ def plane(rectilinear: Grid) -> Grid:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"particles_per_side": 0}, "particles_per_side = 0 must be > 0$"),
-        ({"time_step_fraction": float("nan")}, "time_step_fraction = nan must be > 0$"),
-        ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0, or none$"),
+        ({"particles_per_side": 0}, "particles_per_side = 0 must be >= 1$"),
+        (
+            {"time_step_fraction": float("nan")},
+            "time_step_fraction = nan must be a finite number > 0$",
+        ),
+        ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0$"),
         ({"precision": "float16"}, "precision = 'float16' must be one of float64, float32$"),
         (
             {"moving_wall": WALL, "window": WINDOW},

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import make_stress_increment, make_stress_update
@@ -38,12 +39,22 @@ class StrainPaths:
         gradient: velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5].
         stress: stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4].
         step_count: steps into which the second is divided, >= 1.
+
+    Raises:
+        SceneError: a value is not allowed.
     """
 
     material: Material
     gradient: Floats
     stress: Floats
     step_count: int
+
+    def __post_init__(self) -> None:
+        check_kind("strain paths: material", self.material, Material)
+        count = len(np.atleast_1d(self.gradient))
+        check_array("strain paths: gradient", self.gradient, (count, 5))
+        check_array("strain paths: stress", self.stress, (count, 4))
+        check_whole("strain paths: step_count", self.step_count, FROM_ONE)
 
 
 @make_plan.register
@@ -55,14 +66,14 @@ def plan_strain_paths(
     Args:
         paths: what to run.
         share_count: into how many shares its launches are split, >= 1.
-        time_step: length of a step [s]; default: a second over the number of steps.
+        time_step: length of a step [s], > 0; default: a second over the number of steps.
     """
     material, law = paths.material, paths.material.law(FLOAT64)
     count = len(paths.gradient)
     plan = Plan(
         precision=FLOAT64,
         share_count=share_count,
-        time_step=time_step or 1.0 / paths.step_count,
+        time_step=1.0 / paths.step_count if time_step is None else time_step,
         longest_time_step=math.inf,
         speed_limit=math.inf,
         particle_bounds=(NOWHERE, NOWHERE),

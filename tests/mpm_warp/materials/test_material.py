@@ -79,6 +79,20 @@ def test_every_material_has_laws_of_its_own_and_one_a_precision() -> None:
         assert not any(law.remembers for law in laws)
 
 
+@pytest.mark.parametrize("changed", [{"state": ("x", "y")}, {"properties": (1.0, 2.0)}])
+def test_a_class_that_is_defined_anew_with_other_lengths_has_another_law(
+    changed: dict[str, object],
+) -> None:
+    """As in a notebook: the kernels of the first would take vectors of other lengths."""
+
+    def defined(**attributes: object) -> str:
+        named = {"__module__": __name__, "__qualname__": "Soil", **attributes}
+        return type("Soil", (LinearElastic,), named)(**ELASTIC).law(FLOAT64).key
+
+    assert defined() == defined()
+    assert defined(**changed) != defined()
+
+
 def test_wave_speeds_are_those_of_the_elastic_moduli() -> None:
     """E = 2 G (1 + nu); the constrained modulus E (1 - nu) / ((1 + nu) (1 - 2 nu)) is rho cp^2."""
     material = LinearElastic(**ELASTIC)

@@ -167,3 +167,5 @@ def test_soil_that_finds_no_slot_ends_the_run(cone: Scene) -> None:
         simulation.advance(10_000)
     assert end.value.status == "diverged"
     assert "\n" not in str(end.value)
+    assert str(end.value).endswith(simulation.plan.remedy)
+    assert "more spare slots" in simulation.plan.remedy

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from mpm_warp.errors import SceneError
 from mpm_warp.plan.launch import OFFSET
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import PRECISIONS
@@ -126,3 +127,13 @@ def test_all_launches_are_listed_once(plan: Plan) -> None:
     plan.audited_step = [audit, *plan.step]
     plan.between_steps["check"] = between
     assert plan.launches == [*plan.step, audit, between]
+
+
+@pytest.mark.parametrize("name", ["cell.volume", "cell_volume"])
+def test_an_array_whose_name_is_taken_in_kernels_is_refused(plan: Plan, name: str) -> None:
+    plan.add_zeros("cell.volume", "real", 5)
+    with pytest.raises(SceneError, match=f"^array '{name}' .*"):
+        plan.add_zeros(name, "real", 5)
+    with pytest.raises(SceneError, match=f"^array '{name}' .*"):
+        plan.add_array(name, "real", np.ones(5))
+    assert list(plan.arrays) == ["cell.volume"]

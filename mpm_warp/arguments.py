@@ -1,0 +1,155 @@
+"""Checks of what a user gives: numbers, arrays, indices. Kernels do not check the bounds of arrays.
+
+Each check raises an error of one line: which argument, its value, and what is allowed. A name tells
+the part too: "contact: nodes".
+"""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from mpm_warp.errors import SceneError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Range:
+    """Finite numbers within bounds.
+
+    Attributes:
+        above, below: exclusive bounds.
+        minimum, maximum: inclusive bounds.
+    """
+
+    above: float = -math.inf
+    below: float = math.inf
+    minimum: float = -math.inf
+    maximum: float = math.inf
+
+    def holds(self, lowest: Any, highest: Any) -> bool:
+        """Whether the lowest and the highest of some values are within; NaN never is."""
+        return bool(
+            self.above < lowest
+            and highest < self.below
+            and self.minimum <= lowest
+            and highest <= self.maximum
+        )
+
+    @property
+    def allowed(self) -> str:
+        """The bounds in words; "" where there are none."""
+        bounds = (">", self.above), (">=", self.minimum), ("<", self.below), ("<=", self.maximum)
+        return " and ".join(f"{sign} {it:g}" for sign, it in bounds if math.isfinite(it))
+
+
+FINITE = Range()
+POSITIVE = Range(above=0.0)
+NOT_NEGATIVE = Range(minimum=0.0)
+FROM_ONE = Range(minimum=1)
+
+
+def check_number(
+    name: str,
+    value: object,
+    allowed: Range = FINITE,
+    *,
+    unit: str = "",
+    error: type[ValueError] = SceneError,
+) -> None:
+    """Check that a value is a finite number within a range.
+
+    Raises:
+        ValueError: it is not; of the class `error`.
+    """
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if not (is_number and allowed.holds(value, value)):
+        kind = "" if is_number and math.isfinite(float(value)) else "a finite number "  # type: ignore[arg-type]
+        raise error(f"{name} = {_text(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}")
+
+
+def check_whole(
+    name: str, value: object, allowed: Range, *, error: type[ValueError] = SceneError
+) -> None:
+    """Check that a value is a whole number within a range, of a type of whole numbers.
+
+    Raises:
+        ValueError: it is not; of the class `error`.
+    """
+    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if not is_whole:
+        raise error(f"{name} = {_text(value)} must be an integer {allowed.allowed}")
+    check_number(name, value, allowed, error=error)
+
+
+def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
+    """Check that a value is of a class, or of one of several.
+
+    Raises:
+        SceneError: it is not.
+    """
+    if not isinstance(value, kind):
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        words = " or ".join("None" if it is type(None) else it.__name__ for it in kinds)
+        raise SceneError(f"{name} = {_text(value)} must be of type {words}")
+
+
+def check_array(
+    name: str,
+    values: object,
+    shape: Sequence[int | None],
+    allowed: Range = FINITE,
+    *,
+    kinds: str = "fiu",
+    error: type[ValueError] = SceneError,
+) -> None:
+    """Check that values are an array of finite numbers of a shape, all within a range.
+
+    Args:
+        name: of the argument.
+        values: the array.
+        shape: lengths of its axes; None where any length is allowed.
+        allowed: the range.
+        kinds: kinds of numbers that it may have, in the letters of numpy.
+        error: what is raised.
+
+    Raises:
+        ValueError: they are not; of the class `error`.
+    """
+    if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
+        what = {"b": "true and false", "iu": "integers"}.get(kinds, "numbers")
+        raise error(f"{name} = {_text(values)} must be an array of {what}")
+    lengths = zip(values.shape, shape, strict=False)
+    if values.ndim != len(shape) or any(b is not None and a != b for a, b in lengths):
+        wanted = ", ".join("any" if it is None else str(it) for it in shape)
+        raise error(
+            f"{name} has shape {values.shape}, must have ({wanted}{',' * (len(shape) < 2)})"
+        )
+    if values.size and not allowed.holds(values.min(), values.max()):
+        worst = next(it for it in np.ndindex(values.shape) if not allowed.holds(*2 * [values[it]]))
+        place = ", ".join(map(str, worst))
+        check_number(f"{name}[{place}]", values[worst].item(), allowed, error=error)
+
+
+def check_nodes(name: str, nodes: Any, count: int) -> None:
+    """Check that nodes are flat indices of nodes of a grid that has so many, each once.
+
+    Raises:
+        SceneError: they are not.
+    """
+    check_array(name, nodes, (None,), Range(minimum=0, maximum=count - 1), kinds="iu")
+    present = np.bincount(nodes, minlength=1)
+    if present.max() > 1:
+        raise SceneError(f"{name}: node {present.argmax()} is there more than once")
+
+
+def _text(value: object) -> str:
+    """A value in a few words on one line."""
+    if isinstance(value, float):
+        return f"{value:g}"
+    return " ".join(reprlib.repr(value).split())

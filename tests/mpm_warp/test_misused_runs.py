@@ -1,0 +1,158 @@
+"""Misuses of a run: each ends in an exception of one line that names the argument.
+
+They are tried in a process of their own first, as those of `test_refused_values.py`.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.errors import SceneError
+from mpm_warp.execution.execution import Execution
+from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.planning import make_plan
+from mpm_warp.sampling import ContactForces
+from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.simulation import Simulation
+
+NAN, INF = float("nan"), float("inf")
+CONE = ConePenetration(cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3)
+SCENE = CONE.build()
+CELLS, NODES = SCENE.grid.cell_count, SCENE.grid.node_count
+assert SCENE.contact is not None
+CONTACT = SCENE.contact.nodes
+
+ASSIGNED: Mapping[str, list[Any]] = {
+    "particle.cell": [CELLS, -2, (0, 0), (-1, 0), 0.0, NAN, "here"],
+    "contact.nodes": [NODES, -1, CONTACT[:3], CONTACT.astype(float), CONTACT + NODES],
+    "far_field.nodes": [NODES, 10**9, 2**40],
+    "fixed.nodes": [NODES, -5],
+    "layer.slots": [10**6, -1],
+    "layer.cell": [10**6, -1],
+    "particle.stress": [NAN, INF, np.zeros(4), np.zeros((3, 4)), "much", 1j, None],
+    "window.motion": [np.array([0.0, INF, 0.0]), np.zeros(4)],
+}
+"""Arrays of a run of soil, and what they must not be given."""
+CALLS: Mapping[str, tuple[str, list[Any]]] = {
+    "advance": ("step_count", [-1, 2.0, 1.5, NAN, INF, "3", None, True]),
+    "advance_to_step": ("step", [NAN, INF, "3"]),
+    "advance_to": ("time", [NAN, INF, -INF, None]),
+    "travel_to": ("travel", [NAN, INF, "far"]),
+}
+"""Ways to advance a run, their argument, and what it must not be."""
+
+Misuse = tuple[Callable[[], object], type[Exception], str]
+"""What is done, the exception that it ends in, and the word that tells the argument."""
+
+
+@functools.cache
+def soil() -> Simulation:
+    """A run with a window, a contact and a far field."""
+    return Simulation(SCENE)
+
+
+def assign(name: str, value: Any) -> None:
+    soil().assign(name, value)
+    soil().advance(3)
+
+
+def assign_body(value: Any) -> None:
+    simulation = Simulation(SlidingBlock().build())
+    simulation.assign("particle.body", value)
+    simulation.advance(3)
+
+
+def take_twice() -> None:
+    forces = ContactForces(soil())
+    soil().advance(1)
+    forces.take()
+    forces.take()
+
+
+def load_twice() -> None:
+    """A second part of a kind would take the place of the arrays of the first."""
+    loads = (NodalLoad(nodes=CONTACT[:n], forces=np.ones((n, 2))) for n in (4, 1))
+    Simulation(replace(SCENE, forces=tuple(loads))).advance(3)
+
+
+def compute_with(threads: Any) -> None:
+    Simulation(SCENE, Execution(threads=threads)).advance(3)
+
+
+def misuses() -> Iterator[tuple[str, Misuse]]:
+    for name, values in ASSIGNED.items():
+        for number, value in enumerate(values):
+            yield f"{name} {number}", (functools.partial(assign, name, value), ValueError, name)
+    for method, (argument, values) in CALLS.items():
+        for number, value in enumerate(values):
+            do = functools.partial(lambda call, it: getattr(soil(), call)(it), method, value)
+            yield f"{method} {number}", (do, ValueError, argument)
+    for body in (2, -1, 0.5):
+        yield f"particle.body {body}", (functools.partial(assign_body, body), ValueError, "body")
+    for scene in (SCENE, SlidingBlock().build(), MaterialPoint().build()):
+        kind = type(scene).__name__
+        for step in (0.0, -1.0, NAN, INF):
+            do = functools.partial(make_plan, scene, time_step=step)
+            yield f"{kind} time_step {step}", (do, SceneError, "time_step")
+        for count in (0, -1, 1.5):
+            do = functools.partial(make_plan, scene, share_count=count)
+            yield f"{kind} share_count {count}", (do, SceneError, "share_count")
+    for threads in (0, -1, 1.5, "all"):
+        yield (
+            f"threads {threads}",
+            (functools.partial(compute_with, threads), ValueError, "threads"),
+        )
+    yield "take", (take_twice, ValueError, "contact forces")
+    yield "two loads", (load_twice, SceneError, "load.nodes")
+    for number, called in enumerate((Simulation.array, Simulation.assign)):
+        do = functools.partial(
+            lambda it, *given: it(soil(), "particle.stres", *given), called, *number * [0.0]
+        )
+        yield f"unknown {number}", (do, KeyError, "did you mean 'particle.stress'")
+
+
+MISUSES = dict(misuses())
+
+
+@pytest.fixture(scope="module")
+def crash(tried_alone: Callable[[str], str]) -> str:
+    return tried_alone(__file__)
+
+
+@pytest.mark.parametrize("name", MISUSES)
+def test_a_misuse_ends_in_one_line_that_names_the_argument(name: str, crash: str) -> None:
+    assert not crash
+    do, error, word = MISUSES[name]
+    with pytest.raises(error) as refusal:
+        do()
+    message = str(refusal.value)
+    assert word in message
+    assert "\n" not in message
+    assert len(message) < 300
+
+
+def test_values_of_a_run_may_be_given_back_to_it() -> None:
+    """Else all of the above could be refused for another reason."""
+    for name in soil().plan.arrays:
+        soil().assign(name, soil().array(name).copy())
+    soil().advance(np.int64(3))  # type: ignore[arg-type]
+    simulation = Simulation(SlidingBlock().build())
+    assert isinstance(simulation.scene, BodyScene)
+    simulation.assign("particle.body", simulation.array("particle.body").copy())
+
+
+if __name__ == "__main__":
+    for known, (attempt, *_) in MISUSES.items():
+        print(known, flush=True)
+        with suppress(Exception):
+            attempt()

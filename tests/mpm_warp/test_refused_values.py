@@ -1,0 +1,316 @@
+"""Values that the library refuses where they are given, in one line that names the argument.
+
+Kernels on a processor do not check the bounds of arrays: what is not refused here would end the
+process. So every misuse goes as far as steps are taken, and all of them are tried in a process of
+their own first: ``python tests/mpm_warp/test_misuse.py`` tells which one ends it.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.contact import BodyContact
+from mpm_warp.bodies.grid import UniformGrid
+from mpm_warp.bodies.loads import Load
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Grid, GroundGrid, graded
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.von_mises import VonMises
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.damping import Damping
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.gravity import Gravity
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.window import Approach, Window
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
+
+NAN, INF = float("nan"), float("inf")
+SIDE = np.array([4, 9, 14, 19])
+"""The nodes of the outer side of the grid; it has 20."""
+ONES, DOWN = np.ones(4), np.tile([0.0, -1.0], (4, 1))
+
+Values = dict[str, Any]
+GRID: Values = {
+    "columns": np.linspace(0.0, 1.0, 5),
+    "rows": np.array([0.0, 0.5, 1.0, 1.5]),
+    "surface_radius": np.zeros(4),
+    "outer_radius": 2.0,
+}
+ELASTIC: Values = {"shear_modulus": 1e6, "poissons_ratio": 0.3, "density": 1000.0}
+CLAY = ELASTIC | {"strength": 1e4}
+CONTACT: Values = {
+    "nodes": SIDE - 4,
+    "normals": DOWN,
+    "normal_areas": ONES,
+    "adhesion_forces": ONES,
+    "friction": 0.1,
+    "in_situ_stress": 1e3,
+}
+FAR: Values = {"nodes": SIDE, "spring": ONES, "dashpot": np.ones((4, 2))}
+APPROACH: Values = {"speed": 3.0, "travel": 2.0, "slowing_travel": 1.0}
+WINDOW: Values = {"speed": 1.0, "ramp_travel": 0.5, "spare_fraction": 0.2}
+SCENE: Values = {
+    "grid": Grid(**GRID),
+    "material": LinearElastic(**ELASTIC),
+    "particles_per_side": 2,
+    "time_step_fraction": 0.5,
+}
+LOAD: Values = {"forces": np.ones((4, 2)), "start": 0.0, "rise_time": 1e-3}
+BODY: Values = {
+    "position": np.array([[2.0, 2.0], [3.0, 2.0], [2.0, 3.0], [3.0, 3.0]]),
+    "volume": ONES,
+    "spacing": 1.0,
+    "material": LinearElastic(**ELASTIC),
+}
+CELLS: Values = {"lower": (0.0, 0.0), "cell_size": 1.0, "cell_counts": (8, 8)}
+BODIES: Values = {"grid": UniformGrid(**CELLS), "bodies": (Body(**BODY),)}
+PATHS: Values = {
+    "material": Tresca(**CLAY),
+    "gradient": np.zeros((3, 5)),
+    "stress": np.zeros((3, 4)),
+    "step_count": 10,
+}
+
+
+def changed(values: np.ndarray, place: Any, value: float) -> np.ndarray:
+    """An array with another value at a place."""
+    other = values.copy()
+    other[place] = value
+    return other
+
+
+NODES = [
+    [0, 5, 10, 15],  # no array
+    changed(SIDE, 1, 20),
+    changed(SIDE, 1, -1),
+    changed(SIDE, 1, 4),  # twice
+    changed(SIDE, 1, 2**31),
+    SIDE.astype(float),
+    SIDE[:3],
+    SIDE.reshape(2, 2),
+]
+NUMBERS = [0.0, -1.0, NAN, INF, "1", None]
+"""What no number > 0 may be."""
+MISFITS = [ONES[:3], changed(ONES, 2, NAN), changed(ONES, 2, -1.0)]
+
+MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
+    (
+        Grid,
+        GRID,
+        {
+            "columns": [
+                np.array([0.0]),
+                np.array([0.0, 0.6, 0.4, 1.0]),
+                np.array([0.0, 0.5, 2.0]),
+                np.array([0.0, NAN, 1.0]),
+                [0.0, 1.0],
+            ],
+            "rows": [np.zeros(4), np.array([0.0, 1.0, INF, 2.0]), np.array([2.0, 1.0, 0.0, -1.0])],
+            "surface_radius": [np.zeros(3), np.full(4, 2.0), np.full(4, -0.1), np.full(4, NAN)],
+            "outer_radius": NUMBERS,
+            "planar": ["no"],
+        },
+    ),
+    (GroundGrid, GRID | {"ground_level": 1.0}, {"ground_level": [NAN, -1.0]}),
+    (
+        PolarGrid,
+        GRID | {"surface_radius": ONES},
+        {"rows": [GRID["rows"] + 3.0], "surface_radius": [np.linspace(0.5, 1.0, 4)]},
+    ),
+    (
+        graded,
+        {"first": 0.1, "length": 1.0, "growth": 1.2},
+        {"first": [0.0, NAN], "length": [0.05], "growth": [1.0]},
+    ),
+    (
+        LinearElastic,
+        ELASTIC,
+        {
+            "shear_modulus": NUMBERS,
+            "poissons_ratio": [-0.1, 0.5, 0.7, NAN],
+            "density": [0.0, -1.0, INF],
+        },
+    ),
+    (Tresca, CLAY, {"strength": NUMBERS, "density": [-1.0]}),
+    (VonMises, CLAY, {"strength": [0.0, INF]}),
+    (
+        SurfaceContact,
+        CONTACT,
+        {
+            "normals": [2.0 * DOWN, 0.0 * DOWN, DOWN[:3], changed(DOWN, (1, 1), NAN)],
+            "normal_areas": [*MISFITS, 0.0 * ONES],
+            "adhesion_forces": MISFITS,
+            "friction": [-0.1, NAN],
+            "in_situ_stress": [-1.0, INF],
+            "speed": [NAN],
+        },
+    ),
+    (FarField, FAR, {"spring": MISFITS, "dashpot": [ONES, np.full((4, 2), -1.0)]}),
+    (Fixed, {"nodes": SIDE}, {"free": [np.full((4, 2), 0.5), np.full((4, 2), 2.0), ONES]}),
+    (NodalLoad, {"nodes": SIDE}, {"forces": [np.ones((3, 2)), np.full((4, 2), NAN)]}),
+    (Gravity, {}, {"acceleration": [INF, NAN, -9.81]}),
+    (Damping, {}, {"rate": [INF, 0.0]}),
+    (MovingWall, {"speed": 1.0, "ramp_travel": 1.0}, {"speed": NUMBERS, "ramp_travel": [0.0, NAN]}),
+    (
+        Approach,
+        APPROACH,
+        {"speed": [0.0, INF], "travel": [1.0, NAN], "slowing_travel": [0.0, -1.0]},
+    ),
+    (
+        Window,
+        WINDOW,
+        {
+            "speed": NUMBERS,
+            "ramp_travel": [0.0, INF],
+            "spare_fraction": [-0.5, NAN],
+            "approach": [Approach(**APPROACH | {"speed": 0.5}), 3.0],
+        },
+    ),
+    (
+        Scene,
+        SCENE,
+        {
+            "grid": [None, UniformGrid(**CELLS)],
+            "material": [None, "tresca"],
+            "particles_per_side": [0, -2, 2.0, 1.5, True, NAN],
+            "time_step_fraction": [0.0, INF],
+            "forces": [[Gravity(9.81)], (9.81,)],
+            "fixed": [SIDE],
+            "contact": [FarField(**FAR)],
+            "window": [1.0],
+            "free_surface": ["no"],
+        },
+    ),
+    (
+        Body,
+        BODY,
+        {
+            "position": [BODY["position"][:3], np.full((4, 2), NAN)],
+            "volume": [*MISFITS[1:], np.ones(0)],
+            "spacing": [0.0, NAN],
+            "material": [Tresca(**CLAY)],
+            "held": [ONES, np.ones(3, dtype=bool)],
+            "retardation_time": [0.0, NAN],
+            "loads": [(Load(**LOAD | {"forces": np.ones((3, 2))}),), Load(**LOAD)],
+        },
+    ),
+    (Load, LOAD, {"forces": [ONES], "start": [-1.0, NAN], "rise_time": [0.0, INF]}),
+    (
+        BodyContact,
+        {"body": 0, "base": 1},
+        {"body": [-1, 0.5], "base": [1.0], "friction": [-1.0, NAN], "adhesion": [INF]},
+    ),
+    (
+        UniformGrid,
+        CELLS,
+        {
+            "lower": [(NAN, 0.0), (0.0, INF), (0.0, 0.0, 0.0)],
+            "cell_size": NUMBERS,
+            "cell_counts": [(8, 2), (8.0, 8), 8],
+        },
+    ),
+    (
+        BodyScene,
+        BODIES,
+        {
+            "grid": [Grid(**GRID)],
+            "bodies": [(), [Body(**BODY)], ("one",)],
+            "time_step_fraction": [NAN, 0.0],
+            "contacts": [(BodyContact(body=0, base=7),)],
+        },
+    ),
+    (
+        StrainPaths,
+        PATHS,
+        {
+            "material": ["tresca"],
+            "gradient": [np.zeros((3, 4)), np.full((3, 5), NAN)],
+            "stress": [np.zeros((2, 4)), np.zeros(12)],
+            "step_count": [0, 2.5],
+        },
+    ),
+]
+"""What makes a value, what it takes, and what each argument must not be."""
+IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
+    ("contact", SurfaceContact, CONTACT),
+    ("far_field", FarField, FAR),
+    ("fixed", Fixed, {"free": np.zeros((4, 2))}),
+    ("forces", NodalLoad, {"forces": np.ones((4, 2))}),
+]
+"""Parts with nodes, which are checked when a scene is made of them."""
+Misuse = tuple[Callable[[], object], str]
+"""What is done, and the word of the message that tells the argument."""
+
+
+def run(made: object) -> None:
+    """Go on with what should have been refused as a user would."""
+    if isinstance(made, (Scene, BodyScene, StrainPaths)):
+        Simulation(made).advance(3)
+
+
+def with_part(field: str, make: Callable[..., object], given: Values) -> None:
+    part = make(**given)
+    run(Scene(**SCENE | {field: (part,) if field == "forces" else part}))
+
+
+def misuses() -> Iterator[tuple[str, Misuse]]:
+    for make, given, wrong in MADE:
+        for argument, values in wrong.items():
+            for number, value in enumerate(values):
+                changed_so = given | {argument: value}
+                do = functools.partial(lambda make, given: run(make(**given)), make, changed_so)
+                yield f"{make.__name__}.{argument} {number}", (do, argument.removesuffix("s"))
+    for field, make, given in IN_A_SCENE:
+        for number, nodes in enumerate(NODES):
+            do = functools.partial(with_part, field, make, given | {"nodes": nodes})
+            yield f"Scene.{field} {number}", (do, "load" if field == "forces" else field)
+
+
+MISUSES = dict(misuses())
+
+
+@pytest.fixture(scope="module")
+def crash(tried_alone: Callable[[str], str]) -> str:
+    return tried_alone(__file__)
+
+
+@pytest.mark.parametrize("name", MISUSES)
+def test_a_value_is_refused_in_one_line_that_names_the_argument(name: str, crash: str) -> None:
+    assert not crash
+    do, word = MISUSES[name]
+    with pytest.raises(SceneError) as refusal:
+        do()
+    message = str(refusal.value)
+    assert word in message
+    assert "\n" not in message
+    assert len(message) < 300
+
+
+def test_what_is_allowed_is_not_refused() -> None:
+    """Else all of the above could be refused for another reason."""
+    for make, given, _ in MADE:
+        if make not in (Fixed, NodalLoad, Gravity, Damping):
+            run(make(**given))
+    for field, make, given in IN_A_SCENE:
+        with_part(field, make, given | {"nodes": SIDE})
+
+
+if __name__ == "__main__":
+    for known, (attempt, _) in MISUSES.items():
+        print(known, flush=True)
+        with suppress(Exception):
+            attempt()
