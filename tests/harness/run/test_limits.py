@@ -66,7 +66,7 @@ def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     run = ["run", str(small_file), "--out", out, "--workers", "2", *settings]
     assert main([*run, "--memory-limit", "0.8GB"]) == 1
     told = capsys.readouterr().err
-    assert "cells_per_radius=60.0: refused: needs about 0.9" in told
+    assert "cells_per_radius=60.0: refused: needs about 1.05 GB" in told
     assert "where a case may take 0.4 GB" in told
     assert "cells_per_radius=1.0: completed" in told
 
@@ -99,7 +99,7 @@ def test_the_default_is_most_of_a_container(
 def test_a_case_of_days_is_told_of_in_one_line(
     small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    study = load_study(str(small_file), ["cells_per_radius=30", "penetration=[1, 200]"])
+    study = load_study(str(small_file), ["cells_per_radius=60", "penetration=[1, 200]"])
     run_study(study, tmp_path, lambda cases, folder, watcher: None, fresh=False)
     (line,) = [it for it in capsys.readouterr().err.splitlines() if "24 hours" in it]
     assert "3 of 6 cases may take longer than 24 hours; " in line
