@@ -41,7 +41,7 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
         if str(name) in texts:
             if not is_text:
                 yield f"{name} is no text"
-        elif variable.dtype.kind not in "biuf":
+        elif variable.dtype.kind not in "biuf" and not (is_text and "units" not in variable.attrs):
             yield f"{name} is no number"
         of_cases = tuple(dim for dim in variable.dims if dim in over)
         if of_cases != tuple(dim for dim in over if dim in of_cases):
