@@ -16,7 +16,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
-from harness.archive.netcdf_files import DIGEST, opened, read_netcdf, write_netcdf
+from harness.archive.netcdf_files import DIGEST, check_version, opened, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
 from harness.archive.structure import malformed
 from harness.study.cases import Case
@@ -146,6 +146,7 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
                     variable[...]
             seconds = float(file["case_time"][...]) if "case_time" in file.variables else 0.0
             repeats = len(file.dimensions["repeat"]) if "repeat" in file.dimensions else 0
+        check_version(path, attributes)
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))

@@ -73,6 +73,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
         # No result holds dates; a unit like "days since ..." would be worked out as one.
         store = xr.backends.NetCDF4DataStore(file)
         dataset = xr.open_dataset(store, decode_times=False).load()
+    check_version(path, dataset.attrs)
     dataset.attrs.pop(DIGEST, None)  # it is of the file, not of what was computed
     return dataset
 
@@ -81,7 +82,7 @@ def read_attributes(path: Path) -> dict[str, Any]:
     """Read the attributes of a file of the archive alone.
 
     Raises:
-        ArchiveError: it is damaged or of another format version.
+        ArchiveError: it is damaged.
     """
     with opened(path) as file:
         return dict(file.__dict__)
@@ -94,17 +95,15 @@ def opened(path: Path) -> Iterator[netCDF4.Dataset]:
     What cannot be read of it inside the ``with`` becomes an `ArchiveError` too.
 
     Raises:
-        ArchiveError: it is no file, damaged, of another format version, or says that it holds more
-            than its bytes or this machine's memory can.
+        ArchiveError: it is no file, damaged, or says that it holds more than its bytes or this
+            machine's memory can.
     """
     try:
         has_digest = _check_digest(path)
         with netCDF4.Dataset(path) as file:
             file.set_auto_maskandscale(False)
-            attributes = file.__dict__
-            if DIGEST in attributes and not has_digest:
+            if DIGEST in file.ncattrs() and not has_digest:
                 raise ArchiveError(_damaged(path, "its digest is missing"))
-            _check_version(path, attributes)
             _check_size(path, file)
             yield file
     except _UNREADABLE as error:
@@ -138,7 +137,12 @@ def _damaged(path: Path, how: str) -> str:
     return f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
 
 
-def _check_version(path: Path, attributes: dict[str, Any]) -> None:
+def check_version(path: Path, attributes: dict[str, Any]) -> None:
+    """Refuse a file of another format version.
+
+    Raises:
+        ArchiveError: it has one.
+    """
     version = attributes.get("format_version")
     if not isinstance(version, int | np.integer) or version != FORMAT_VERSION:
         raise ArchiveError(

@@ -52,7 +52,7 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
         role = variable.attrs.get("role")
         if role is not None and role not in list(Role):
             yield f"the role of {name} is unknown"
-        if own and role in _OF_EACH_CASE:
+        if own and role in _OF_EACH_CASE and name not in dataset.dims:
             yield f"{name} has more than one value a case"
         yield from _faulty_attributes(dataset, str(name), variable)
 
