@@ -35,6 +35,9 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
     over = dataset["status"].dims if "status" in dataset.variables else ()
     if not all(dataset.sizes[dim] for dim in over):
         yield "there is no case"
+    for dim in over:
+        if dim in dataset.indexes and not dataset.indexes[dim].is_unique:
+            yield f"{dim} has a value twice"
     texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(dataset)}
     for name, variable in dataset.variables.items():
         is_text = all(isinstance(value, str) for value in variable.values.flat)
