@@ -36,7 +36,9 @@ FLIPS = int(os.environ.get("HARNESS_FLIPS", "600"))
 """Bits that are flipped in all, one at a time."""
 
 STUDIES = {
-    "cone_penetration": "penetration = 1\nsteady_tolerance = 0\ncells_per_radius = 1\nparticles_per_cell = 4",
+    "cone_penetration": (
+        "penetration = 1\nsteady_tolerance = 0\ncells_per_radius = 1\nparticles_per_cell = 4"
+    ),
     "sliding_block": "cells_per_length = 10\ntravel = 0.01",
     "material_point": "step_count = 16",
 }
