@@ -39,12 +39,16 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
         if dim in dataset.indexes and not dataset.indexes[dim].is_unique:
             yield f"{dim} has a value twice"
     texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(dataset)}
+    is_known = all(scene in scene_names() for scene in _scenes(dataset))
     for name, variable in dataset.variables.items():
         is_text = all(isinstance(value, str) for value in variable.values.flat)
         if str(name) in texts:
             if not is_text:
                 yield f"{name} is no text"
-        elif variable.dtype.kind not in "biuf" and not (is_text and "units" not in variable.attrs):
+        # Which parameters of an unknown scene are texts is not known either.
+        elif variable.dtype.kind not in "biuf" and not (
+            is_text and not (is_known and "units" in variable.attrs)
+        ):
             yield f"{name} is no number"
         of_cases = tuple(dim for dim in variable.dims if dim in over)
         if of_cases != tuple(dim for dim in over if dim in of_cases):
@@ -75,8 +79,12 @@ def _faulty_attributes(dataset: xr.Dataset, name: str, variable: xr.Variable) ->
 def _text_parameters(dataset: xr.Dataset) -> Iterator[str]:
     """What the parameters that are texts are called in a result."""
     stored = parameter_names(dataset)
-    for scene in str(dataset.attrs.get("scene", "")).split():
+    for scene in _scenes(dataset):
         if scene in scene_names():
             for name, definition in parameters_of(scene_class(scene)).items():
                 if definition.kind is str:
                     yield stored.get(name, name)
+
+
+def _scenes(dataset: xr.Dataset) -> list[str]:
+    return str(dataset.attrs.get("scene", "")).split()
