@@ -12,7 +12,6 @@ from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone import window
 from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
 
-
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 
