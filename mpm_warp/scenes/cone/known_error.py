@@ -26,12 +26,18 @@ from mpm_warp.scenes.cone.penetration import STEADY_SAMPLES
 
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
-FACE_ERRORS = ((-0.5, -0.45, -0.42, 0.0, 0.3), (-0.35, -0.3, -0.17, 0.0, 0.2))
+FACE_ERRORS = ((-0.67, -0.38, -0.43, -0.08, 0.19), (-0.36, -0.32, -0.28, -0.03, 0.2))
 """B at these rigidity indices, of a smooth cone and of one with adhesion factor 1."""
 GROWTH_ERROR = 1.2
 """C."""
 SPEED_ERROR = 0.07
 """S."""
+FACE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.3, 0.02, 0.004
+"""Half widths: of B; of C; of the form of its law; and of the effect of a default window over Nc."""
+STILL_TO_GO = 1.5
+"""Half width of what is to come, over the last change of the mean."""
+INERTIA, APPROACH, POINTS, NOISE = 0.05, 0.001, 0.001, 0.015
+"""Half widths: of S; of what the approach leaves and what more points change, over Nc; of noise."""
 FEWEST_ROWS = 4
 """Rows of cells beside the face from which on the law of the error of the mesh holds."""
 LARGEST_INERTIA = 3.0
@@ -158,13 +164,13 @@ def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, 
         for begin, end in ((-2 * STEADY_SAMPLES, -STEADY_SAMPLES), (-STEADY_SAMPLES, None))
     )
     return {
-        "face": 0.15 * cell_size,
-        "growth": 0.25 * _growth_measure(cell_size, test.cell_growth) + 0.03,
-        "domain": 0.004 * factor * _smallness(test) ** 2,
-        "steadiness": 1.5 * abs(float(last - before)),
-        "speed": 0.05 * _inertia(test) + 0.001 * factor,
-        "points": 0.001 * factor,
-        "noise": 0.015,
+        "face": FACE * cell_size,
+        "growth": GROWTH * _growth_measure(cell_size, test.cell_growth) + FORM_OF_GROWTH,
+        "domain": DOMAIN * factor * _smallness(test) ** 2,
+        "steadiness": STILL_TO_GO * abs(float(last - before)),
+        "speed": INERTIA * _inertia(test) + APPROACH * factor,
+        "points": POINTS * factor,
+        "noise": NOISE,
     }
 
 
