@@ -33,7 +33,7 @@ GROWTH_ERROR = 1.2
 SPEED_ERROR = 0.07
 """S."""
 FACE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.3, 0.02, 0.004
-"""Half widths: of B; of C; of the form of its law; and of the effect of a default window over Nc."""
+"""Half widths: of B; of C; of the form of its law; of what a default window changes, over Nc."""
 STILL_TO_GO = 1.5
 """Half width of what is to come, over the last change of the mean."""
 INERTIA, APPROACH, POINTS, NOISE = 0.05, 0.001, 0.001, 0.015
