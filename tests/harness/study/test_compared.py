@@ -29,7 +29,7 @@ REFUSED = {
     ),
     "no scene that has what they depend on": (
         POINT + 'references = ["lu_2004"]',
-        "no scene here has the rigidity_index and adhesion_factor that they depend on",
+        "no scene here has the rigidity_index and adhesion_factor that cone factors depend on",
     ),
 }
 
