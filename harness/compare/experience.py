@@ -60,5 +60,6 @@ def experience_notes(dataset: xr.Dataset) -> list[str]:
     entries = stored_experience(dataset)
     if not entries:
         return []
-    bands = "; ".join(f"{entry.id}: {entry.band}" for entry in entries)
-    return [f"experience (bands, su of triaxial compression, see `harness references`): {bands}"]
+    bands = ", ".join(f"{entry.id} {entry.band}" for entry in entries)
+    strengths = " or ".join(dict.fromkeys(entry.strength for entry in entries))
+    return [f"experience, bands and no references: {bands}; su: {strengths}"]

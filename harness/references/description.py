@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 
 from harness.references.cone_factors import CONE_FACTORS, ConeFactor, UnknownReferenceError
-from harness.references.experience import COMPUTED, EXPERIENCE, HOLDS, Experience, Factor
+from harness.references.experience import BESIDE_COMPRESSION, EXPERIENCE, HOLDS, Experience, Factor
 from mpm_warp.parameters import nearest_name
 
 WIDTH = 80
@@ -44,7 +44,7 @@ def all_entries() -> str:
             "[compare] experience. They are bands, no references."
         ),
         *_wrapped(f"They hold {HOLDS}."),
-        *_wrapped(f"su: {_once(it.strength for it in EXPERIENCE)}; {COMPUTED}."),
+        *_wrapped(f"su: {_once(it.strength for it in EXPERIENCE)}; {BESIDE_COMPRESSION}."),
     ]
     for entry in EXPERIENCE:
         lines += ["", f"{entry.id}: {entry.band}"]
@@ -106,7 +106,7 @@ def _of_experience(entry: Experience) -> Mapping[str, str]:
         **{f"range of {it.symbol}": it.chosen for it in entry.inputs},
         "scatter": "reported for su, taken for the factor" if entry.scatter else "not known",
         "clays": entry.clays,
-        "su": f"{entry.strength}; {COMPUTED}",
+        "su": f"{entry.strength}; {BESIDE_COMPRESSION}",
         "holds": HOLDS,
         "source": entry.source,
         "how known": entry.how_known,

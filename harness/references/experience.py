@@ -21,13 +21,13 @@ HOLDS = (
     "the ideal cone factor has none of them"
 )
 """What all of it holds beside the cone factor of a perfectly plastic clay."""
-COMPRESSION = (
-    "peak strength in triaxial compression, consolidated anisotropically; direct shear has 0.6 to "
-    "0.9 of it, triaxial extension 0.35 to 0.5"
-)
+COMPRESSION = "peak in triaxial compression, consolidated anisotropically"
 """The strength that su means in all entries."""
-COMPUTED = "the simulation's su is that in pure shear, which direct shear comes nearest to"
-"""The strength that su means in a computed factor."""
+BESIDE_COMPRESSION = (
+    "direct shear has 0.6 to 0.9 of the strength in triaxial compression, triaxial extension 0.35 "
+    "to 0.5; the simulation's su is that in pure shear, which direct shear comes nearest to"
+)
+"""How other strengths compare with it."""
 
 
 class Factor(StrEnum):
