@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from harness.compare.experience import stored_experience
 from harness.references.experience import Factor
 
-HATCHES = ("//", "\\\\", "..", "--")
+HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, one after the other: a reader can tell them apart where they overlap."""
 COLOUR = "#8C8C8C"
 
