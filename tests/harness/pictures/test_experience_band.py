@@ -15,9 +15,8 @@ def test_bands_of_the_cone_factor_are_hatched_and_named(two_soils: xr.Dataset) -
     draw_experience(axes, with_experience(two_soils, IDS))
     figure.draw_without_rendering()
     wide, narrow = axes.patches
-    assert (wide.get_y(), wide.get_y() + wide.get_height()) == pytest.approx(
-        (6.17, 18.07), abs=0.01
-    )
+    bounds = wide.get_y(), wide.get_y() + wide.get_height()
+    assert bounds == pytest.approx((6.17, 18.07), abs=0.005)
     assert wide.get_hatch() != narrow.get_hatch()
     assert wide.get_facecolor()[3] == 0.0
     assert not axes.lines
