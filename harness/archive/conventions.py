@@ -5,7 +5,6 @@ parameters where a study runs all their combinations, else the single dim `case`
 varies is a coordinate along these dims. A variable's attribute ``role`` says what it is to the
 harness, which knows no other names of results than those below.
 
-=======
 ===============  ===================================================================================
 ``headline``     the scalar that the scene is run for; without a finite one no case is `completed`
 ``uncertainty``  half width of 95 % of the headline; not a number where it is not known
