@@ -90,6 +90,15 @@ def make_parser() -> argparse.ArgumentParser:
     describe = commands.add_parser("describe", help="list the parameters of a scene")
     describe.add_argument("scene", metavar="SCENE")
 
+    references = commands.add_parser(
+        "references",
+        help="list what results are compared with",
+        description="List the cone factors of the literature and the bands of experience that a "
+        "study can be compared with: formula, range, source, how known. With ID: one in full.",
+        epilog="example: harness references lu_2004",
+    )
+    references.add_argument("id", nargs="?", metavar="ID", help="name of one; default: all")
+
     commands.add_parser("schema", help="print a JSON schema of studies, for editors")
 
     plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")

@@ -29,6 +29,7 @@ COMMANDS = {
     "plot": "result_commands.plot",
     "report": "result_commands.report",
     "recommend": "result_commands.show_recommendation",
+    "references": "reference_commands.references",
 }
 """Module and function of each command; it is given the options and returns the exit code."""
 

@@ -15,6 +15,7 @@ from harness.compare.cone_factors import (
     exact_shear,
     stored_references,
 )
+from harness.compare.experience import experience_notes
 from harness.references.cone_factors import ENVELOPE, ConeFactor, envelope, envelope_applies
 
 RESOLUTION = "cells_per_radius"
@@ -57,7 +58,8 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
         *zip(*(column.texts for column in columns), strict=True),
     ]
     lines = ["  ".join(_justified(row, columns)).rstrip() for row in rows]
-    return "\n".join([*lines, "", *_resolution_notes(dataset), *_notes(references)])
+    notes = [*_resolution_notes(dataset), *_notes(references), *experience_notes(dataset)]
+    return "\n".join([*lines, "", *notes])
 
 
 def _justified(row: Iterable[str], columns: Iterable[_Column]) -> list[str]:

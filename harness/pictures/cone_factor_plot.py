@@ -12,6 +12,7 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullLocator, StrMethodFo
 
 from harness.archive.conventions import varied_names
 from harness.compare.cone_factors import conditions_of, stored_references
+from harness.pictures.experience_band import draw_experience
 from harness.pictures.plot_parts import (
     FAILED,
     MARKERS,
@@ -58,6 +59,7 @@ def cone_factor_figure(dataset: xr.Dataset) -> Figure:
     computed = dataset[COMPARED]
     abscissa = _Abscissa.of(dataset)
     figure, axes = empty_figure()
+    draw_experience(axes, dataset)
     if computed.dims == ("case",):
         axes.plot(abscissa.positions, computed, "o", color="black", label="computed", markersize=4)
         _mark_failures(axes, abscissa.positions[~np.isfinite(computed.values)])
