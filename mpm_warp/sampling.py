@@ -152,5 +152,16 @@ def transferred_energy(simulation: Simulation) -> float:
     return AUDIT_INTERVAL * float(simulation.array("transfer.energy").sum())
 
 
+def excess_pore_pressure(simulation: Simulation) -> Floats:
+    """Excess pore pressure in the cells of a scene [Pa], compression positive, shape [cell_count].
+
+    The change of the mean total stress, in the last step. An elastic, perfectly plastic undrained
+    clay has no other part: its effective mean stress stays.
+    """
+    change = simulation.array("cell.stress") - soil_scene(simulation).stress_at_rest
+    pressure: Floats = -change[:, [0, 1, 3]].mean(axis=1)
+    return pressure
+
+
 def _merged(samplers: Sequence[Sampler]) -> xr.Dataset:
     return xr.merge([sampler.dataset() for sampler in samplers])

@@ -83,9 +83,8 @@ class ConePenetration(ConeTest):
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=0.2,
             fixed=Fixed.axis(grid),
-            surroundings=SurroundingGround.around(
-                grid, material, self._source, self._stress_at_rest
-            ),
+            stress_at_rest=self._stress_at_rest,
+            surroundings=SurroundingGround.around(grid, material, self._source),
             contact=PenetrometerContact.of(
                 self._penetrometer,
                 grid,
