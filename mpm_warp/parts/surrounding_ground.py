@@ -81,10 +81,10 @@ class SurroundingGround:
         there.
         """
         far = FarField.around(grid, material)
-        free = np.ones((grid.row_count + 1, grid.column_count + 1, 2))
-        free[0] = 0.0
-        free[-1, :, 1] = 0.0
-        free = free.reshape(-1, 2)
+        of_rows = np.ones((grid.row_count + 1, grid.column_count + 1, 2))
+        of_rows[0] = 0.0
+        of_rows[-1, :, 1] = 0.0
+        free = of_rows.reshape(-1, 2)
         ends = np.flatnonzero(free.min(axis=-1) == 0.0)
         return cls(
             source=source,

@@ -106,6 +106,7 @@ class ConePenetration(ConeTest):
     @property
     def _cell_size(self) -> float:
         """Width and height of the cells at the cone [m]."""
+        assert self.cells_per_radius is not None
         rows = self._penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
         return self._penetrometer.cone_height / rows
 

@@ -12,7 +12,9 @@ from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone import window
 from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
 
-
+CELLS_PER_RADIUS = {"standard": 3.0, "fine": 6.0}
+WINDOW = {"standard": 1.0, "fine": 1.3}
+"""Cells per cone radius, and extents of the window over those of `default_extents`, by accuracy."""
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 
@@ -22,6 +24,7 @@ class ConeTest(CatalogueScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method: ClassVar[tuple[str, ...]] = (
+        "accuracy",
         "cells_per_radius",
         "cell_growth",
         "particles_per_cell",
@@ -124,11 +127,18 @@ class ConeTest(CatalogueScene):
     speed_ratio: float = parameter(
         0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.5
     )
-    cells_per_radius: float = parameter(
-        3.0,
+    accuracy: str = parameter(
+        "standard",
+        unit="1",
+        meaning="what cells and window are by default: fine halves the cells and widens the window "
+        "by 1.3, takes some ten times as long, and has half of the uncertainty",
+        choices=tuple(CELLS_PER_RADIUS),
+    )
+    cells_per_radius: float | None = parameter(
+        None,
         unit="1",
         meaning="cells per cone radius at the cone, about: they are square, and a whole number of "
-        "them makes up its height",
+        "them makes up its height (default: 3, 6 where accuracy is fine)",
         minimum=1,
         maximum=100,
     )
@@ -192,11 +202,14 @@ class ConeTest(CatalogueScene):
 
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; window and approach follow the rigidity index."""
-        extents = self.default_extents
+        extents = {
+            it: WINDOW[self.accuracy] * by_law for it, by_law in self.default_extents.items()
+        }
         above = extents["domain_above"] if self.domain_above is None else self.domain_above
         # Soil that the cone has never passed has then left the window.
         approach = above + 1.0 if self.approach is None else self.approach
         return extents | {
+            "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
             "shaft_adhesion_factor": self.adhesion_factor,
             "approach_speed_ratio": window.approach_speed_ratio(self.rigidity_index),
             "approach": approach,

@@ -154,7 +154,7 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
 
 
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """The cone factor and its parts, from the last two radii of the curves or their last half.
+    """The cone factor and its shear part, over the last two radii of the curves or their last half.
 
     Args:
         recorded: the curves of `PenetrationCurves`.
@@ -166,22 +166,15 @@ def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variabl
     over = f"over the last {mean_count * SAMPLE_SPACING:g} radii"
     resistance = recorded.penetration_resistance.values[last]
     shear = recorded.penetration_resistance_shear.values[last]
-    factor, normal_part, shear_part = (
-        values.mean() / strength for values in (resistance, resistance - shear, shear)
-    )
-    headline = labelled(
-        role="headline",
-        cone_factor=(factor, "1", "cone factor", f"Nc = (qc - sigma_v0) / su, mean {over}"),
-    )
-    return headline | labelled(
-        cone_factor_normal=(
-            normal_part,
+    return labelled(
+        cone_factor_simulated=(
+            resistance.mean() / strength,
             "1",
-            "cone factor, normal part",
-            f"what the normal traction on the face adds to Nc, mean {over}",
+            "cone factor, as simulated",
+            f"mean resistance {over}, over su: before any correction",
         ),
         cone_factor_shear=(
-            shear_part,
+            shear.mean() / strength,
             "1",
             "cone factor, shear part",
             f"what the shear traction on the face adds to Nc, mean {over}",
