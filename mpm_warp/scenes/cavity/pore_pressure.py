@@ -9,7 +9,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, variable
-from mpm_warp.sampling import excess_pore_pressure, soil_scene
+from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, soil_scene
 from mpm_warp.simulation import Simulation
 
 
@@ -50,8 +50,7 @@ def pore_pressure_profile(
             pressure,
             "Pa",
             "excess pore pressure",
-            "change of the mean total stress in the cells at the end, mean over each column: an "
-            "elastic, perfectly plastic undrained clay has no other part",
+            f"mean over each column of cells at the end; {PORE_PRESSURE_IS}",
         ),
         excess_pore_pressure_exact=(expected, "Pa", "excess pore pressure, exact"),
     )
