@@ -39,7 +39,7 @@ FORMAT_VERSION = 1
 
 COMPLETED, UNTIMED = "completed", "untimed"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
-UNFINISHED = "unfinished"
+FAILED, UNFINISHED = "failed", "unfinished"
 MISSING, DAMAGED = "missing", "damaged"
 """Statuses of cases that the harness itself gives; a scene's errors name others."""
 
@@ -58,6 +58,8 @@ PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
+TRACEBACK = "traceback"
+"""Attribute of the file of a failed case that says where in the program it failed."""
 
 _SUFFIX = "_parameter"
 _MEASURED_BEFORE = (

@@ -6,6 +6,7 @@ import contextlib
 import signal
 import sys
 import time
+import traceback
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
@@ -16,7 +17,16 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
-from harness.archive.conventions import COMPLETED, MISSING, UNFINISHED, Role, spoken, with_role
+from harness.archive.conventions import (
+    COMPLETED,
+    FAILED,
+    MISSING,
+    TRACEBACK,
+    UNFINISHED,
+    Role,
+    spoken,
+    with_role,
+)
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
@@ -78,7 +88,9 @@ def compute(
         status = getattr(error, "status", "")
         # What a scene has a status for speaks for itself; anything else needs the name of its type.
         message = " ".join(str(error).split()) if status else in_one_line(error)
-        status = status or "failed"
+        if not status:
+            status = FAILED
+            dataset = dataset.assign_attrs({TRACEBACK: traceback.format_exc()})
     headline = ", ".join(
         f"{spoken(name)} {dataset[name].item():.4g}"
         for name in _headlines(dataset)
@@ -89,7 +101,10 @@ def compute(
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
         provenance(), device=execution.device, cases_together=execution.case_count
     )
-    return Result(Outcome(status, message, headline, measurement.seconds(idle_time)), dataset)
+    compiling = float(dataset["compile_time"]) if "compile_time" in dataset else 0.0
+    seconds = measurement.seconds(idle_time)
+    outcome = Outcome(status, message, headline, seconds, compile_seconds=compiling)
+    return Result(outcome, dataset)
 
 
 def run_case(

@@ -12,6 +12,8 @@ from harness.study.designs import EITHER_FIXED_OR_VARIED
 from harness.study.tables import StudyError, Table
 from mpm_warp.parameters import nearest_name
 
+STUDY_NAME = r"\w[\w.-]*"
+"""What the name of a study looks like, as a pattern."""
 LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
 LONGEST_LINEAGE = 8
@@ -57,7 +59,7 @@ def find_study(study: str, beside: Path | None = None) -> Path:
             else ""
         )
         raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}{meant}")
-    if path.suffix != ".toml" or not re.fullmatch(r"\w[\w.-]*", path.stem):
+    if path.suffix != ".toml" or not re.fullmatch(STUDY_NAME, path.stem):
         raise StudyError(
             f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"
         )

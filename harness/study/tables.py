@@ -12,7 +12,7 @@ from typing import Any
 
 from harness.errors import HarnessError
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name
+from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
 
@@ -119,7 +119,8 @@ class Assignments(Table):
     def definition(self, key: str) -> Parameter:
         """The parameter called `key`."""
         if key not in self.known:
-            raise self.refuse(key, f"unknown parameter {key!r}{nearest_name(key, self.known)}")
+            nearest = nearest_parameter(key, self.known)
+            raise self.refuse(key, f"unknown parameter {key!r}{nearest}")
         return self.known[key]
 
     def value(self, key: str) -> Value:
