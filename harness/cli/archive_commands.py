@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.conventions import COMPLETED, DAMAGED, labels_of, over_cases
+from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
 from harness.archive.study_files import read_study, study_file
 from harness.cli.exit_codes import DONE, INCOMPLETE
 from harness.errors import HarnessError, tell
@@ -36,6 +36,9 @@ def status(options: argparse.Namespace) -> int:
     if options.traceback:
         print(*results.tracebacks(study, options.out), sep="\n")
     results.tell_of_other_sources(study, stand)
+    file = study_file(options.out, study)
+    if all(outcome.status == MISSING for outcome in stand) and file.exists():
+        tell(f"{file} has other cases: give each --set that it was run with, or `status {file}`")
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
 
 
@@ -52,10 +55,10 @@ def _list_results(folder: Path, scene: str | None) -> None:
         if scene is None or scene in scenes.split():
             stand = results.outcomes_of(dataset)
             rows.append(f"{path}  {scenes}: {results.summary(stand)}")
-    of_scene = "" if scene is None else f" of {scene}"
-    print(
-        *(rows or [f"no results{of_scene} in {folder}; `harness run STUDY` makes them"]), sep="\n"
-    )
+    if not rows:
+        of_scene = "" if scene is None else f" of {scene}"
+        raise HarnessError(f"{folder}: has no results{of_scene}; `harness run STUDY` makes them")
+    print(*rows, sep="\n")
 
 
 def collect(options: argparse.Namespace) -> int:

@@ -12,21 +12,21 @@ from tqdm import tqdm
 from harness.cli.exit_codes import DONE
 from harness.run.limits import UPDATE_RATE
 from harness.study.cases import Case
-from harness.study.study import load_study, study_of_scene
+from harness.study.study import is_scene, load_study, study_of_scene
 from harness.study.unusual_values import tell_of_unusual_values
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.parameters import from_mapping
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
-from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
+from mpm_warp.scenes import CatalogueScene, scene_class
 
 HEADING = f"{'points':>12}  {'memory':>9}  {'steps <':>12}  {'time <':>9}  case"
 
 
 def show_plan(options: argparse.Namespace) -> int:
     """Print the kernels and arrays of one case, or a line for each case of several."""
-    is_scene = options.subject in scene_names()
-    study = (study_of_scene if is_scene else load_study)(options.subject, options.set)
+    read = study_of_scene if is_scene(options.subject) else load_study
+    study = read(options.subject, options.set)
     tell_of_unusual_values(study)
     if len(study.cases) > 1:
         _show_cases(study.cases)

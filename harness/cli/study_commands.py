@@ -14,7 +14,7 @@ from harness.errors import HarnessError, tell
 from harness.study.description import scene_rows, study_rows
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
-from harness.study.study import load_study
+from harness.study.study import is_scene, load_study
 from harness.study.template import study_text
 from mpm_warp.scenes import scene_class, scene_names
 
@@ -54,7 +54,7 @@ def list_names(options: argparse.Namespace) -> int:
 
 def describe(options: argparse.Namespace) -> int:
     """Print a scene's parameters, or what a study is."""
-    if options.subject not in scene_names():
+    if not is_scene(options.subject):
         print(*study_rows(load_study(options.subject)), sep="\n")
         return DONE
     print(*scene_rows(options.subject), sep="\n")

@@ -13,7 +13,7 @@ from harness.study.cases import Case
 from harness.terminal import coloured
 
 NOTICED = 0.05
-"""Seconds of compiling that are told, at least."""
+"""Seconds to start or to compile that are told, at least."""
 
 
 class Display(AbstractContextManager["Display"]):
@@ -71,8 +71,12 @@ class Display(AbstractContextManager["Display"]):
 
 
 def _times(outcome: Outcome) -> str:
-    """The time of a case, and apart from it that of compiling where it is noticed."""
-    compiling = outcome.compile_seconds
-    if compiling < NOTICED:
-        return f"{outcome.seconds:.1f} s"
-    return f"{outcome.seconds - compiling:.1f} s and {compiling:.1f} s to compile"
+    """The time that a case computed, and apart from it those to start and to compile."""
+    start, compiling = outcome.start_seconds, outcome.compile_seconds
+    apart = [
+        f"{seconds:.1f} s to {what}"
+        for seconds, what in ((start, "start"), (compiling, "compile"))
+        if seconds >= NOTICED
+    ]
+    computing = f"{outcome.seconds - start - compiling:.1f} s"
+    return f"{computing} ({', '.join(apart)})" if apart else computing

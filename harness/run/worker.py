@@ -101,9 +101,16 @@ def compute(
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
         provenance(), device=execution.device, cases_together=execution.case_count
     )
-    compiling = float(dataset["compile_time"]) if "compile_time" in dataset else 0.0
     seconds = measurement.seconds(idle_time)
-    outcome = Outcome(status, message, headline, seconds, compile_seconds=compiling)
+    compiling, running = (float(dataset.get(it, 0.0)) for it in ("compile_time", "run_time"))
+    outcome = Outcome(
+        status,
+        message,
+        headline,
+        seconds,
+        start_seconds=seconds - compiling - running if running and not repeats else 0.0,
+        compile_seconds=compiling,
+    )
     return Result(outcome, dataset)
 
 

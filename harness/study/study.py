@@ -125,6 +125,18 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     return _read(path, _standing_on(values, own), assignments)
 
 
+def is_scene(subject: str) -> bool:
+    """Whether what is named is a scene; otherwise it is a study, or should be the file of one.
+
+    Raises:
+        StudyError: it is neither; the nearest name is given.
+    """
+    known = (*scene_names(), *study_names())
+    if subject not in known and "." not in subject and "/" not in subject:
+        raise StudyError(f"{subject}: neither a scene nor a study{nearest_name(subject, known)}")
+    return subject in scene_names()
+
+
 def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
     """A study of one scene as it is, with settings; it has no file, and no results.
 
