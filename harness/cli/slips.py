@@ -43,15 +43,17 @@ def unrecognised(words: Sequence[str], options: Collection[str]) -> str:
 def _unknown_command(arguments: Sequence[str], commands: Collection[str]) -> str | None:
     if not arguments or arguments[0].startswith("-") or arguments[0] in commands:
         return None
-    from mpm_warp.parameters import nearest_name
+    from harness.study.files import study_names
+    from mpm_warp.parameters import did_you_mean  # help is at once, without it
 
     word = arguments[0]
     shown = word if len(word) <= SHOWN_LENGTH else f"{word[:SHOWN_LENGTH]}..."
-    if word.endswith(".toml"):
-        return f"{shown}: is no command; a study is run by `harness run {shown}`"
+    if word.endswith(".toml") or word in study_names():
+        return f"{shown}: is no command, but a study: run it by `harness run {shown}`"
     if word.endswith(".nc"):
-        return f"{shown}: is no command; a result is shown by `harness compare {shown}`"
-    return f"{shown}: is no command{nearest_name(word, commands)}"
+        return f"{shown}: is no command, but a result: show it by `harness compare {shown}`"
+    near = did_you_mean(word, commands)
+    return f"{shown}: is no command{near or '; `harness --help` lists them'}"
 
 
 def _missing_quotes(arguments: Sequence[str]) -> str | None:
