@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import shlex
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.arguments import make_parser
+from harness.cli.arguments import make_parser, options_of
 from harness.cli.main import COMMANDS, main
 from harness.cli.slips import slip
 from harness.study.study import is_scene, load_study
@@ -21,7 +22,7 @@ from mpm_warp.scenes import scene_class
 ROOT = Path(__file__).parents[1]
 README, OF_HARNESS = ROOT / "README.md", ROOT / "harness" / "README.md"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
-OF_NO_COST = ("list", "describe", "schema", "new")
+OF_NO_COST = ("list", "describe", "schema")
 SHORT = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
 """Settings of a cone test by which its result has the same names and dims at next to no cost."""
 
@@ -116,26 +117,39 @@ def test_every_command_can_be_given(
     """A command is known with its options, and every study and scene that it names is there."""
     monkeypatch.chdir(tmp_path)
     main(["new", "my_study"])
+    parser = make_parser()
     for line in dict.fromkeys(commands(page)):
         words = shlex.split(line.partition(" | ")[0].partition(" > ")[0], comments=True)
-        if is_placeholder(words[0]) or words[-1] == "--help":
+        if is_placeholder(words[0]):
             continue
         assert slip(words, COMMANDS) is None, line
-        options, unknown = make_parser().parse_known_args(words)
+        if is_mention(words):
+            known = options_of(parser, words[0])
+            assert {word for word in words if word.startswith("--")} <= {*known}, line
+            continue
+        options, unknown = parser.parse_known_args(words)
         assert unknown == [], line
-        given = vars(options)
-        study, subject, scenes = (given.get(it) for it in ("study", "subject", "scene"))
-        if study and not is_placeholder(study) and not study.endswith(".nc"):
-            assert load_study(study, options.set).cases, line
-        if subject and not is_placeholder(subject) and not is_scene(subject):
-            assert load_study(subject).cases, line
-        for scene in [scenes] if isinstance(scenes, str) else scenes or []:
+        assert all(load_study(*study).cases for study in studies_of(options)), line
+        given = vars(options).get("scene") or []
+        for scene in [given] if isinstance(given, str) else given:
             assert is_placeholder(scene) or scene_class(scene), line
         if words[0] in OF_NO_COST and not any(map(is_placeholder, words)):
-            Path("my_study.toml").unlink()
-            assert words[0] == "new" or main(["new", "my_study"]) == 0
             assert main(words) == 0, line
     capsys.readouterr()
+
+
+def is_mention(words: list[str]) -> bool:
+    """Whether the text speaks of a command or of its options, without what it is to be given."""
+    return all(word.startswith("-") for word in words[1:]) or "--help" in words
+
+
+def studies_of(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
+    """The studies that a command names, with their settings."""
+    study, subject = (vars(options).get(it) for it in ("study", "subject"))
+    if study and not is_placeholder(study) and not study.endswith(".nc"):
+        yield study, options.set
+    if subject and not is_placeholder(subject) and not is_scene(subject):
+        yield subject, vars(options).get("set", [])
 
 
 def is_placeholder(word: str) -> bool:
