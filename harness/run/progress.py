@@ -37,7 +37,7 @@ class Display(AbstractContextManager["Display"]):
             leave=False,
             miniters=0,
             smoothing=0,  # the time left follows from the mean speed so far
-            bar_format="{bar:24} {desc}{elapsed}, {remaining} left",
+            bar_format="{bar:24} {desc}after {elapsed}, {remaining} left",
         )
 
     def __exit__(self, *_: object) -> None:
@@ -65,7 +65,9 @@ class Display(AbstractContextManager["Display"]):
         if self.running:
             mean = sum(self.running.values()) / len(self.running)
             # Nothing is computed before all is imported, set up and compiled.
-            told.append(f"{len(self.running)} {f'running, at {mean:.0%}' if mean else 'set up'}")
+            told.append(
+                f"{len(self.running)} {f'running, at {mean:.0%}' if mean else 'setting up'}"
+            )
         self.bar.set_description_str(", ".join([*told, ""]), refresh=False)
         self.bar.update(self.done + sum(self.running.values()) - self.bar.n)
 
