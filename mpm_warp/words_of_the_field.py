@@ -21,7 +21,8 @@ MEANT: dict[tuple[str, ...], dict[str, str]] = {
         "adhesion_factor": "adhesion over su, 0 smooth to 1 rough",
         "adhesion": "in Pa",
     },
-    ("mu", "friction", "delta"): {
+    ("delta", "k0", "anisotropy"): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
+    ("mu", "friction"): {
         "friction_coefficient": "tan of the angle of friction",
         "friction": "tan of the angle of friction",
     },

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import Role, over_cases
+from harness.archive.conventions import Role, over_cases, stated, uncertainty_of
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
@@ -49,13 +49,17 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
 
 
 def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
+    factors = zip(over_cases(dataset, "cone_factor"), uncertainty_of(dataset), strict=True)
     parts = [
-        Column(heading, [number(value, ".2f") for value in over_cases(dataset, name)])
-        for name, heading in (
-            ("cone_factor", ("cone", "factor")),
-            ("cone_factor_normal", ("normal", "part")),
-        )
-        if name in dataset
+        Column(("cone", "factor"), [_stated(value, half) for value, half in factors]),
+        *(
+            Column(heading, [number(value, ".3g") for value in over_cases(dataset, name)])
+            for name, heading in (
+                ("cone_factor_simulated", ("as", "simulated")),
+                ("cone_factor_normal", ("normal", "part")),
+            )
+            if name in dataset
+        ),
     ]
     if "cone_factor_shear" not in dataset:
         return parts
@@ -117,6 +121,7 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
+        "cone factor: +- half width of 95 %; without it nothing is known of the error",
         "computed: su is the strength in pure shear, for von_mises too (sqrt(J2) = su)",
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
@@ -124,6 +129,10 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
         *(f"  {it.id}: {it.source}; {it.criterion}; {it.validity}" for it in shown),
         f"how known: {'; '.join(dict.fromkeys(it.how_known for it in shown))}",
     ]
+
+
+def _stated(value: float, half_width: float) -> str:
+    return stated(value, half_width) if np.isfinite(value) else MISSING
 
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:

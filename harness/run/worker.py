@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import signal
 import sys
 import time
@@ -25,6 +26,7 @@ from harness.archive.conventions import (
     UNFINISHED,
     Role,
     spoken,
+    stated,
     with_role,
 )
 from harness.archive.provenance import SOURCES, provenance, sources_digest
@@ -92,7 +94,7 @@ def compute(
             status = FAILED
             dataset = dataset.assign_attrs({TRACEBACK: traceback.format_exc()})
     headline = ", ".join(
-        f"{spoken(name)} {dataset[name].item():.4g}"
+        f"{spoken(name)} {stated(dataset[name].item(), _half_width(dataset))}"
         for name in _headlines(dataset)
         if status == COMPLETED
     )
@@ -177,6 +179,10 @@ def serve(
 
 def _headlines(dataset: xr.Dataset) -> list[str]:
     return [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
+
+
+def _half_width(dataset: xr.Dataset) -> float:
+    return next((dataset[it].item() for it in with_role(dataset, Role.UNCERTAINTY)), math.nan)
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:
