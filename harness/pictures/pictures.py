@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import write_whole
+from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
 from harness.pictures.cone_factor_plot import cone_factor_figure, shows_cone_factor
 from harness.pictures.plot_parts import png
@@ -65,9 +66,10 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """The pictures that are meant for a study's result, by name.
+    """The pictures that are meant for a study's result, by name; a failed case has no curve there.
 
     Raises:
         NothingToCompareError: it holds cone factors, but not their parameters.
     """
-    return {name: figure(dataset) for name, (shows, figure) in PICTURES.items() if shows(dataset)}
+    sound = without_incomplete_curves(dataset)
+    return {name: figure(sound) for name, (shows, figure) in PICTURES.items() if shows(sound)}

@@ -32,11 +32,17 @@ from harness.references.cone_factors import COMPARED, NEEDED, reference_ids
 from harness.references.experience import experience_ids
 from harness.study.cases import Case, cases_of
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
-from harness.study.files import find_study, joined, lineage
+from harness.study.files import find_study, joined, lineage, study_names
 from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart, read_part
 from harness.study.tables import Assignments, StudyError, Table, parse_setting, shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
+from mpm_warp.parameters import (
+    Parameter,
+    did_you_mean,
+    known_names,
+    nearest_name,
+    parameters_of,
+)
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000
@@ -107,6 +113,11 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     Raises:
         StudyError: the file is missing or not a study, or a setting is malformed.
     """
+    if study in scene_names() and study not in study_names():
+        raise StudyError(
+            f"{study}: is a scene; a study says what to vary in it: `harness new my_study "
+            f"--scene {study}` writes one, `harness run my_study.toml` runs it"
+        )
     path = find_study(study)
     assignments = dict(parse_setting(setting) for setting in settings)
     *bases, (_, own) = lineage(path)
@@ -115,6 +126,28 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         values = _standing_on(values, its_own)
         _read(base, values, {})  # what is wrong there is to be told of that file
     return _read(path, _standing_on(values, own), assignments)
+
+
+def is_scene(subject: str) -> bool:
+    """Whether what is named is a scene; otherwise it is a study, or should be the file of one.
+
+    Raises:
+        StudyError: it is neither; the nearest name is given.
+    """
+    known = (*scene_names(), *study_names())
+    if subject not in known and "." not in subject and "/" not in subject:
+        raise StudyError(f"{subject}: neither a scene nor a study{nearest_name(subject, known)}")
+    return subject in scene_names()
+
+
+def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
+    """A study of one scene as it is, with settings; it has no file, and no results.
+
+    Raises:
+        StudyError: there is no such scene, or a setting is malformed.
+    """
+    assignments = dict(parse_setting(setting) for setting in settings)
+    return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
 
 
 def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -224,10 +257,15 @@ def _ids(
             )
     if len(set(ids)) < len(ids):
         raise table.refuse(key, f"names a {noun} twice")
-    if ids and not any(it.parameters.keys() >= set(NEEDED) for it in parts):
+    if ids and not any(takes_references(it.parameters) for it in parts):
         needed = " and ".join(NEEDED)
         raise table.refuse(key, f"no scene here has the {needed} that cone factors depend on")
     return tuple(ids)
+
+
+def takes_references(parameters: Mapping[str, Parameter]) -> bool:
+    """Whether a scene with these parameters has what the cone factors of the literature need."""
+    return parameters.keys() >= set(NEEDED)
 
 
 def _tolerances(
