@@ -75,9 +75,9 @@ def effects(studied: Studied) -> Effects:
         is_fitted = sound.sum() >= 2 * (matrix.shape[1] + 1)
         if is_fitted:
             break
-    coefficients: Floats = np.zeros(matrix.shape[1])
-    if is_fitted:
-        coefficients = np.linalg.lstsq(matrix[sound], values - mean)[0]
+    coefficients = (
+        np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else np.zeros(matrix.shape[1])
+    )
     ends = np.cumsum([it.shape[1] for it in columns.values()])[:-1]
     parts = {
         name: own @ factor

@@ -63,7 +63,12 @@ def series_colour(index: int, count: int) -> str:
     """Colour of one of so many series, by luminance; black where it is alone."""
     if count == 1:
         return INK
-    return to_hex(SHADES(index / (count - 1)))
+    return shade(index / (count - 1))
+
+
+def shade(fraction: float) -> str:
+    """Colour of a number on the scale `SHADES`, from 0 to 1."""
+    return to_hex(SHADES(fraction))
 
 
 def draw_series(

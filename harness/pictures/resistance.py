@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize, to_hex
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import case_dims, over_cases
@@ -19,6 +19,7 @@ from harness.pictures.plot_parts import (
     empty_figure,
     label_ends,
     series_colour,
+    shade,
 )
 from harness.pictures.studied import Studied
 from harness.pictures.symbols import assigned, axis_label
@@ -52,13 +53,14 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     ends = {case: float(curves[case][place]) for case, place in last.items()}
     labelled = _labelled(dataset, drawn, ends)
     few = len(drawn) <= MOST_LABELS
-    scale = ScalarMappable(
-        Normalize(min(ends.values(), default=0.0), max(ends.values(), default=1.0)),
-        SHADES,
-    )
+    low, high = min(ends.values(), default=0.0), max(ends.values(), default=1.0)
     marks = []
     for rank, case in enumerate(drawn):
-        colour = series_colour(rank, len(drawn)) if few else to_hex(SHADES(scale.norm(ends[case])))
+        colour = (
+            series_colour(rank, len(drawn))
+            if few
+            else shade((ends[case] - low) / ((high - low) or 1.0))
+        )
         is_start = not few and labelled[:1] == [case]
         width = 1.3 if few or case in labelled else 0.6
         axes.plot(x, curves[case], color=INK if is_start else colour, lw=1.8 if is_start else width)
@@ -71,6 +73,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     axes.set_ylim(bottom=0)
     label_ends(axes, marks, size=7)
     if not few:
+        scale = ScalarMappable(Normalize(low, high), SHADES)
         bar = figure.colorbar(scale, ax=axes, location="top", aspect=50, pad=0.02)
         bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
     failed = len(curves) - len(drawn)

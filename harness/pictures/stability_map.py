@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
+from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -153,8 +154,8 @@ def _rows(all_values: Sequence[Values]) -> tuple[Figure, list[Axes]]:
     """Axes one below the other, each with a parameter's name."""
     count = len(all_values)
     height = STRIP_HEIGHT * count + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
-    figure = Figure(figsize=(Figure().get_figwidth(), height))
-    figure.set_layout_engine("none")
+    with rc_context({"figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(Figure().get_figwidth(), height))
     rows = list(figure.subplots(count, 1, squeeze=False)[:, 0])
     top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
     figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)

@@ -107,13 +107,14 @@ class Values:
             room: tick labels for which it has room.
             which: "x" or "y".
         """
-        axis, set_scale = (
-            (axes.xaxis, axes.set_xscale) if which == "x" else (axes.yaxis, axes.set_yscale)
-        )
+        is_x = which == "x"
+        axis = axes.xaxis if is_x else axes.yaxis
+        set_scale = axes.set_xscale if is_x else axes.set_yscale
+        set_margin = axes.set_xmargin if is_x else axes.set_ymargin
         if self.categories:
             names = [it.replace("_", " ") for it in self.categories]
             axis.set_ticks(range(len(names)), names)
-            axes.margins(0.2 if which == "x" else None, 0.2 if which == "y" else None)
+            set_margin(0.2)
             return
         if self.scale == "symlog":
             smallest = self.numbers[self.numbers > 0.0].min()

@@ -31,6 +31,8 @@ from harness.pictures.symbols import plain
 from harness.pictures.values import Floats
 
 FRONT = "front: no other is faster and better"
+LEGEND_LINE = 0.15
+"""Inches of a line of a legend."""
 LABEL_GAP = 0.06
 """Least distance of two labels, of the range of errors."""
 
@@ -53,6 +55,7 @@ def work_precision_figure(dataset: xr.Dataset) -> Figure:
     """Errors of checks against their run times; runs that failed are left out."""
     figure, axes = empty_figure()
     checks = dataset["check"].values
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * checks.size / 2)
     for index, check in enumerate(checks):
         curve = dataset.isel(check=index)
         marker, colour = MARKERS[index % len(MARKERS)], series_colour(index, checks.size)

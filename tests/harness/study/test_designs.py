@@ -252,7 +252,7 @@ def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
     write_study(tmp_path / "s.nc", dataset)
     read = read_study(tmp_path / "s.nc")
     assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
-    assert [path.name for path in draw(read, tmp_path)] == ["s_cone_factor.png"]
+    assert [path.name for path in draw(read, tmp_path)] == ["s_curve.png"]
 
 
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
