@@ -105,9 +105,8 @@ def test_cases_are_filtered_by_words_and_bounds(opened: webdriver.Chrome) -> Non
     outcome.send_keys("DIV")
     assert shown(opened, "rigidity") == ["1000"]
     assert "1 of 4 cases" in first(opened, "#study-1 output").text
-    outcome.clear()
-    index.clear()
-    index.send_keys(Keys.BACKSPACE)
+    for field in (outcome, index):
+        field.send_keys(Keys.CONTROL, "a", Keys.DELETE)
     assert len(shown(opened, "rigidity")) == 4
 
 

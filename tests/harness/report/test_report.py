@@ -92,9 +92,9 @@ def test_studies_are_compared_where_they_share_parameters(results: list[xr.Datas
     assert found.differing == [("cells per radius", ["2", "4"])]
     assert found.varied == ["rigidity index"]
     assert found.shared_rows == [
-        ["50", "9", "9.21", "+2.3 %"],
-        ["100", "10.5", "10.71", "+2.0 %"],
-        ["200", "12", "12.21", "+1.7 %"],
+        ["50", "9", "9.2", "+2.2 %"],
+        ["100", "10.5", "10.7", "+1.9 %"],
+        ["200", "12", "12.2", "+1.7 %"],
     ]
 
 
