@@ -207,6 +207,14 @@ def _add_results(commands: _Commands) -> None:
     plot = commands.add_parser("plot", help="draw the pictures of a result")
     plot.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     plot.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
+    plot.add_argument(
+        "--format",
+        nargs="+",
+        choices=("png", "pdf", "svg"),
+        default=["png"],
+        metavar="FORMAT",
+        help="png, the default, pdf or svg; several are allowed",
+    )
 
     report = commands.add_parser("report", help="write one page of HTML on results")
     report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
