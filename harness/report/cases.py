@@ -21,7 +21,6 @@ from harness.archive.conventions import (
     with_role,
 )
 from harness.compare.finest_error import error_name
-from harness.pictures.studied import UNCERTAINTY
 from harness.report import words
 
 
@@ -118,7 +117,8 @@ def _names(dataset: xr.Dataset) -> list[str]:
     wanted = (
         *varied_names(dataset),
         "status",
-        *(name for it in headlines for name in (it, f"{it}_{UNCERTAINTY}")),
+        *headlines,
+        *with_role(dataset, Role.UNCERTAINTY),
         *([error_name(dataset)] if error_name(dataset) else []),
         *with_role(dataset, Role.DEVIATION),
         *limits_of(dataset),

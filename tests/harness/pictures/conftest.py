@@ -67,7 +67,11 @@ def result(
     labels = {"units": "1", "long_name": "cone factor", "role": "headline"}
     made["cone_factor"] = dims, values, labels
     if uncertainty is not None:
-        made["cone_factor_uncertainty"] = dims, np.full(shape, uncertainty), {"units": "1"}
+        made["cone_factor_uncertainty"] = (
+            dims,
+            np.full(shape, uncertainty),
+            {"units": "1", "role": "uncertainty"},
+        )
     status = np.where(np.isfinite(values), "completed", "diverged")
     made["status"] = dims, status, {"long_name": "outcome of the case"}
     made["message"] = dims, np.where(np.isfinite(values), "", "velocity of particle 3")
