@@ -55,9 +55,9 @@ class Studied:
 
     @functools.cached_property
     def half_width(self) -> Floats | None:
-        """Half width of the headline's 95 % interval, of each case; None where none is known."""
-        half_width = uncertainty_of(self.dataset).astype(float)
-        return half_width if np.isfinite(half_width).any() else None
+        """Half width of the headline's 95 % interval, of each case; None where it is not known."""
+        known = uncertainty_of(self.dataset).astype(float)
+        return known if np.isfinite(known).any() else None
 
     @functools.cached_property
     def status(self) -> Texts:

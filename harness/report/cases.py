@@ -113,11 +113,10 @@ def case_table(dataset: xr.Dataset) -> CaseTable:
 
 def _names(dataset: xr.Dataset) -> list[str]:
     """The variables that have a column, as far as each case has one value of them."""
-    headlines = with_role(dataset, Role.HEADLINE)
     wanted = (
         *varied_names(dataset),
         "status",
-        *headlines,
+        *with_role(dataset, Role.HEADLINE),
         *with_role(dataset, Role.UNCERTAINTY),
         *([error_name(dataset)] if error_name(dataset) else []),
         *with_role(dataset, Role.DEVIATION),
