@@ -13,7 +13,7 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import PER_CASE, TOLERANCES, with_roles_told
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
-from harness.archive.structure import malformed
+from harness.archive.structure import malformed, outline
 from harness.study.study import Study
 from mpm_warp.parameters import did_you_mean, known_names
 
@@ -64,7 +64,7 @@ def read_result(path: Path) -> xr.Dataset:
     if "study" in dataset.attrs:
         _check_study(path, dataset)
     dataset = with_roles_told(dataset)
-    if (fault := malformed(dataset)) is not None:
+    if (fault := malformed(outline(dataset))) is not None:
         raise ArchiveError(f"{path}: is no whole result: {fault}; make it again")
     return dataset
 

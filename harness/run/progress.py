@@ -8,6 +8,7 @@ from typing import TextIO
 from tqdm import tqdm
 
 from harness.archive.case_files import Outcome
+from harness.errors import LONGEST_LINE, printable, shortened
 from harness.study.cases import Case
 
 
@@ -49,6 +50,7 @@ class Display(AbstractContextManager["Display"]):
         self.running.pop(case.key, None)
         told = ", ".join(filter(None, (outcome.status, outcome.headline, outcome.message)))
         line = f"[{self.done}/{self.total}] {case.label}: {told}, {outcome.seconds:.1f} s"
+        line = shortened(printable(line), LONGEST_LINE)
         self._update()
         tqdm.write(line, file=self.stream)
         self.stream.flush()

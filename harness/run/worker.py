@@ -120,7 +120,7 @@ def serve(
     The parent sends tuples of cases, which are run together, and numbers of threads, which hold
     from then on, also while cases run. The worker sends pairs: the number of a case in its tuple,
     and None when the cases are taken on, the fraction done (0 when the computation begins) or, at
-    the end, the :class:`Outcome`. To be called first in a fresh process, because it sets how the
+    the end, the :class:`Outcome`. To be called once in a fresh process, because it sets how the
     process reacts to signals.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.

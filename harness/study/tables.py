@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.errors import HarnessError
+from harness.errors import HarnessError, printable, shortened
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name
 
@@ -21,10 +21,7 @@ class StudyError(HarnessError):
     """A study file is wrong; the message is one printable line of bounded length."""
 
     def __init__(self, message: str) -> None:
-        line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message[:10_000])
-        half = LONGEST_MESSAGE // 2
-        # The end names the remedy, so what is cut from a long message is its middle.
-        super().__init__(line if len(line) <= 2 * half else f"{line[:half]} ... {line[-half:]}")
+        super().__init__(shortened(printable(message), LONGEST_MESSAGE))
 
 
 class Table:

@@ -32,13 +32,11 @@ from mpm_warp.scenes.cone.window import (
     unsteady_penetration,
     window_of_test,
 )
-from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
 VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
 """Strength of soil of von Mises in compression along one axis, over that of Tresca."""
-CROSSING = 0.65
-"""Length that a wave crosses in the critical time step over the width of a cell, about."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,16 +114,24 @@ class ConePenetration(ConeTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and about the steps to the end."""
-        cell_count, window = self._grid.cell_count, self._window
-        cell_size = self.cone_radius / self.cells_per_radius
-        time_step = self.time_step_fraction * CROSSING * cell_size / self._clay.pressure_wave_speed
-        return RunSize(
-            cell_count=cell_count,
-            particle_count=round(
-                cell_count * self.particles_per_cell * (1 + window.spare_fraction)
-            ),
-            step_count=window.time_to(self.penetration * self.cone_radius) / time_step,
+        """Cells and material points of the grid, and the steps to the greatest penetration."""
+        window, radius = self._window, self.cone_radius
+        cell_size = radius / self.cells_per_radius
+        # Above and below the cone all cells at the surface are alike: one row of them will do.
+        around_cone = self._penetrometer.fitted_grid(
+            cell_size=cell_size,
+            cell_growth=self.cell_growth,
+            outer_radius=self.domain_radius * radius,
+            depth_below=cell_size,
+            height_above=cell_size,
+        )
+        speed = self._clay.pressure_wave_speed + window.first_speed
+        time_step = self.time_step_fraction * shortest_crossing(around_cone) / speed
+        return size_in_grid(
+            self._grid,
+            particles_per_cell=self.particles_per_cell,
+            spare_fraction=window.spare_fraction,
+            step_count=window.time_to(self.penetration * radius) / time_step,
         )
 
     def step_count_bound(self, plan: Plan) -> int:

@@ -120,6 +120,11 @@ class Impact(CatalogueScene):
         speed = self.speed_ratio * self.wave_speed
         return Shock(modulus=self.modulus, density=self.density, speed=speed)
 
+    @property
+    def duration(self) -> float:
+        """Time until the shock has passed the bar, up to a section's height [s]."""
+        return TRAVEL * LENGTH / self.shock.front_speed
+
     @abstractmethod
     def sections(self, simulation: Simulation) -> Sections:
         """The sections of the bar in a simulation at its start."""

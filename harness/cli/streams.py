@@ -1,0 +1,98 @@
+"""Standard streams of a command: all three are there, and what a file holds is safe to print."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from typing import Any, TextIO
+
+from harness.errors import HarnessError, printable
+
+
+def complete_streams() -> None:
+    """Let standard streams that the process was started without, as by ``2>&-``, go nowhere."""
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass  # the first three numbers are theirs: no other file may come to have one
+    os.close(number)
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
+
+
+def send_nowhere(stream: TextIO) -> None:
+    """Let what is still to be written to a stream go nowhere, and be no error when it is closed."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, stream.fileno())
+    os.close(null)
+
+
+@contextmanager
+def safe_streams() -> Iterator[None]:
+    """Inside the ``with``, standard output and standard error are an `_Output` and a `_Remarks`."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            # A terminal that does not know a letter is shown its escape.
+            stream.reconfigure(errors="backslashreplace")
+    output: Any = _Output(sys.stdout)
+    with redirect_stdout(output), redirect_stderr(_Remarks(sys.stderr)):  # type: ignore[type-var]
+        try:
+            yield
+        finally:
+            output.flush()
+
+
+class _Stream:
+    """A stream before another one."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+class _Output(_Stream):
+    """Standard output: lines of printable characters; what cannot be written ends the command."""
+
+    def write(self, text: str) -> int:
+        try:
+            return self.stream.write("\n".join(map(printable, text.split("\n"))))
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise self._lost(error) from None
+
+    def flush(self) -> None:
+        try:
+            self.stream.flush()
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise self._lost(error) from None
+
+    def _lost(self, error: OSError) -> HarnessError:
+        send_nowhere(self.stream)
+        return HarnessError(f"standard output: cannot be written: {error.strerror}")
+
+
+class _Remarks(_Stream):
+    """Standard error: what cannot be written there is lost, and the command goes on."""
+
+    def write(self, text: str) -> int:
+        try:
+            return self.stream.write(text)
+        except BrokenPipeError:
+            raise
+        except OSError:
+            send_nowhere(self.stream)
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            self.stream.flush()
+        except BrokenPipeError:
+            raise
+        except OSError:
+            send_nowhere(self.stream)
