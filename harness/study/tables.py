@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -135,7 +136,7 @@ class Assignments(Table):
             raise self.refuse(key, "must be a list of one value or more, or a range")
         checked = tuple(self._checked(key, value) for value in values)
         if len(set(checked)) < len(checked):
-            twice = next(value for value in checked if checked.count(value) > 1)
+            (twice, _), *_ = Counter(checked).most_common(1)
             raise self.refuse(key, f"{twice!r} is there twice")
         return checked
 
