@@ -121,7 +121,7 @@ def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) ->
     if len(set(form.dims)) < len(form.dims):
         yield f"{name} has a dim twice"
     own = [dim for dim in form.dims if dim not in over]
-    if any(dim not in forms for dim in own):
+    if any(dim not in forms for dim in form.dims):
         yield f"{name} has a dim without a coordinate"
     if name in form.dims and form.dims != (name,):
         yield f"{name} is a dim and has others"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +69,24 @@ def read_result(path: Path) -> xr.Dataset:
     if (fault := malformed(outline(dataset))) is not None:
         raise ArchiveError(f"{path}: is no whole result: {fault}; make it again")
     return dataset
+
+
+@contextmanager
+def working_on(*paths: Path) -> Iterator[None]:
+    """What a result lacks that no check of its structure has foreseen is told of its file.
+
+    Args:
+        paths: the files whose results are worked on.
+
+    Raises:
+        ArchiveError: instead of what a look-up or a calculation inside the ``with`` raises.
+    """
+    try:
+        yield
+    except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
+        reason = " ".join(str(error).split())
+        files = ", ".join(map(str, paths))
+        raise ArchiveError(f"{files}: is no whole result: {reason}") from error
 
 
 def _check_study(path: Path, dataset: xr.Dataset) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from harness.cli.arguments import make_parser
 from harness.cli.exit_codes import BAD_INPUT, Terminated
-from harness.cli.streams import complete_streams, safe_streams, send_nowhere
+from harness.cli.streams import complete_streams, safe_output, safe_remarks, send_nowhere
 from harness.errors import HarnessError, tell
 from mpm_warp.errors import UnknownSceneError
 
@@ -46,12 +46,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     complete_streams()
     given = sys.argv[1:] if arguments is None else list(arguments)
+    with safe_remarks():
+        return _exit_code(given)
+
+
+def _exit_code(given: list[str]) -> int:
+    """Run one command, and say in one line why it cannot be done."""
     for argument in given:
         if any("\ud800" <= character <= "\udfff" for character in argument):
             tell(f"{argument!r}: is not text, which results could not keep")
             return BAD_INPUT
     try:
-        with safe_streams():
+        with safe_output():
             options = make_parser().parse_args(given)
             # Imported only now: help is at once, and what a command does not need is not loaded.
             module, function = COMMANDS[options.command].split(".")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -14,7 +15,8 @@ from harness.errors import HarnessError, printable
 def complete_streams() -> None:
     """Let standard streams that the process was started without, as by ``2>&-``, go nowhere."""
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
-        pass  # the first three numbers are theirs: no other file may come to have one
+        # The first three numbers are theirs, here and in workers: no other file may have one.
+        os.set_inheritable(number, True)
     os.close(number)
     for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
         if getattr(sys, name) is None:
@@ -29,18 +31,33 @@ def send_nowhere(stream: TextIO) -> None:
 
 
 @contextmanager
-def safe_streams() -> Iterator[None]:
-    """Inside the ``with``, standard output and standard error are an `_Output` and a `_Remarks`."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            # A terminal that does not know a letter is shown its escape.
-            stream.reconfigure(errors="backslashreplace")
+def safe_output() -> Iterator[None]:
+    """Inside the ``with``, standard output is an `_Output`, and is written out at its end."""
+    _escape_letters(sys.stdout)
     output: Any = _Output(sys.stdout)
-    with redirect_stdout(output), redirect_stderr(_Remarks(sys.stderr)):  # type: ignore[type-var]
+    with redirect_stdout(output):
         try:
             yield
         finally:
             output.flush()
+
+
+@contextmanager
+def safe_remarks() -> Iterator[None]:
+    """Inside the ``with``, standard error is a `_Remarks`."""
+    _escape_letters(sys.stderr)
+    remarks: Any = _Remarks(sys.stderr)
+    with redirect_stderr(remarks):
+        try:
+            yield
+        finally:
+            remarks.flush()
+
+
+def _escape_letters(stream: TextIO) -> None:
+    """A terminal that does not know a letter is shown its escape."""
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="backslashreplace")
 
 
 class _Stream:
