@@ -72,6 +72,8 @@ def outline(dataset: xr.Dataset) -> Outline:
 
 
 def _kind(values: np.ndarray) -> str:
+    if values.dtype.kind in NUMBERS:
+        return values.dtype.kind
     return TEXT if all(isinstance(value, str) for value in values.flat) else values.dtype.kind
 
 

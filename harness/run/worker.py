@@ -158,8 +158,11 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:
-    """Why a dataset is no result, where the scalar that its scene is run for is not finite."""
-    for name in _headlines(dataset):
+    """Why a dataset is no result, where the scalar that its scene is run for is missing or not finite."""
+    names = _headlines(dataset)
+    if not names:
+        return "the scene gives no headline, the scalar that it is run for"
+    for name in names:
         if not np.isfinite(dataset[name].item()):
             return (
                 f"{spoken(name)} is not a finite number: the run was too short for it, or the "

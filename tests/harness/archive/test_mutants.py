@@ -34,7 +34,7 @@ from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
-COUNT = int(os.environ.get("HARNESS_MUTANTS", "40"))
+COUNT = int(os.environ.get("HARNESS_MUTANTS", "32"))
 """Mutants of case files, and of collected files."""
 STUDY = """
 title = "mutants"
@@ -242,6 +242,8 @@ def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
             assert outcome.message == fault, what
             assert fault.startswith(f"{path}: "), what
             damaged += 1
+            if damaged > 2:
+                continue  # what is damaged is collected in the same way
         code = main(["collect", str(computed.source), "--out", str(out)])
         told = capsys.readouterr()
         assert code == (0 if outcome.status == COMPLETED else 1), what
