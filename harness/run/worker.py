@@ -158,7 +158,7 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:
-    """Why a dataset is no result, where the scalar that its scene is run for is missing or not finite."""
+    """Why a dataset is no result: what its scene is run for is missing or no finite number."""
     names = _headlines(dataset)
     if not names:
         return "the scene gives no headline, the scalar that it is run for"
