@@ -23,7 +23,10 @@ from mpm_warp.scenes import scene_class, scene_names
 NUMBERS, TEXT = "biuf", "T"
 """Kinds of variables: those of numbers as NumPy calls them, and texts."""
 
-_OF_EACH_CASE = (Role.HEADLINE, Role.ERROR, Role.PARAMETER, Role.DEVIATION)
+_OF_EACH_CASE = (
+    *(Role.HEADLINE, Role.UNCERTAINTY, Role.SETTLED),
+    *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
+)
 """Roles of variables that have one value a case."""
 _TEXTS = ("units", "long_name", "description", "coordinates", "dtype")
 _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")

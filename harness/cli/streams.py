@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
 from harness.errors import HarnessError, printable
+from harness.terminal import BAD, GOOD, PLAIN
+
+OURS = re.compile(f"({'|'.join(map(re.escape, (GOOD, BAD, PLAIN, chr(10))))})")
+"""What controls a terminal and is the harness's own: colours, and ends of lines."""
 
 
 def complete_streams() -> None:
@@ -60,6 +65,10 @@ def _escape_letters(stream: TextIO) -> None:
         stream.reconfigure(errors="backslashreplace")
 
 
+def _safe(text: str) -> str:
+    return text if OURS.fullmatch(text) else printable(text)
+
+
 class _Stream:
     """A stream before another one."""
 
@@ -75,7 +84,7 @@ class _Output(_Stream):
 
     def write(self, text: str) -> int:
         try:
-            return self.stream.write("\n".join(map(printable, text.split("\n"))))
+            return self.stream.write("".join(map(_safe, OURS.split(text))))
         except BrokenPipeError:
             raise
         except OSError as error:

@@ -36,10 +36,8 @@ def rough() -> xr.Dataset:
 
 
 def shear_part(apex_angle: float) -> float:
-    """0.5 / tan(half angle), less the share of the tip, 1 / (3 n^2) with n rows on the face."""
-    slope = 1.0 / math.tan(math.radians(0.5 * apex_angle))
-    rows_on_face = round(2.0 * slope)
-    return 0.5 * slope * (1.0 - 1.0 / (3.0 * rows_on_face**2))
+    """The adhesion factor 0.5 over the tangent of half the angle."""
+    return 0.5 / math.tan(math.radians(0.5 * apex_angle))
 
 
 def test_shear_part_obeys_statics(rough: xr.Dataset) -> None:
@@ -68,6 +66,23 @@ def test_poissons_ratio_is_simulated_up_to_its_bound() -> None:
 def test_shaft_friction_is_the_adhesion_once_the_shaft_slips(rough: xr.Dataset) -> None:
     adhesion = 0.5 * SHORT.undrained_shear_strength
     assert float(rough.shaft_friction[-1]) == pytest.approx(adhesion, rel=ROUNDING)
+
+
+def test_sleeve_friction_is_the_adhesion_of_the_shaft_once_it_slips() -> None:
+    """Whatever that of the face; over the area of the sleeve, 15 times that of the cone."""
+    result = run(adhesion_factor=0.2, shaft_adhesion_factor=0.5, penetration=1.0, domain_above=9.0)
+    assert float(result.sleeve_friction_factor) == pytest.approx(0.5, rel=ROUNDING)
+    adhesion = 0.5 * SHORT.undrained_shear_strength
+    np.testing.assert_allclose(result.sleeve_friction[-5:], adhesion, rtol=ROUNDING)
+    sleeve_area = 15.0 * math.pi * SHORT.cone_radius**2
+    np.testing.assert_allclose(result.sleeve_force[-5:], adhesion * sleeve_area, rtol=2e-3)
+
+
+def test_what_is_above_the_window_is_not_measured(rough: xr.Dataset) -> None:
+    """The shaft ends 6 radii above the shoulder; the sleeve would end at 8."""
+    for name in ("sleeve_friction_factor", "pore_pressure_factor_shaft"):
+        assert rough[name].isnull()
+    assert rough.pore_pressure_factor_face > rough.pore_pressure_factor_shoulder > 0.0
 
 
 def test_soil_touches_some_of_face_and_shaft_and_at_most_all(rough: xr.Dataset) -> None:
@@ -138,7 +153,7 @@ def test_the_shaft_is_as_rough_as_the_face_where_nothing_is_said() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rigidity_index", "ratio"), [(100.0, 0.12), (5000.0, math.sqrt(7.0 / 5000.0))]
+    ("rigidity_index", "ratio"), [(100.0, 0.25), (5000.0, math.sqrt(7.0 / 5000.0))]
 )
 def test_the_approach_is_as_fast_as_its_inertia_allows(rigidity_index: float, ratio: float) -> None:
     test = ConePenetration(rigidity_index=rigidity_index)
