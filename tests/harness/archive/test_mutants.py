@@ -28,7 +28,8 @@ from harness.archive.study_files import read_study
 from harness.cli import run_commands
 from harness.cli.main import main
 from harness.pictures import pictures
-from harness.pictures import report as page
+from harness.pictures.own_files import MAKER
+from harness.report import report as page
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute
 from harness.study.cases import Case
@@ -282,8 +283,8 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
     whole = shutil.copy(out / "many.nc", tmp_path / "whole.nc")
     again = read_case(case_folder(out, computed), case)
     monkeypatch.setattr(run_commands, "rerun", lambda *_, **__: again)  # takes seconds each
-    for module in (pictures, page):
-        monkeypatch.setattr(module, "png", lambda figure: b"")
+    for module in (pictures, page):  # and so does each picture
+        monkeypatch.setattr(module, "image", lambda *_, **__: MAKER.encode())
     refused = 0
     for number, what in enumerate(mutants(out / "many.nc", COUNT)):
         every = commands(out / "many.nc", whole, case.key)

@@ -16,6 +16,7 @@ from harness.cli.main import main
 from harness.cli.streams import safe_output
 from harness.errors import LONGEST_LINE
 from harness.study.study import Study
+from harness.terminal import GOOD
 
 FULL = Path("/dev/full")
 
@@ -33,8 +34,8 @@ def test_output_has_no_characters_that_control_a_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with safe_output():
-        print("a\x1b[2Jb\u202e\tc", "ä 中")
-    assert capsys.readouterr().out == "a\\x1b[2Jb\\u202e\\tc ä 中\n"
+        print("a\x1b[2Jb\u202e\tc", "ä 中", GOOD)
+    assert capsys.readouterr().out == f"a\\x1b[2Jb\\u202e\tc ä 中 {GOOD}\n"
 
 
 def test_a_message_in_a_case_file_does_not_control_a_terminal(
