@@ -13,7 +13,7 @@ from typing import Any, TextIO
 from harness.errors import HarnessError, printable
 from harness.terminal import BAD, GOOD, PLAIN
 
-OURS = re.compile(f"({'|'.join(map(re.escape, (GOOD, BAD, PLAIN, "\n", "\t")))})")
+OURS = re.compile("(" + "|".join(map(re.escape, (GOOD, BAD, PLAIN, "\n", "\t"))) + ")")
 """What controls a terminal and is the harness's own: colours, ends of lines, tabs."""
 
 
