@@ -153,7 +153,9 @@ def another_attribute(source: random.Random, content: Content) -> tuple[str, Con
     dims, values, said = content.variables[name]
     extra = ["_FillValue", "scale_factor", "coordinates", "role", "limit", "exact_of", "dtype"]
     key = source.choice([*said, *extra])
-    other = {key: it for key, it in said.items() if key != "_FillValue"} | {key: wrong(source)}
+    other = {key: it for key, it in said.items() if key != "_FillValue"} | {
+        key: source.choice(WRONG)
+    }
     if key == "_FillValue":
         other[key] = values.ravel()[0] if values.size and values.dtype.kind in "biuf" else None
     return f"{key} of {name}: {other[key]!r}", with_variable(content, name, (dims, values, other))
@@ -173,12 +175,8 @@ def another_word(source: random.Random, content: Content) -> tuple[str, Content]
     others = {it: value for it, value in content.attributes.items() if it != key}
     if source.random() < 0.3:
         return f"no {key}", replace(content, attributes=others)
-    other = wrong(source)
+    other = source.choice(WRONG)
     return f"{key}: {other!r}", replace(content, attributes=others | {key: other})
-
-
-def wrong(source: random.Random) -> Any:
-    return source.choice(WRONG)
 
 
 MUTATIONS: tuple[Mutation, ...] = (
