@@ -77,10 +77,8 @@ class Content:
                     if dim not in file.dimensions:
                         file.createDimension(dim, size)
                 kind = str if values.dtype.kind in "OU" else values.dtype
-                attributes = {key: it for key, it in said.items() if key != "_FillValue"}
-                filler = said.get("_FillValue")
-                made = file.createVariable(name, kind, dims, fill_value=filler)
-                made.setncatts(attributes)
+                made = file.createVariable(name, kind, dims, fill_value=said.get("_FillValue"))
+                made.setncatts({key: it for key, it in said.items() if key != "_FillValue"})
                 made.set_auto_maskandscale(False)
                 made[...] = values if values.ndim else values.item()
         content = beside.read_bytes()
@@ -153,9 +151,8 @@ def another_attribute(source: random.Random, content: Content) -> tuple[str, Con
     dims, values, said = content.variables[name]
     extra = ["_FillValue", "scale_factor", "coordinates", "role", "limit", "exact_of", "dtype"]
     key = source.choice([*said, *extra])
-    other = {key: it for key, it in said.items() if key != "_FillValue"} | {
-        key: source.choice(WRONG)
-    }
+    other = {it: value for it, value in said.items() if it != "_FillValue"}
+    other[key] = source.choice(WRONG)
     if key == "_FillValue":
         other[key] = values.ravel()[0] if values.size and values.dtype.kind in "biuf" else None
     return f"{key} of {name}: {other[key]!r}", with_variable(content, name, (dims, values, other))
