@@ -9,9 +9,10 @@ def main() -> int:
     try:
         # Ctrl-C may come while this is imported.
         from harness.cli.main import main as run
+
+        return run()
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
-    return run()
 
 
 if __name__ == "__main__":

@@ -35,6 +35,12 @@ class UnknownSceneError(LookupError):
     """The catalogue has no scene of that name; the message names the nearest one."""
 
 
+class KernelCacheError(OSError):
+    """Compiled kernels cannot be kept; the message names the folder."""
+
+    status = "failed"
+
+
 class SimulationDiverged(RuntimeError):
     """The run became unstable; the message names what, where and when.
 

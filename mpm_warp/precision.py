@@ -2,11 +2,15 @@
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import warp as wp
+
+from mpm_warp.errors import KernelCacheError
 
 
 def _start_warp_in_silence() -> None:
@@ -29,7 +33,25 @@ def _start_warp_in_silence() -> None:
             os.close(kept)
 
 
-_start_warp_in_silence()  # whatever is simulated needs the types below, and so comes by here
+@contextmanager
+def kernels_kept() -> Iterator[None]:
+    """Tells what is to be done where Warp cannot keep compiled kernels inside the ``with``.
+
+    Raises:
+        KernelCacheError: it cannot.
+    """
+    try:
+        yield
+    except OSError as error:
+        folder = wp.config.kernel_cache_dir or error.filename
+        raise KernelCacheError(
+            f"compiled kernels cannot be kept in {folder}: {error.strerror}; set WARP_CACHE_PATH "
+            "to a folder that can be written to"
+        ) from None
+
+
+with kernels_kept():
+    _start_warp_in_silence()  # whatever is simulated needs the types below: all come by here
 
 
 @dataclass(frozen=True)

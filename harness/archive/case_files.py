@@ -7,7 +7,7 @@ key alone, not on any time stamp.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,8 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
-from harness.archive.netcdf_files import DIGEST, check_version, opened, read_netcdf, write_netcdf
+from harness.archive.netcdf_files import DIGEST, opened_result, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
-from harness.archive.structure import malformed
 from harness.study.cases import Case
 from harness.study.study import Study
 
@@ -121,15 +120,14 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
     """The result of a case, or None where there is none yet.
 
     Raises:
-        ArchiveError: the file is damaged, of another format version, or of another case.
+        ArchiveError: the file is damaged, of another format version, not built as results are, or
+            of another case.
     """
     path = case_file(folder, case)
     if not path.exists():
         return None
     dataset = read_netcdf(path)
     _check_owner(path, case, dataset.attrs)
-    if (fault := malformed(dataset)) is not None:
-        raise ArchiveError(f"{path}: is no whole result: {fault}")
     return dataset
 
 
@@ -142,15 +140,14 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
     if not path.exists():
         return Outcome(MISSING)
     try:
-        with opened(path) as file:
-            attributes = file.__dict__
+        with opened_result(path) as (_, found):
+            attributes, forms = found.attributes, found.forms
             if DIGEST not in attributes:
                 # Nothing else shows damage of a file from before there were digests.
-                for variable in file.variables.values():
-                    variable[...]
-            seconds = float(file["case_time"][...]) if "case_time" in file.variables else 0.0
-            repeats = len(file.dimensions["repeat"]) if "repeat" in file.dimensions else 0
-        check_version(path, attributes)
+                for name in forms:
+                    found.values(name)
+            seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
+            repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
@@ -169,7 +166,7 @@ def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
     return outcome.status == COMPLETED and outcome.repeats >= repeats
 
 
-def _check_owner(path: Path, case: Case, attributes: dict[str, Any]) -> None:
+def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:
     texts = (attributes.get(name) for name in ("status", "message", "scene"))
     is_whole = all(isinstance(text, str) for text in texts)
     if attributes.get("case_key") != case.key or not is_whole:

@@ -88,9 +88,12 @@ def limits_of(dataset: xr.Dataset) -> dict[str, float]:
 
 def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
     """The parameters in a dataset: what they are called there, by their own names."""
-    return {
-        name.removesuffix(PARAMETER_SUFFIX): name for name in with_role(dataset, Role.PARAMETER)
-    }
+    return {parameter_of(name): name for name in with_role(dataset, Role.PARAMETER)}
+
+
+def parameter_of(stored: str) -> str:
+    """The parameter that is called `stored` in a dataset."""
+    return stored.removesuffix(PARAMETER_SUFFIX)
 
 
 def parameter_attributes(definition: Parameter) -> dict[str, str]:

@@ -20,7 +20,7 @@ import hashlib
 import math
 import os
 import stat
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, write_whole
 from harness.archive.conventions import FORMAT_VERSION
+from harness.archive.structure import TEXT, Form, Outline, malformed
 
 DIGEST = "digest"
 """Attribute of a file that ends with its digest."""
@@ -64,16 +65,15 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
 
 
 def read_netcdf(path: Path) -> xr.Dataset:
-    """Read a file of the archive into memory.
+    """Read a result into memory.
 
     Raises:
-        ArchiveError: it is damaged or of another format version.
+        ArchiveError: it is damaged, of another format version, or not built as results are.
     """
-    with opened(path) as file:
+    with opened_result(path) as (file, _):
         # No result holds dates; a unit like "days since ..." would be worked out as one.
         store = xr.backends.NetCDF4DataStore(file)
         dataset = xr.open_dataset(store, decode_times=False).load()
-    check_version(path, dataset.attrs)
     dataset.attrs.pop(DIGEST, None)  # it is of the file, not of what was computed
     return dataset
 
@@ -86,6 +86,37 @@ def read_attributes(path: Path) -> dict[str, Any]:
     """
     with opened(path) as file:
         return dict(file.__dict__)
+
+
+@contextmanager
+def opened_result(path: Path) -> Iterator[tuple[netCDF4.Dataset, Outline]]:
+    """A result, checked, and open for reading as `opened` does it, and its outline.
+
+    Raises:
+        ArchiveError: it is damaged, of another format version, or not built as results are.
+    """
+    with opened(path) as file:
+        found = _outline(file)
+        _check_version(path, found.attributes)
+        if (fault := malformed(found)) is not None:
+            raise ArchiveError(f"{path}: is no whole result: {fault}")
+        yield file, found
+
+
+def _outline(file: netCDF4.Dataset) -> Outline:
+    """What is in a file, without its numbers."""
+    forms = {
+        name: Form(it.shape, it.dimensions, _kind(it), it.__dict__)
+        for name, it in file.variables.items()
+    }
+    return Outline(file.__dict__, forms, lambda name: np.asarray(file[name][...]))
+
+
+def _kind(variable: netCDF4.Variable[Any]) -> str:
+    if variable.dtype is str:
+        return TEXT
+    # Those of an enumeration or of lists have the type of their elements.
+    return variable.dtype.kind if isinstance(variable.datatype, np.dtype) else "V"
 
 
 @contextmanager
@@ -137,7 +168,7 @@ def _damaged(path: Path, how: str) -> str:
     return f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
 
 
-def check_version(path: Path, attributes: dict[str, Any]) -> None:
+def _check_version(path: Path, attributes: Mapping[str, Any]) -> None:
     """Refuse a file of another format version.
 
     Raises:

@@ -1,93 +1,176 @@
 """Whether a result is built as every result is, so that what reads it by name finds what it needs.
 
 A digest says that a file is as it was written. It does not say who wrote it: these checks are for
-files of other programs, and for those from before there were digests.
+files of other programs, and for those from before there were digests. They need the outline of a
+result, not its numbers: so the status of a case can be told without reading them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import PER_CASE, Role, parameter_names
+from harness.archive.conventions import COMPLETED, PER_CASE, Role, parameter_of
 from harness.archive.provenance import OF_CASE
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
+
+NUMBERS, TEXT = "biuf", "T"
+"""Kinds of variables: those of numbers as NumPy calls them, and texts."""
 
 _OF_EACH_CASE = (
     *(Role.HEADLINE, Role.UNCERTAINTY, Role.SETTLED),
     *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
 )
 """Roles of variables that have one value a case."""
-_TEXTS = ("units", "long_name", "description")
+_TEXTS = ("units", "long_name", "description", "coordinates", "dtype")
+_ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
+"""Attributes by which a number in a file stands for another one; no result has any."""
 
 
-def malformed(dataset: xr.Dataset) -> str | None:
+@dataclass(frozen=True)
+class Form:
+    """What a variable is, without its values.
+
+    Attributes:
+        shape: sizes of the dims.
+        dims: their names.
+        kind: one of `NUMBERS`, `TEXT`, or any other letter.
+        attributes: of the variable.
+    """
+
+    shape: tuple[int, ...]
+    dims: tuple[str, ...]
+    kind: str
+    attributes: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What a result is, without its values.
+
+    Attributes:
+        attributes: of the result.
+        forms: of the variables, by name.
+        values: reads the values of a variable.
+    """
+
+    attributes: Mapping[str, Any]
+    forms: Mapping[str, Form]
+    values: Callable[[str], np.ndarray]
+
+
+def outline(dataset: xr.Dataset) -> Outline:
+    """The outline of a result that has been read."""
+    forms = {
+        str(name): Form(it.shape, tuple(map(str, it.dims)), _kind(it.values), it.attrs)
+        for name, it in dataset.variables.items()
+    }
+    return Outline(dataset.attrs, forms, lambda name: dataset.variables[name].values)
+
+
+def _kind(values: np.ndarray) -> str:
+    if values.dtype.kind in NUMBERS:
+        return values.dtype.kind
+    return TEXT if all(isinstance(value, str) for value in values.flat) else values.dtype.kind
+
+
+def malformed(result: Outline) -> str | None:
     """The first thing in a result that is not as it has to be, in words; None where all is well.
 
     Args:
-        dataset: of a case, or of a study with its `status`.
+        result: of a case, or of a study with its `status`.
     """
-    return next(_faults(dataset), None)
+    return next(_faults(result), None)
 
 
-def _faults(dataset: xr.Dataset) -> Iterator[str]:
-    over = dataset["status"].dims if "status" in dataset.variables else ()
-    if not all(dataset.sizes[dim] for dim in over):
+def _faults(result: Outline) -> Iterator[str]:
+    forms = result.forms
+    over = forms["status"].dims if "status" in forms else ()
+    if "status" in forms and 0 in forms["status"].shape:
         yield "there is no case"
-    for dim in over:
-        if dim in dataset.indexes and not dataset.indexes[dim].is_unique:
-            yield f"{dim} has a value twice"
-    texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(dataset)}
-    is_known = all(scene in scene_names() for scene in _scenes(dataset))
-    for name, variable in dataset.variables.items():
-        is_text = all(isinstance(value, str) for value in variable.values.flat)
-        if str(name) in texts:
-            if not is_text:
+    scenes = str(result.attributes.get("scene", "")).split()
+    texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(forms, scenes)}
+    is_known = all(scene in scene_names() for scene in scenes)
+    for name, form in forms.items():
+        if name in texts:
+            if form.kind != TEXT:
                 yield f"{name} is no text"
         # Which parameters of an unknown scene are texts is not known either.
-        elif variable.dtype.kind not in "biuf" and not (
-            is_text and not (is_known and "units" in variable.attrs)
+        elif form.kind not in NUMBERS and (
+            form.kind != TEXT or (is_known and "units" in form.attributes)
         ):
             yield f"{name} is no number"
-        of_cases = tuple(dim for dim in variable.dims if dim in over)
-        if of_cases != tuple(dim for dim in over if dim in of_cases):
-            yield f"{name} has its dims in another order"
-        own = [dim for dim in variable.dims if dim not in over]
-        if any(dim not in dataset.coords for dim in own):
-            yield f"{name} has a dim without a coordinate"
-        role = variable.attrs.get("role")
-        if role is not None and role not in list(Role):
-            yield f"the role of {name} is unknown"
-        if own and role in _OF_EACH_CASE and name not in dataset.dims:
-            yield f"{name} has more than one value a case"
-        yield from _faulty_attributes(dataset, str(name), variable)
+        yield from _faulty_attributes(forms, name)
+        yield from _faulty_dims(forms, name, over)
+    for dim in sorted({dim for form in forms.values() for dim in form.dims if dim in forms}):
+        values = result.values(dim)
+        if values.ndim == 0:
+            yield f"{dim} is a dim and has one value"
+        elif np.unique(values).size < values.size:
+            yield f"{dim} has a value twice"
+    if result.attributes.get("status") == COMPLETED:
+        yield from _faulty_headline(result)
 
 
-def _faulty_attributes(dataset: xr.Dataset, name: str, variable: xr.Variable) -> Iterator[str]:
-    said = variable.attrs
+def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) -> Iterator[str]:
+    form = forms[name]
+    of_cases = tuple(dim for dim in form.dims if dim in over)
+    if of_cases != tuple(dim for dim in over if dim in of_cases):
+        yield f"{name} has its dims in another order"
+    if len(set(form.dims)) < len(form.dims):
+        yield f"{name} has a dim twice"
+    own = [dim for dim in form.dims if dim not in over]
+    if any(dim not in forms for dim in form.dims):
+        yield f"{name} has a dim without a coordinate"
+    if name in form.dims and form.dims != (name,):
+        yield f"{name} is a dim and has others"
+    if own and name not in form.dims and form.attributes.get("role") in _OF_EACH_CASE:
+        yield f"{name} has more than one value a case"
+
+
+def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
+    said = forms[name].attributes
     for key in _TEXTS:
         if not isinstance(said.get(key, ""), str):
             yield f"{key} of {name} is no text"
     limit = said.get("limit", 0.0)
     if not isinstance(limit, int | float | np.number) or not math.isfinite(limit):
         yield f"limit of {name} is no number"
-    if said.get("role") == Role.EXACT and said.get("exact_of") not in dataset.variables:
+    role = said.get("role")
+    if role is not None and not (isinstance(role, str) and role in list(Role)):
+        yield f"the role of {name} is unknown"
+    if role == Role.EXACT and str(said.get("exact_of")) not in forms:
         yield f"{name} is exact of nothing"
+    # Where a number is missing it is not a number, in the file too.
+    is_filled = forms[name].kind in NUMBERS and str(said.get("_FillValue", "nan")) != "nan"
+    if is_filled or any(key in said for key in _ENCODED):
+        yield f"the numbers of {name} stand for others"
 
 
-def _text_parameters(dataset: xr.Dataset) -> Iterator[str]:
+def _faulty_headline(result: Outline) -> Iterator[str]:
+    """A case that has completed has what its scene is run for, unless it is from before roles."""
+    roles = {name: it.attributes.get("role") for name, it in result.forms.items()}
+    headlines = [name for name, role in roles.items() if role == Role.HEADLINE]
+    if any(roles.values()) and not headlines:
+        yield "it has completed without a headline"
+    for name in headlines:
+        is_number = result.forms[name].kind in NUMBERS
+        if not (is_number and np.isfinite(result.values(name)).all()):
+            yield f"{name} is not finite, and yet it has completed"
+
+
+def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[str]:
     """What the parameters that are texts are called in a result."""
-    stored = parameter_names(dataset)
-    for scene in _scenes(dataset):
+    roles = {name: it.attributes.get("role") for name, it in forms.items()}
+    stored = {parameter_of(name): name for name, role in roles.items() if role == Role.PARAMETER}
+    for scene in scenes:
         if scene in scene_names():
             for name, definition in parameters_of(scene_class(scene)).items():
                 if definition.kind is str:
                     yield stored.get(name, name)
-
-
-def _scenes(dataset: xr.Dataset) -> list[str]:
-    return str(dataset.attrs.get("scene", "")).split()

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from harness.cli.command_help import HELP, epilog
 from harness.cli.exit_codes import BAD_INPUT
+from harness.errors import LONGEST_LINE, printable, shortened
 from mpm_warp.execution import THREAD_COUNTS
 
 UNITS = {"K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
@@ -30,7 +31,8 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(allow_abbrev=False, formatter_class=layout, **options)
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+        line = shortened(printable(message), LONGEST_LINE)
+        self.exit(BAD_INPUT, f"{self.prog}: {line}; see {self.prog} --help\n")
 
 
 class _Version(argparse.Action):

@@ -1,10 +1,8 @@
-"""How a command ends: its exit codes, and the signal that ends it before."""
+"""How a command ends: its exit codes, and the signals that end it before."""
 
 from __future__ import annotations
 
-import os
 import signal
-import sys
 from types import FrameType
 from typing import NoReturn
 
@@ -14,23 +12,26 @@ BAD_INPUT = 2
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM has come; ends a run as Ctrl-C does."""
+    """SIGTERM or SIGHUP has come; ends a run as Ctrl-C does.
 
+    Attributes:
+        number: of the signal.
+    """
 
-def complete_streams() -> None:
-    """Let standard streams that the process was started without, as by ``2>&-``, go nowhere."""
-    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
-        pass  # the first three numbers are theirs: no other file may come to have one
-    os.close(number)
-    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
-        if getattr(sys, name) is None:
-            setattr(sys, name, os.fdopen(number, mode, closefd=False))
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
 
 
 def end_at_sigterm() -> None:
-    """From now on SIGTERM ends the command as Ctrl-C does."""
+    """From now on SIGTERM, and SIGHUP of a closed terminal, end the command as Ctrl-C does.
+
+    Where SIGHUP is ignored, as under `nohup`, it still is.
+    """
     signal.signal(signal.SIGTERM, _raise_terminated)
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, _raise_terminated)
 
 
 def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
-    raise Terminated
+    raise Terminated(number)

@@ -10,8 +10,9 @@ import sys
 from collections.abc import Sequence
 
 from harness.cli.arguments import make_parser, options_of
-from harness.cli.exit_codes import BAD_INPUT, Terminated, complete_streams
+from harness.cli.exit_codes import BAD_INPUT, Terminated
 from harness.cli.slips import slip, unrecognised
+from harness.cli.streams import complete_streams, safe_output, safe_remarks, send_nowhere
 from harness.errors import HarnessError, tell
 from mpm_warp.errors import UnknownSceneError
 
@@ -47,31 +48,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         Exit code: 0 done, 1 a case did not complete or a bound is not reached,
-        2 bad input or unusable files, 130 Ctrl-C, 141 the reader of its output has gone,
-        143 SIGTERM.
+        2 bad input or unusable files, 129 SIGHUP, 130 Ctrl-C, 141 the reader of its output has
+        gone, 143 SIGTERM.
     """
     complete_streams()
     parser = make_parser()
     if "_ARGCOMPLETE" in os.environ:
         importlib.import_module("harness.cli.completion").complete(parser)
     given = sys.argv[1:] if arguments is None else list(arguments)
+    with safe_remarks():
+        return _exit_code(parser, given)
+
+
+def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
+    """Run one command, and say in one line why it cannot be done."""
     try:
-        options = _parsed(parser, given)
-        # Imported only now: help is at once, and what a command does not need is not loaded.
-        module, function = COMMANDS[options.command].split(".")
-        command = getattr(importlib.import_module(f"harness.cli.{module}"), function)
-        code: int = command(options)
+        with safe_output():
+            options = _parsed(parser, given)
+            # Imported only now: help is at once, and what a command does not need is not loaded.
+            module, function = COMMANDS[options.command].split(".")
+            command = getattr(importlib.import_module(f"harness.cli.{module}"), function)
+            code: int = command(options)
     except BrokenPipeError:
         # The reader of the output has gone, as in `harness run ... | head`: no message is needed.
-        null = os.open(os.devnull, os.O_WRONLY)
         for stream in (sys.stdout, sys.stderr):
-            os.dup2(null, stream.fileno())
+            send_nowhere(stream)
         return 128 + signal.SIGPIPE
     except (HarnessError, UnknownSceneError, OSError) as error:
         tell(str(error))
         return BAD_INPUT
-    except Terminated:
-        return 128 + signal.SIGTERM
+    except Terminated as end:
+        return 128 + end.number
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
     return code

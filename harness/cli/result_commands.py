@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from harness.archive.atomic_files import prepare
-from harness.archive.study_files import read_study
+from harness.archive.study_files import read_study, working_on
 from harness.cli.exit_codes import DONE, INCOMPLETE
 from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.differences import difference_rows, differences, unshared
@@ -27,13 +27,16 @@ def compare(options: argparse.Namespace) -> int:
         raise HarnessError("--tolerance: is for two results; give OTHER, or put it into the study")
     dataset = read_study(options.file)
     if options.other is not None:
-        return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
-    try:
-        print(result_table(dataset))
-    except NothingToCompareError as error:
-        if not has_tolerances(dataset):
-            raise HarnessError(f"{options.file}: {error}") from None
-    return list_misses(dataset)
+        other = read_study(options.other)
+        with working_on(options.file):
+            return _compare_two(dataset, other, options.tolerance or 0.0)
+    with working_on(options.file):
+        try:
+            print(result_table(dataset))
+        except NothingToCompareError as error:
+            if not has_tolerances(dataset):
+                raise HarnessError(f"{options.file}: {error}") from None
+        return list_misses(dataset)
 
 
 def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
@@ -72,8 +75,9 @@ def plot(options: argparse.Namespace) -> int:
     folder = options.out or options.file.parent
     prepare(folder)
     try:
-        pictures = draw(dataset, folder, options.format)
-    except NothingToDrawError as error:
+        with working_on(options.file):
+            pictures = draw(dataset, folder, options.format)
+    except (NothingToCompareError, NothingToDrawError) as error:
         raise HarnessError(f"{options.file}: {error}") from None
     print(*pictures, sep="\n")
     return DONE
@@ -82,7 +86,9 @@ def plot(options: argparse.Namespace) -> int:
 def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
     check_replaceable(options.out)  # before all is drawn
-    write_report([read_study(file) for file in options.file], options.out)
+    datasets = [read_study(file) for file in options.file]
+    with working_on(*options.file):
+        write_report(datasets, options.out)
     print(options.out)
     return DONE
 

@@ -13,7 +13,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, over_cases, parameter_names, varied_names
 from harness.archive.netcdf_files import read_attributes
-from harness.archive.study_files import read_study
+from harness.archive.study_files import read_study, working_on
 from harness.compare.finest_error import FLOOR, error_name
 from harness.errors import HarnessError
 from mpm_warp.parameters import Value, parameters_of
@@ -66,9 +66,13 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     known = scene_class(scene)
     # What refines an exact solution is a parameter of the method too.
     method = list(dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)]))
-    results = {file: _of_scene(scene, read_study(file)) for file in files if _has(file, scene)}
+    results = {file: read_study(file) for file in files if _has(file, scene)}
     kinds = {name: parameters_of(known)[name].kind for name in method}
-    found = [it for file, dataset in results.items() for it in _measured(kinds, dataset, file)]
+    found = list[Recommendation]()
+    for file, dataset in results.items():
+        with working_on(file):
+            results[file] = _of_scene(scene, dataset)
+            found += _measured(kinds, results[file], file)
     if not found:
         raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
     good = [it for it in found if it.error <= largest_error]

@@ -9,6 +9,7 @@ from tqdm import tqdm
 
 from harness.archive.case_files import Outcome
 from harness.archive.conventions import COMPLETED
+from harness.errors import LONGEST_LINE, printable, shortened
 from harness.study.cases import Case
 from harness.terminal import coloured
 
@@ -53,8 +54,11 @@ class Display(AbstractContextManager["Display"]):
         self.done += 1
         self.running.pop(case.key, None)
         status = coloured(outcome.status, is_good=outcome.status == COMPLETED, stream=self.stream)
-        told = ", ".join(filter(None, (status, outcome.headline, outcome.message)))
-        line = f"[{self.done}/{self.total}] {case.label}: {told}, {_times(outcome)}"
+        label, message = (
+            shortened(printable(text), LONGEST_LINE) for text in (case.label, outcome.message)
+        )
+        told = ", ".join(filter(None, (status, outcome.headline, message)))
+        line = f"[{self.done}/{self.total}] {label}: {told}, {_times(outcome)}"
         self._update()
         tqdm.write(line, file=self.stream)
         self.stream.flush()

@@ -144,7 +144,7 @@ def serve(
     The parent sends tuples of cases, which are run together, and numbers of threads, which hold
     from then on, also while cases run. The worker sends pairs: the number of a case in its tuple,
     and None when the cases are taken on, the fraction done (0 when the computation begins) or, at
-    the end, the :class:`Outcome`. To be called first in a fresh process, because it sets how the
+    the end, the :class:`Outcome`. To be called once in a fresh process, because it sets how the
     process reacts to signals.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
@@ -186,8 +186,11 @@ def _half_width(dataset: xr.Dataset) -> float:
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:
-    """Why a dataset is no result, where the scalar that its scene is run for is not finite."""
-    for name in _headlines(dataset):
+    """Why a dataset is no result: what its scene is run for is missing or no finite number."""
+    names = _headlines(dataset)
+    if not names:
+        return "the scene gives no headline, the scalar that it is run for"
+    for name in names:
         if not np.isfinite(dataset[name].item()):
             return (
                 f"{spoken(name)} is not a finite number: the run was too short for it, or the "

@@ -16,8 +16,8 @@ import xarray as xr
 from harness.archive.atomic_files import discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
+from harness.run.lifeline import serve_while_parent_lives
 from harness.run.measuring import case_time
-from harness.run.worker import serve
 from harness.study.cases import Case
 
 GRACE = 2.0
@@ -46,7 +46,9 @@ class WorkerProcess:
         self.threads = 1
         self.connection, theirs = _PROCESSES.Pipe()
         self.process = _PROCESSES.Process(
-            target=serve, args=(theirs, folder, device, repeats, memory_limit), daemon=True
+            target=serve_while_parent_lives,
+            args=(theirs, folder, device, repeats, memory_limit),
+            daemon=True,
         )
         # The worker inherits this before its libraries load; those of this process have.
         os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
@@ -144,7 +146,7 @@ def end_all(workers: Sequence[WorkerProcess]) -> None:
 
 @contextlib.contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM wait until the block is over.
+    """Let Ctrl-C, SIGTERM and SIGHUP wait until the block is over.
 
     Python's handlers are replaced, because any thread may receive a signal of the process, also a
     thread of a numerical library. SIGINT is blocked as well, and a worker inherits that.
@@ -152,7 +154,9 @@ def _interrupts_held() -> Iterator[None]:
     came: list[int] = []
     handlers = {
         number: signal.signal(number, lambda number, frame: came.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        # A worker inherits what is ignored, as SIGHUP under `nohup`, and nothing else.
+        if signal.getsignal(number) is not signal.SIG_IGN
     }
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

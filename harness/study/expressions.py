@@ -12,7 +12,7 @@ import math
 import operator
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mpm_warp.parameters import Value, nearest_name
 
@@ -62,10 +62,12 @@ class Expression:
     Attributes:
         text: as it was written.
         names: parameters that it needs.
+        tree: its syntax, read once however many cases it is worked out for.
     """
 
     text: str
     names: frozenset[str]
+    tree: ast.expr = field(compare=False, repr=False)
 
     @classmethod
     def parsed(cls, text: object) -> Expression:
@@ -84,7 +86,7 @@ class Expression:
         _check(tree)
         called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
         names = (n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called)
-        return cls(text, frozenset(name.id for name in names))
+        return cls(text, frozenset(name.id for name in names), tree)
 
     def value(self, parameters: Mapping[str, Value | None]) -> Value:
         """Work it out.
@@ -93,7 +95,7 @@ class Expression:
             ExpressionError: it has no finite value for these parameters.
         """
         try:
-            value = _value(_tree(self.text), parameters)
+            value = _value(self.tree, parameters)
         except (ArithmeticError, ValueError, TypeError) as error:
             raise ExpressionError(f"{self.text!r} has no value: {error}") from None
         if isinstance(value, float) and not math.isfinite(value):

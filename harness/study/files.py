@@ -18,6 +18,12 @@ LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
 LONGEST_LINEAGE = 8
 """Studies that may stand one on the other by ``base``."""
+MOST_PARTS = 20
+"""Parts of a dotted key; those of a study have five at most."""
+# Without going back (++, *+): a megabyte of anything is searched at once.
+LONG_KEY = re.compile(
+    rf"(?<![\w-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_PARTS}}}"
+)
 ASSIGNING = ("fixed", "vary", "derived")
 """Tables that say what a parameter is; what a study says takes the place of what its base says."""
 
@@ -77,7 +83,10 @@ def read_toml(path: Path) -> dict[str, Any]:
     if size > LARGEST_FILE:
         raise StudyError(f"{path}: has {size} bytes; a study has at most {LARGEST_FILE}")
     try:
-        return tomllib.loads(content.decode())
+        text = content.decode()
+        if LONG_KEY.search(text):  # the time that it takes grows with the square of its parts
+            raise StudyError(f"{path}: a key has more than {MOST_PARTS} parts with dots between")
+        return tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
     except RecursionError:

@@ -23,6 +23,8 @@ from mpm_warp.scenes import CatalogueScene
 
 LARGEST_STUDY = 100_000
 """Cases that a study may have; more than that is a slip in a list."""
+MOST_EXCLUSIONS = 100
+"""Conditions of a study, each of which is worked out for every case."""
 
 Scene = type[CatalogueScene]
 
@@ -117,10 +119,7 @@ def read_part(
             {key: value for key, value in case.items() if key not in settings} for case in listed
         ),
         derived=derived,
-        excluded=tuple(
-            _expression(known, f"{table.where} exclude = {shown(text)}", text, [])
-            for text in table.list("exclude")
-        ),
+        excluded=_excluded(known, table),
     )
 
 
@@ -177,6 +176,18 @@ def _derived(table: Assignments) -> dict[str, Expression]:
         later = [name for name in table.values if name not in derived]
         derived[key] = _expression(table.known, table.place(key), value, later)
     return derived
+
+
+def _excluded(known: Mapping[str, Parameter], table: Table) -> tuple[Expression, ...]:
+    texts = table.list("exclude")
+    if len(texts) > MOST_EXCLUSIONS:
+        raise StudyError(
+            f"{table.where} exclude: has {len(texts)} conditions; a study has at most "
+            f"{MOST_EXCLUSIONS}; join them by `or`"
+        )
+    return tuple(
+        _expression(known, f"{table.where} exclude = {shown(text)}", text, []) for text in texts
+    )
 
 
 def _expression(

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.errors import HarnessError
+from harness.errors import HarnessError, printable, shortened
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, nearest_parameter
 
@@ -21,10 +22,7 @@ class StudyError(HarnessError):
     """A study file is wrong; the message is one printable line of bounded length."""
 
     def __init__(self, message: str) -> None:
-        line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message[:10_000])
-        half = LONGEST_MESSAGE // 2
-        # The end names the remedy, so what is cut from a long message is its middle.
-        super().__init__(line if len(line) <= 2 * half else f"{line[:half]} ... {line[-half:]}")
+        super().__init__(shortened(printable(message), LONGEST_MESSAGE))
 
 
 class Table:
@@ -140,7 +138,7 @@ class Assignments(Table):
             raise self.refuse(key, f"must be a list of one value or more, or a range{remedy}")
         checked = tuple(self._checked(key, value) for value in values)
         if len(set(checked)) < len(checked):
-            twice = next(value for value in checked if checked.count(value) > 1)
+            (twice, _), *_ = Counter(checked).most_common(1)
             raise self.refuse(key, f"{twice!r} is there twice")
         return checked
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mpm_warp.execution.execution import Execution
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import kernels_kept
 
 
 class DeviceRun:
@@ -36,7 +37,8 @@ class DeviceRun:
         self._host = wp.get_device("cpu")
         self._seen: dict[str, tuple[Any, NDArray[Any]]] = {}
         start = time.perf_counter()
-        self._steps = execution.steps(plan, self.arrays)
+        with kernels_kept():
+            self._steps = execution.steps(plan, self.arrays)
         self.compile_time = time.perf_counter() - start
 
     def array(self, name: str) -> NDArray[Any]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mpm_warp.grid.fitted import Grid
 
 BODY_CELL_BYTES, BODY_PARTICLE_BYTES = 80.0, 450.0
 """Memory of cells and material points of bodies [byte], from peaks of up to 380,000 and 55,000."""
@@ -39,3 +43,33 @@ class RunSize:
     def particle_updates(self) -> float:
         """Material points times steps."""
         return self.particle_count * self.step_count
+
+
+def size_in_grid(
+    grid: Grid, *, particles_per_cell: int, spare_fraction: float = 0.0, step_count: float
+) -> RunSize:
+    """The size of a run of soil in a grid, every cell of which may hold soil.
+
+    Args:
+        grid: the grid.
+        particles_per_cell: material points seeded in a cell.
+        spare_fraction: slots for points that enter, over those that are there at the start.
+        step_count: steps to the end of the run.
+    """
+    return RunSize(
+        cell_count=grid.cell_count,
+        particle_count=round(grid.cell_count * particles_per_cell * (1.0 + spare_fraction)),
+        step_count=step_count,
+    )
+
+
+def shortest_crossing(grid: Grid) -> float:
+    """Length that a wave crosses in the critical time step [m].
+
+    It is that of the cells at the inner surface, which are the narrowest and the most oblique of
+    their rows; the others need not be built.
+    """
+    if grid.column_count == 1:
+        return float(grid.cell_lengths.min())
+    inner = replace(grid, columns=np.array([0.0, grid.columns[1], 1.0]))
+    return float(inner.cell_lengths[::2].min())

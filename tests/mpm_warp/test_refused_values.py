@@ -1,8 +1,8 @@
-"""Values that the library refuses where they are given, in one line that names the argument.
+"""Values of a scene in a grid that the library refuses, in one line that names the argument.
 
 Kernels on a processor do not check the bounds of arrays: what is not refused here would end the
 process. So every misuse goes as far as steps are taken, and all of them are tried in a process of
-their own first: ``python tests/mpm_warp/test_misuse.py`` tells which one ends it.
+their own first: ``python tests/mpm_warp/test_refused_values.py`` tells which one ends it.
 """
 
 from __future__ import annotations
@@ -15,11 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.body import Body
-from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.grid import UniformGrid
-from mpm_warp.bodies.loads import Load
-from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid, GroundGrid, graded
 from mpm_warp.grid.polar import PolarGrid
@@ -69,15 +64,6 @@ SCENE: Values = {
     "particles_per_side": 2,
     "time_step_fraction": 0.5,
 }
-LOAD: Values = {"forces": np.ones((4, 2)), "start": 0.0, "rise_time": 1e-3}
-BODY: Values = {
-    "position": np.array([[2.0, 2.0], [3.0, 2.0], [2.0, 3.0], [3.0, 3.0]]),
-    "volume": ONES,
-    "spacing": 1.0,
-    "material": LinearElastic(**ELASTIC),
-}
-CELLS: Values = {"lower": (0.0, 0.0), "cell_size": 1.0, "cell_counts": (8, 8)}
-BODIES: Values = {"grid": UniformGrid(**CELLS), "bodies": (Body(**BODY),)}
 PATHS: Values = {
     "material": Tresca(**CLAY),
     "gradient": np.zeros((3, 5)),
@@ -184,7 +170,7 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
         Scene,
         SCENE,
         {
-            "grid": [None, UniformGrid(**CELLS)],
+            "grid": [None, GRID],
             "material": [None, "tresca"],
             "particles_per_side": [0, -2, 2.0, 1.5, True, NAN],
             "time_step_fraction": [0.0, INF],
@@ -194,44 +180,6 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             "contact": [FarField(**FAR)],
             "window": [1.0],
             "free_surface": ["no"],
-        },
-    ),
-    (
-        Body,
-        BODY,
-        {
-            "position": [BODY["position"][:3], np.full((4, 2), NAN)],
-            "volume": [*MISFITS[1:], np.ones(0)],
-            "spacing": [0.0, NAN],
-            "material": [Tresca(**CLAY)],
-            "held": [ONES, np.ones(3, dtype=bool)],
-            "retardation_time": [0.0, NAN],
-            "loads": [(Load(**LOAD | {"forces": np.ones((3, 2))}),), Load(**LOAD)],
-        },
-    ),
-    (Load, LOAD, {"forces": [ONES], "start": [-1.0, NAN], "rise_time": [0.0, INF]}),
-    (
-        BodyContact,
-        {"body": 0, "base": 1},
-        {"body": [-1, 0.5], "base": [1.0], "friction": [-1.0, NAN], "adhesion": [INF]},
-    ),
-    (
-        UniformGrid,
-        CELLS,
-        {
-            "lower": [(NAN, 0.0), (0.0, INF), (0.0, 0.0, 0.0)],
-            "cell_size": NUMBERS,
-            "cell_counts": [(8, 2), (8.0, 8), 8],
-        },
-    ),
-    (
-        BodyScene,
-        BODIES,
-        {
-            "grid": [Grid(**GRID)],
-            "bodies": [(), [Body(**BODY)], ("one",)],
-            "time_step_fraction": [NAN, 0.0],
-            "contacts": [(BodyContact(body=0, base=7),)],
         },
     ),
     (
@@ -259,7 +207,7 @@ Misuse = tuple[Callable[[], object], str]
 
 def run(made: object) -> None:
     """Go on with what should have been refused as a user would."""
-    if isinstance(made, (Scene, BodyScene, StrainPaths)):
+    if isinstance(made, (Scene, StrainPaths)):
         Simulation(made).advance(3)
 
 

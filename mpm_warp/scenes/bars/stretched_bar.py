@@ -19,6 +19,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
@@ -32,6 +33,7 @@ SLOWNESS = 6.0
 DURATION = 2.0
 """Duration over retardation time."""
 SAMPLE_COUNT = 100
+TIME_STEP_FRACTION = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +99,25 @@ class StretchedBar(CatalogueScene):
         stretch: Floats = self.stretch ** (growth(time) / growth(self.duration))
         return stretch
 
+    @property
+    def _half_count(self) -> int:
+        """Cells of the grid from the middle of the bar to beyond its end."""
+        return math.ceil(0.5 * self.stretch * self.cell_count) + 2
+
+    def run_size(self) -> RunSize:
+        """Cells along the bar as it is drawn out, its points, and steps as they are at the end."""
+        wave_speed = math.sqrt(YOUNGS_MODULUS * self.stretch / DENSITY)
+        crossing = self.cell_size / wave_speed
+        damping_ratio = self.retardation_time / crossing
+        time_step = TIME_STEP_FRACTION * crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
+        return RunSize(
+            cell_count=12 * self._half_count,
+            particle_count=POINTS_PER_CELL * len(self.lattice),
+            step_count=self.duration / time_step,
+            bytes_per_cell=BODY_CELL_BYTES,
+            bytes_per_particle=BODY_PARTICLE_BYTES,
+        )
+
     def build(self) -> BodyScene:
         """The bar is the only body."""
         cell = self.cell_size
@@ -116,11 +137,11 @@ class StretchedBar(CatalogueScene):
             retardation_time=self.retardation_time,
             loads=(Load(forces=forces, start=0.0, rise_time=self.duration),),
         )
-        half = math.ceil(0.5 * self.stretch * self.cell_count) + 2
+        half = self._half_count
         grid = UniformGrid(
             lower=(-half * cell, -3.0 * cell), cell_size=cell, cell_counts=(2 * half, 6)
         )
-        return BodyScene(grid=grid, bodies=(bar,), time_step_fraction=0.8)
+        return BodyScene(grid=grid, bodies=(bar,), time_step_fraction=TIME_STEP_FRACTION)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Draw the bar out."""

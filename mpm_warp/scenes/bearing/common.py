@@ -20,6 +20,7 @@ from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.limit_load import PLATEAU_CHANGE, PLATEAU_SHARE, LoadSampler
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -30,6 +31,7 @@ POISSONS_RATIO = 0.45
 NO_PARTING = 100.0 * STRENGTH
 """In-situ stress above any that the soil can pull with: the body and the soil do not part."""
 SAMPLE_COUNT = 60
+TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +111,13 @@ class Bearing(CatalogueScene):
         radial[:, -1] = True
         return Fixed.where(radial=radial, vertical=vertical)
 
+    def run_size(self) -> RunSize:
+        """Cells of the ground, and the steps to the end of the displacement."""
+        grid = self.grid()
+        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.material.pressure_wave_speed
+        travel = self.displacement / self.rigidity_index * RADIUS
+        return size_in_grid(grid, particles_per_cell=4, step_count=travel / self.speed / time_step)
+
     def build(self) -> Scene:
         """The ground, and its contact with the body."""
         grid = self.grid()
@@ -116,7 +125,7 @@ class Bearing(CatalogueScene):
             grid=grid,
             material=self.material,
             particles_per_side=2,
-            time_step_fraction=0.85,
+            time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             fixed=self.fixed(grid),
             contact=self.contact(grid),

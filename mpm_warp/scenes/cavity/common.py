@@ -22,6 +22,7 @@ from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
 
@@ -29,6 +30,7 @@ RADIUS = 1.0
 STRENGTH = 1e3
 DENSITY = 1700.0
 SAMPLE_COUNT = 150
+TIME_STEP_FRACTION = 0.85
 LARGEST_PORE_PRESSURE_ERROR = 0.02
 """Of the profile of excess pore pressure in verifications, over that at the wall."""
 
@@ -111,26 +113,49 @@ class Cavity(CatalogueScene):
         columns: Floats = graded(self.cell_size, span, 1.0 + 0.5 * self.cell_size / RADIUS)
         return columns / span
 
-    def build(self) -> Scene:
-        """The soil around the cavity, and the wall that moves."""
-        grid = self.grid()
-        material = CRITERIA[self.material](
+    @property
+    def clay(self) -> Material:
+        """The soil."""
+        return CRITERIA[self.material](
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=self.poissons_ratio,
             density=DENSITY,
             strength=STRENGTH,
         )
+
+    @property
+    def wall(self) -> MovingWall:
+        """The wall."""
         speed = self.speed_ratio * math.sqrt(STRENGTH / DENSITY)
+        return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
+
+    def duration(self, wall: MovingWall) -> float:
+        """Time in which the wall gets to the final radius [s]."""
+        return ((self.expansion - 1.0) * RADIUS + wall.ramp_travel) / wall.speed
+
+    def run_size(self) -> RunSize:
+        """Cells around the cavity; the steps are those with the first time step."""
+        grid = self.grid()
+        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.clay.pressure_wave_speed
+        return size_in_grid(
+            grid,
+            particles_per_cell=self.particles_per_cell,
+            step_count=self.duration(self.wall) / time_step,
+        )
+
+    def build(self) -> Scene:
+        """The soil around the cavity, and the wall that moves."""
+        grid, material = self.grid(), self.clay
         return Scene(
             grid=grid,
             material=material,
             particles_per_side=math.isqrt(self.particles_per_cell),
-            time_step_fraction=0.85,
+            time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             stress_at_rest=self.stress_at_rest,
             fixed=self.fixed(grid),
             far_field=self.far_field(grid, material),
-            moving_wall=MovingWall(speed=speed, ramp_travel=0.3 * RADIUS),
+            moving_wall=self.wall,
         )
 
     @property
@@ -179,7 +204,7 @@ class Cavity(CatalogueScene):
         """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
         wall = soil_scene(simulation).moving_wall
         assert wall is not None
-        duration = ((self.expansion - 1.0) * RADIUS + wall.ramp_travel) / wall.speed
+        duration = self.duration(wall)
         curve = _PressureCurve(self, simulation)
         moments = [duration * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)

@@ -39,7 +39,7 @@ from mpm_warp.scenes.cone.window import (
     unsteady_penetration,
     window_of_test,
 )
-from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
 VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
@@ -47,8 +47,6 @@ VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
 the middle of the volume that it puts into the ground."""
-CROSSING = 0.65
-"""Length that a wave crosses in the critical time step over the width of a cell, about."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,16 +163,21 @@ class ConePenetration(ConeTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and about the steps to the end."""
-        cell_count, window = self._grid.cell_count, self._window
-        time_step = (
-            self.time_step_fraction * CROSSING * self._cell_size / self._clay.pressure_wave_speed
+        """Cells and material points of the grid, and the steps to the greatest penetration."""
+        grid, window, size = self._grid, self._window, self._cell_size
+        # Above and below the cone all cells at the surface are alike: one row of them will do.
+        around_cone = self._penetrometer.fitted_grid(
+            rows_on_face=self._penetrometer.rows_on_face(size),
+            columns=grid.columns * (grid.outer_radius - self.cone_radius),
+            depth_below=size,
+            height_above=size,
         )
-        return RunSize(
-            cell_count=cell_count,
-            particle_count=round(
-                cell_count * self.particles_per_cell * (1 + window.spare_fraction)
-            ),
+        speed = self._clay.pressure_wave_speed + window.first_speed
+        time_step = self.time_step_fraction * shortest_crossing(around_cone) / speed
+        return size_in_grid(
+            grid,
+            particles_per_cell=self.particles_per_cell,
+            spare_fraction=window.spare_fraction,
             step_count=self._time_to_the_end / time_step,
         )
 

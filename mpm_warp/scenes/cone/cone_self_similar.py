@@ -19,6 +19,7 @@ from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -30,6 +31,7 @@ FINAL_DEPTH = 0.6
 FITTED_FROM = 0.3
 """Share of the final depth from which the exponent is fitted: before, the cone is in few cells."""
 SAMPLE_COUNT = 60
+TIME_STEP_FRACTION = 0.7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,23 +69,16 @@ class ConeSelfSimilar(CatalogueScene):
 
     def build(self) -> Scene:
         """The ground and its surface; the contact is a `PenetrometerContact`."""
-        material = Tresca(
-            shear_modulus=self.rigidity_index * STRENGTH,
-            poissons_ratio=POISSONS_RATIO,
-            density=DENSITY,
-            strength=STRENGTH,
-        )
         grid = self._grid()
         radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         radial[0] = radial[:, -1] = True
         vertical = radial.copy()
         radial[grid.surface_radius == 0.0, 0] = True
-        speed = self.speed_ratio * material.shear_wave_speed
         return Scene(
             grid=grid,
-            material=material,
+            material=self._material,
             particles_per_side=2,
-            time_step_fraction=0.7,
+            time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             fixed=Fixed.where(radial=radial, vertical=vertical),
             contact=PenetrometerContact.of(
@@ -92,10 +87,37 @@ class ConeSelfSimilar(CatalogueScene):
                 face_adhesion=self.adhesion_factor * STRENGTH,
                 in_situ_stress=0.0,
             ),
-            # Soil enters below, and none leaves above.
-            window=Window(speed=speed, ramp_travel=0.1 * RADIUS, spare_fraction=1.0),
+            window=self._window,
             free_surface=True,
         )
+
+    def run_size(self) -> RunSize:
+        """Cells of the grid, those above the ground too, and the steps to the final depth."""
+        material, window = self._material, self._window
+        speed = material.pressure_wave_speed + window.first_speed
+        grid = self._grid()
+        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / speed
+        return size_in_grid(
+            grid,
+            particles_per_cell=4,
+            spare_fraction=window.spare_fraction,
+            step_count=window.time_to(self._final_depth) / time_step,
+        )
+
+    @property
+    def _material(self) -> Tresca:
+        return Tresca(
+            shear_modulus=self.rigidity_index * STRENGTH,
+            poissons_ratio=POISSONS_RATIO,
+            density=DENSITY,
+            strength=STRENGTH,
+        )
+
+    @property
+    def _window(self) -> Window:
+        """Soil enters below, and none leaves above."""
+        speed = self.speed_ratio * self._material.shear_wave_speed
+        return Window(speed=speed, ramp_travel=0.1 * RADIUS, spare_fraction=1.0)
 
     @property
     def _penetrometer(self) -> Penetrometer:

@@ -18,6 +18,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.waves.column import Column
 from mpm_warp.simulation import Simulation
 
@@ -26,6 +27,7 @@ GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
+TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,22 +54,33 @@ class GravityColumn(CatalogueScene):
         1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
     )
 
-    def build(self) -> Scene:
-        """The column, its weight, and the damping that brings it to rest."""
+    @property
+    def material(self) -> LinearElastic:
+        """The soil."""
         constrained_modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
         nu = self.poissons_ratio
-        material = LinearElastic(
+        return LinearElastic(
             shear_modulus=constrained_modulus * (1 - 2 * nu) / (2 * (1 - nu)),
             poissons_ratio=nu,
             density=DENSITY,
         )
+
+    def run_size(self) -> RunSize:
+        """Cells of the column, and the steps until it is at rest."""
+        grid = self._column.grid
+        crossings = PERIODS * 4 * HEIGHT / shortest_crossing(grid)
+        return size_in_grid(grid, particles_per_cell=4, step_count=crossings / TIME_STEP_FRACTION)
+
+    def build(self) -> Scene:
+        """The column, its weight, and the damping that brings it to rest."""
+        material = self.material
         # Twice the angular frequency of the first mode, pi c / 2 H.
         damping = math.pi * material.pressure_wave_speed / HEIGHT
         return Scene(
             grid=self._column.grid,
             material=material,
             particles_per_side=2,
-            time_step_fraction=0.85,
+            time_step_fraction=TIME_STEP_FRACTION,
             forces=(Gravity(GRAVITY), Damping(damping)),
             fixed=self._column.fixed,
         )

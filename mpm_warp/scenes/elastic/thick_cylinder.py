@@ -20,6 +20,7 @@ from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
 INNER_RADIUS = 1.0
@@ -29,6 +30,7 @@ STRAIN = 1e-5
 """Displacement of the wall over its radius, of an infinite body."""
 REST_TIME = 60.0
 """Time to come to rest, in inner radii over the shear wave speed."""
+TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,19 +78,34 @@ class ThickCylinder(CatalogueScene):
         """Pressure on the inner wall [Pa]."""
         return 2 * SHEAR_MODULUS * STRAIN
 
-    def build(self) -> Scene:
-        """The ring under pressure, damped until it is at rest."""
-        grid = self._grid()
-        material = LinearElastic(
+    @property
+    def material(self) -> LinearElastic:
+        """The ring's material."""
+        return LinearElastic(
             shear_modulus=SHEAR_MODULUS, poissons_ratio=self.poissons_ratio, density=DENSITY
         )
+
+    @property
+    def rest_time(self) -> float:
+        """Time to come to rest [s]."""
+        return REST_TIME * self.radius_ratio / self.material.shear_wave_speed
+
+    def run_size(self) -> RunSize:
+        """Cells of the ring, and the steps until it is at rest."""
+        grid = self._grid()
+        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.material.pressure_wave_speed
+        return size_in_grid(grid, particles_per_cell=4, step_count=self.rest_time / time_step)
+
+    def build(self) -> Scene:
+        """The ring under pressure, damped until it is at rest."""
+        grid, material = self._grid(), self.material
         # Of the order of the lowest frequency, shear wave speed over mean radius.
         damping = 2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius))
         return Scene(
             grid=grid,
             material=material,
             particles_per_side=2,
-            time_step_fraction=0.85,
+            time_step_fraction=TIME_STEP_FRACTION,
             forces=(self._load(grid), Damping(damping)),
             fixed=self._fixed(grid),
         )
@@ -132,8 +149,7 @@ class ThickCylinder(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the ring come to rest, and hold stresses and displacement against the exact ones."""
         position = simulation.array("particle.position").copy()
-        rest_time = REST_TIME * self.radius_ratio / soil_scene(simulation).material.shear_wave_speed
-        step_count = round(rest_time / simulation.plan.time_step)
+        step_count = round(self.rest_time / simulation.plan.time_step)
         steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         return recorded.merge(self._at_rest(simulation, position))

@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
+import scipy  # loads what finds roots where it is first used: no other scene waits for it
 import xarray as xr
-from scipy.optimize import brentq
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
@@ -54,7 +54,7 @@ class Shock:
         def excess(shortening: float) -> float:
             return -shortening * math.log1p(-shortening) - square
 
-        return float(brentq(excess, 0.0, 1.0 - 1e-12))
+        return float(scipy.optimize.brentq(excess, 0.0, 1.0 - 1e-12))
 
     @property
     def front_speed(self) -> float:
@@ -119,6 +119,11 @@ class Impact(CatalogueScene):
         """The exact solution."""
         speed = self.speed_ratio * self.wave_speed
         return Shock(modulus=self.modulus, density=self.density, speed=speed)
+
+    @property
+    def duration(self) -> float:
+        """Time until the shock has passed the bar, up to a section's height [s]."""
+        return TRAVEL * LENGTH / self.shock.front_speed
 
     @abstractmethod
     def sections(self, simulation: Simulation) -> Sections:

@@ -13,6 +13,7 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.scenes.impact.impact import LENGTH, Impact, Sections
+from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
 from mpm_warp.simulation import Simulation
 
 DAMPING = 0.5
@@ -31,6 +32,17 @@ class StruckBar(Impact):
     version: ClassVar[int] = 2
     modulus: ClassVar[float] = 2e6
     density: ClassVar[float] = 1000.0
+
+    def run_size(self) -> RunSize:
+        """Cells around bar and wall, their points, and the steps until the shock has passed."""
+        crossings = self.duration * self.wave_speed / self.cell_size
+        return RunSize(
+            cell_count=10 * (self.cell_count + 10),
+            particle_count=POINTS_PER_CELL**2 * (self.cell_count + 15),
+            step_count=crossings / TIME_STEP_FRACTION,
+            bytes_per_cell=BODY_CELL_BYTES,
+            bytes_per_particle=BODY_PARTICLE_BYTES,
+        )
 
     def build(self) -> BodyScene:
         """The bar is body 0, the wall body 1."""

@@ -9,6 +9,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.impact.impact import LENGTH, Impact, Sections
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.waves.column import Column
 from mpm_warp.simulation import Simulation
 
@@ -31,6 +32,12 @@ class StruckColumn(Impact):
     def column(self) -> Column:
         """The column before the impact."""
         return Column(height=LENGTH, cell_count=self.cell_count)
+
+    def run_size(self) -> RunSize:
+        """Cells of the column, and about the steps until the shock has passed it."""
+        grid = self.column.grid
+        crossings = self.duration * self.wave_speed / shortest_crossing(grid)
+        return size_in_grid(grid, particles_per_cell=4, step_count=crossings / TIME_STEP_FRACTION)
 
     def build(self) -> Scene:
         """Soil in the column, which can move along its height alone."""

@@ -16,6 +16,7 @@ from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
 RANDOM_PATHS = 200
@@ -123,6 +124,14 @@ class MaterialPoint(CatalogueScene):
                 ("turn by 360 degrees", (0, -full, full, 0, 0), stress, stress),
                 ("simple shear to strain 10", (0, SHEAR_STRAIN, 0, 0, 0), rest, shear),
             )
+        )
+
+    def run_size(self) -> RunSize:
+        """A point on each path."""
+        return RunSize(
+            cell_count=0,
+            particle_count=len(self.paths()) + RANDOM_PATHS,
+            step_count=self.step_count,
         )
 
     def build(self) -> StrainPaths:

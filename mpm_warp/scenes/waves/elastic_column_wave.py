@@ -14,6 +14,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.waves.column import Column
 from mpm_warp.scenes.waves.curves import (
     CONSTRAINED_MODULUS,
@@ -21,6 +22,7 @@ from mpm_warp.scenes.waves.curves import (
     HEIGHT,
     PERIOD,
     PRESSURE,
+    WAVE_SPEED,
     Front,
     StandingWave,
     front_error,
@@ -31,6 +33,7 @@ from mpm_warp.scenes.waves.transfer import wave_factor
 from mpm_warp.simulation import Simulation
 
 POISSONS_RATIO = 0.3
+TIME_STEP_FRACTION = 0.85
 MOST_SAMPLED_PERIODS = 10
 """Periods of which curves are kept, the first and the last among them."""
 
@@ -89,6 +92,13 @@ class ElasticColumnWave(CatalogueScene):
         10, unit="1", meaning="periods of the standing wave", minimum=2, maximum=1_000_000
     )
 
+    def run_size(self) -> RunSize:
+        """Cells of the column, and the steps of all periods."""
+        grid = self._column.grid
+        period_count = 1 if self.excitation == "sudden_load" else self.period_count
+        crossings = period_count * PERIOD * WAVE_SPEED / shortest_crossing(grid)
+        return size_in_grid(grid, particles_per_cell=4, step_count=crossings / TIME_STEP_FRACTION)
+
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""
         nu = POISSONS_RATIO
@@ -101,7 +111,7 @@ class ElasticColumnWave(CatalogueScene):
                 density=DENSITY,
             ),
             particles_per_side=2,
-            time_step_fraction=0.85,
+            time_step_fraction=TIME_STEP_FRACTION,
             forces=(self._column.pressure_on_top(PRESSURE),) if sudden else (),
             fixed=self._column.fixed,
         )

@@ -18,8 +18,7 @@ angular frequency.
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import eigs
+import scipy  # loads sparse matrices where they are first used: no other scene waits for them
 
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 from mpm_warp.grid.seeding import seed_rows
@@ -39,11 +38,13 @@ def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> com
     matrix = step_matrix(scene, time_step)
     # From a given vector, so that the last bit is always the same.
     start = np.ones(matrix.shape[0], dtype=complex)
-    (factor,) = eigs(matrix, k=1, sigma=near, v0=start, return_eigenvectors=False)
+    (factor,) = scipy.sparse.linalg.eigs(
+        matrix, k=1, sigma=near, v0=start, return_eigenvectors=False
+    )
     return complex(factor)
 
 
-def step_matrix(scene: Scene, time_step: float) -> sparse.csc_array:
+def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     """The matrix of a step, of the unknowns (v_p, v_i, sigma_zz, sigma_rz)."""
     grid, material, fixed = scene.grid, scene.material, scene.fixed
     seed = seed_rows(grid, 0, grid.row_count, scene.particles_per_side)
@@ -59,20 +60,24 @@ def step_matrix(scene: Scene, time_step: float) -> sparse.csc_array:
     across, up = np.array([-1.0, 1.0, -1.0, 1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
     part = (1.0 - scene.particles_per_side**-2.0) / 24.0 * material.density * grid.cell_volumes
     differences = [_by_cell(grid, np.tile(it, (grid.cell_count, 1))) for it in (across, up)]
-    correction = sum(it.T @ sparse.diags_array(part) @ it for it in differences)
+    correction = sum(it.T @ scipy.sparse.diags_array(part) @ it for it in differences)
     pulls = [_by_cell(grid, grid.gradient_integrals[..., axis]) for axis in (1, 0)]
 
-    before_by_particles = sparse.diags_array(1.0 / mass) @ share @ sparse.diags_array(particle_mass)
-    before_by_nodes = sparse.diags_array(1.0 / np.maximum(mass, 2.0 * least_mass)) @ correction
-    gain = sparse.diags_array(time_step / np.maximum(mass, least_mass))
+    before_by_particles = (
+        scipy.sparse.diags_array(1.0 / mass) @ share @ scipy.sparse.diags_array(particle_mass)
+    )
+    before_by_nodes = (
+        scipy.sparse.diags_array(1.0 / np.maximum(mass, 2.0 * least_mass)) @ correction
+    )
+    gain = scipy.sparse.diags_array(time_step / np.maximum(mass, least_mass))
     before = [before_by_particles, before_by_nodes, *(0.0 * it.T for it in pulls)]
-    held = sparse.diags_array(free)
+    held = scipy.sparse.diags_array(free)
     after = [
         held @ it for it in (before_by_particles, before_by_nodes, *(-gain @ it.T for it in pulls))
     ]
     constrained = material.bulk_modulus + 4.0 / 3.0 * material.shear_modulus
     stressing = [
-        sparse.diags_array(time_step * modulus / grid.cell_volumes) @ it
+        scipy.sparse.diags_array(time_step * modulus / grid.cell_volumes) @ it
         for modulus, it in zip((constrained, material.shear_modulus), pulls, strict=True)
     ]
     rows = [
@@ -81,13 +86,16 @@ def step_matrix(scene: Scene, time_step: float) -> sparse.csc_array:
         *([it @ new for new in after] for it in stressing),
     ]
     kept = [len(particle_mass), 0, grid.cell_count, grid.cell_count]
-    unchanged = sparse.block_diag(
-        [sparse.eye_array(it) if it else sparse.csc_array((grid.node_count,) * 2) for it in kept]
+    unchanged = scipy.sparse.block_diag(
+        [
+            scipy.sparse.eye_array(it) if it else scipy.sparse.csc_array((grid.node_count,) * 2)
+            for it in kept
+        ]
     )
-    return sparse.csc_array(sparse.block_array(rows) + unchanged, dtype=complex)
+    return scipy.sparse.csc_array(scipy.sparse.block_array(rows) + unchanged, dtype=complex)
 
 
-def _shares(grid: Grid, position: Floats, cell: Integers) -> sparse.csc_array:
+def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_array:
     """Shape functions of the nodes at particles, of shape [node_count, particle_count]."""
     column, row = cell.T
     xi = (position[:, 0] / grid.outer_radius - grid.columns[column]) / np.diff(grid.columns)[column]
@@ -95,10 +103,10 @@ def _shares(grid: Grid, position: Floats, cell: Integers) -> sparse.csc_array:
     values, nodes = bilinear(xi, eta)[0].T, grid.cell_nodes[row * grid.column_count + column]
     particle = np.repeat(np.arange(len(row)), 4)
     shape = (grid.node_count, len(row))
-    return sparse.csc_array((values.ravel(), (nodes.ravel(), particle)), shape=shape)
+    return scipy.sparse.csc_array((values.ravel(), (nodes.ravel(), particle)), shape=shape)
 
 
-def _by_cell(grid: Grid, values: Floats) -> sparse.csc_array:
+def _by_cell(grid: Grid, values: Floats) -> scipy.sparse.csc_array:
     """From values of nodes to sums over the nodes of each cell, of shape [cell_count, node_count].
 
     Args:
@@ -107,4 +115,4 @@ def _by_cell(grid: Grid, values: Floats) -> sparse.csc_array:
     """
     cell = np.repeat(np.arange(grid.cell_count), 4)
     shape = (grid.cell_count, grid.node_count)
-    return sparse.csc_array((values.ravel(), (cell, grid.cell_nodes.ravel())), shape=shape)
+    return scipy.sparse.csc_array((values.ravel(), (cell, grid.cell_nodes.ravel())), shape=shape)

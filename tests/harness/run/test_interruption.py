@@ -61,7 +61,9 @@ def statuses_left(out: Path) -> list[str]:
     return [xr.load_dataset(path).attrs["status"] for path in files]
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
 def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
     small_file: Path,
     tmp_path: Path,
@@ -71,8 +73,8 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
-        # A terminal sends Ctrl-C to the whole group, workers included.
-        send = os.killpg if number is signal.SIGINT else os.kill
+        # A terminal sends Ctrl-C, and that it is closed, to the whole group, workers included.
+        send = os.kill if number is signal.SIGTERM else os.killpg
         send(process.pid, number)
         told = process.communicate(timeout=LIMIT)[1]
     assert process.returncode == code

@@ -46,6 +46,15 @@ MALFORMED: dict[str, tuple[str | bytes, str]] = {
     "scalar among the varied": (GOOD + "[vary]\ndensity = 1", "must be a list"),
     "empty list": (GOOD + "[vary]\ndensity = []", "must be a list of one value or more"),
     "a value twice": (GOOD + "[vary]\ndensity = [1, 2, 1.0]", "1.0 is there twice"),
+    "the same value in a large list": (
+        GOOD + f"[vary]\ndensity = {[*range(1, 60_001), 60_000]}",
+        "60000.0 is there twice",
+    ),
+    "key of many parts": (GOOD + "a" + ".a" * 300_000 + " = 1", "a key has more than 20 parts"),
+    "many conditions": (
+        GOOD + f"exclude = {101 * ['density > 1']}",
+        "has 101 conditions; a study has at most 100; join them by `or`",
+    ),
     "nested list": (GOOD + "[vary]\ndensity = [[1]]", "density = [1]"),
     "fixed and varied": (GOOD + "[fixed]\ndensity = 1\n[vary]\ndensity = [1]", "as well"),
     "unknown table": (GOOD + "[varry]\ndensity = [1]", "unknown key; did you mean 'vary'?"),

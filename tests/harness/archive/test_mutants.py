@@ -1,0 +1,300 @@
+"""Results of other programs with the right digest: each is refused in a line, or read as it is.
+
+A mutant is a result in which one thing is missing, renamed, of another type or of another size.
+Whatever reads it tells that in one line that names the file, or does what it does with a whole
+result. ``HARNESS_MUTANTS=300 python -m pytest tests/harness/archive/test_mutants.py`` makes that
+many of case files and of collected files, instead of the few of the suite.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+
+from harness.archive import netcdf_files
+from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.case_files import case_file, case_folder, read_case, read_outcome, write_case
+from harness.archive.conventions import COMPLETED, DAMAGED
+from harness.archive.study_files import read_study
+from harness.cli import run_commands
+from harness.cli.main import main
+from harness.pictures import pictures
+from harness.pictures.own_files import MAKER
+from harness.report import report as page
+from harness.run.collect_and_clean import collect_and_write
+from harness.run.worker import compute
+from harness.study.cases import Case
+from harness.study.study import Study, load_study
+
+COUNT = int(os.environ.get("HARNESS_MUTANTS", "32"))
+"""Mutants of case files, and of collected files."""
+STUDY = """
+title = "mutants"
+scene = "cone_penetration"
+fixed = { penetration = 1, steady_tolerance = 0, particles_per_cell = 4 }
+vary = { adhesion_factor = [0, 1], cells_per_radius = [1, 1.5] }
+[compare]
+references = ["lu_2004"]
+tolerance = { cone_factor_variation = 10 }
+"""
+WRONG: tuple[Any, ...] = (7, -1.5, float("nan"), "", "\x1b[2J", "a\nb", np.arange(3), ["a", "b"])
+"""What an attribute may be instead."""
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a file of netCDF holds, whether it goes together or not."""
+
+    attributes: dict[str, Any] = field(default_factory=dict)
+    variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, path: Path) -> Content:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_maskandscale(False)
+            variables = {
+                name: (it.dimensions, np.asarray(it[...]), dict(it.__dict__))
+                for name, it in file.variables.items()
+            }
+            return cls(dict(file.__dict__), variables)
+
+    def write(self, path: Path) -> None:
+        """Write it, and the right digest."""
+        beside = path.with_suffix(".plain")
+        with netCDF4.Dataset(beside, "w") as file:
+            file.setncatts(self.attributes)
+            for name, (dims, values, said) in self.variables.items():
+                for dim, size in zip(dims, values.shape, strict=True):
+                    if dim not in file.dimensions:
+                        file.createDimension(dim, size)
+                kind = str if values.dtype.kind in "OU" else values.dtype
+                made = file.createVariable(name, kind, dims, fill_value=said.get("_FillValue"))
+                made.setncatts({key: it for key, it in said.items() if key != "_FillValue"})
+                made.set_auto_maskandscale(False)
+                made[...] = values if values.ndim else values.item()
+        content = beside.read_bytes()
+        beside.unlink()
+        path.write_bytes(content + netcdf_files._digest(memoryview(content)))
+
+
+Mutation = Callable[[random.Random, Content], tuple[str, Content]]
+
+
+def with_variable(content: Content, name: str, other: Any) -> Content:
+    return replace(content, variables=content.variables | {name: other})
+
+
+def without(source: random.Random, content: Content) -> tuple[str, Content]:
+    name = source.choice(list(content.variables))
+    others = {key: it for key, it in content.variables.items() if key != name}
+    return f"no {name}", replace(content, variables=others)
+
+
+def renamed(source: random.Random, content: Content) -> tuple[str, Content]:
+    name = source.choice(list(content.variables))
+    others = {f"{key}_" if key == name else key: it for key, it in content.variables.items()}
+    return f"{name}_", replace(content, variables=others)
+
+
+def retyped(source: random.Random, content: Content) -> tuple[str, Content]:
+    name = source.choice(list(content.variables))
+    dims, values, said = content.variables[name]
+    if values.dtype.kind in "OU":
+        other = np.arange(values.size, dtype=float).reshape(values.shape)
+    else:
+        text = values.astype(str).astype(object)
+        other = source.choice([text, values.astype("S1"), values.astype("i1"), values * np.nan])
+    said = {key: it for key, it in said.items() if key != "_FillValue"}
+    return f"{name} as {other.dtype}", with_variable(content, name, (dims, other, said))
+
+
+def resized(source: random.Random, content: Content) -> tuple[str, Content]:
+    name = source.choice(list(content.variables))
+    dims, values, said = content.variables[name]
+    sizes: list[tuple[tuple[str, ...], Any]] = [
+        ((*dims, "another"), np.stack([values, values], axis=-1)),
+        (("nothing",), np.zeros(0)),
+    ]
+    if dims:
+        sizes += [
+            (dims[1:], values[0]),
+            (("shorter", *dims[1:]), values[:1]),
+            (dims[::-1], values.T),
+            (dims, np.broadcast_to(values.ravel()[0], values.shape)),
+        ]
+    other_dims, other = source.choice(sizes)
+    changed = (other_dims, other, said)
+    return f"{name} over {other_dims}", with_variable(content, name, changed)
+
+
+def another_dim(source: random.Random, content: Content) -> tuple[str, Content]:
+    dims = sorted({dim for dims, *_ in content.variables.values() for dim in dims})
+    dim = source.choice(dims)
+    others = {
+        name: (tuple("other" if it == dim else it for it in dims), values, said)
+        for name, (dims, values, said) in content.variables.items()
+    }
+    return f"{dim} is called other", replace(content, variables=others)
+
+
+def another_attribute(source: random.Random, content: Content) -> tuple[str, Content]:
+    name = source.choice(list(content.variables))
+    dims, values, said = content.variables[name]
+    extra = ["_FillValue", "scale_factor", "coordinates", "role", "limit", "exact_of", "dtype"]
+    key = source.choice([*said, *extra])
+    other = {it: value for it, value in said.items() if it != "_FillValue"}
+    other[key] = source.choice(WRONG)
+    if key == "_FillValue":
+        other[key] = values.ravel()[0] if values.size and values.dtype.kind in "biuf" else None
+    return f"{key} of {name}: {other[key]!r}", with_variable(content, name, (dims, values, other))
+
+
+def no_attribute(source: random.Random, content: Content) -> tuple[str, Content]:
+    name = source.choice(list(content.variables))
+    dims, values, said = content.variables[name]
+    key = source.choice([*said, "units"])
+    other = {it: value for it, value in said.items() if it != key}
+    return f"no {key} of {name}", with_variable(content, name, (dims, values, other))
+
+
+def another_word(source: random.Random, content: Content) -> tuple[str, Content]:
+    """An attribute of the file that is missing or of another type."""
+    key = source.choice([it for it in content.attributes if it != "digest"])
+    others = {it: value for it, value in content.attributes.items() if it != key}
+    if source.random() < 0.3:
+        return f"no {key}", replace(content, attributes=others)
+    other = source.choice(WRONG)
+    return f"{key}: {other!r}", replace(content, attributes=others | {key: other})
+
+
+MUTATIONS: tuple[Mutation, ...] = (
+    *(without, renamed, retyped, resized),
+    *(another_dim, another_attribute, no_attribute, another_word),
+)
+
+
+def mutants(path: Path, count: int) -> Iterator[str]:
+    """Write mutants of the file in its place, one after the other, and tell what each is."""
+    source, whole = random.Random(23), Content.read(path)
+    for number in range(count):
+        what, mutant = MUTATIONS[number % len(MUTATIONS)](source, whole)
+        mutant.write(path)
+        yield what
+
+
+@pytest.fixture(scope="module")
+def computed(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """A study of four cases, collected, beside its file; one case was computed for all of them."""
+    folder = tmp_path_factory.mktemp("mutants")
+    (folder / "many.toml").write_text(STUDY)
+    study = load_study(str(folder / "many.toml"))
+    place = case_folder(folder, study)
+    prepare(place)
+    result = compute(study.cases[0]).dataset
+    for number, case in enumerate(study.cases):
+        changed = {it: result[it] * (1 + 0.1 * number) for it in ("cone_factor", "run_time")}
+        kept = {it: changed[it].assign_attrs(result[it].attrs) for it in changed}
+        write_case(place, case, result.assign(kept), COMPLETED)
+    collect_and_write(study, folder)
+    return study
+
+
+@pytest.fixture
+def out(computed: Study, tmp_path: Path) -> Path:
+    """Results of one's own to be changed."""
+    place = tmp_path / "results"
+    shutil.copytree(computed.source.parent, place)
+    return place
+
+
+def fault_of(folder: Path, case: Case) -> str:
+    """Why the file of a case cannot be read; "" where it can."""
+    try:
+        read_case(folder, case)
+    except ArchiveError as error:
+        return str(error)
+    return ""
+
+
+def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
+    computed: Study, out: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, case = case_folder(out, computed), computed.cases[1]
+    path = case_file(folder, case)
+    damaged = 0
+    for what in mutants(path, COUNT):
+        outcome, fault = read_outcome(folder, case), fault_of(folder, case)
+        assert (outcome.status == DAMAGED) == bool(fault), (what, outcome, fault)
+        if fault:
+            assert outcome.message == fault, what
+            assert fault.startswith(f"{path}: "), what
+            damaged += 1
+            if damaged > 2:
+                continue  # what is damaged is collected in the same way
+        code = main(["collect", str(computed.source), "--out", str(out)])
+        told = capsys.readouterr()
+        assert code == (0 if outcome.status == COMPLETED else 1), what
+        assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n"), what
+        assert read_study(out / "many.nc").attrs["study"] == "many", what
+    assert damaged > COUNT // 4
+
+
+def can_be_read(path: Path) -> bool:
+    try:
+        read_study(path)
+    except ArchiveError:
+        return False
+    return True
+
+
+def commands(path: Path, whole: Path, key: str) -> list[list[str]]:
+    return [
+        ["compare", str(path)],
+        ["compare", str(path), str(whole)],
+        ["recommend", "cone_penetration", "--error", "1", "--results", str(path.parent)],
+        ["plot", str(path)],
+        ["report", str(path), "-o", str(path.with_suffix(".html"))],
+        ["rerun", str(path), key],
+    ]
+
+
+def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
+    computed: Study,
+    out: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = computed.cases[1]
+    whole = shutil.copy(out / "many.nc", tmp_path / "whole.nc")
+    again = read_case(case_folder(out, computed), case)
+    monkeypatch.setattr(run_commands, "rerun", lambda *_, **__: again)  # takes seconds each
+    for module in (pictures, page):  # and so does each picture
+        monkeypatch.setattr(module, "image", lambda *_, **__: MAKER.encode())
+    refused = 0
+    for number, what in enumerate(mutants(out / "many.nc", COUNT)):
+        every = commands(out / "many.nc", whole, case.key)
+        # What cannot be read is refused in the same place by all of them.
+        one = every[number % len(every)]
+        for command in every if can_be_read(out / "many.nc") else [one]:
+            code = main(command)
+            told = capsys.readouterr()
+            assert code in (0, 1, 2), (what, command)
+            assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n"), what
+            if code == 2:
+                (line,) = told.err.splitlines()
+                # A result without what a command is for is none that it is meant for.
+                names_it = f"{out / 'many.nc'}" in line or "no result" in line
+                assert names_it or "nothing to compare" in line, (what, line)
+                assert len(line) < 400 + len(str(out)), what
+                refused += 1
+    assert refused > COUNT // 4

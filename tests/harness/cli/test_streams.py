@@ -1,0 +1,88 @@
+"""Standard streams: what a file holds is safe to print; a stream that is full is no traceback."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TextIO
+
+import pytest
+import xarray as xr
+
+from harness.archive.atomic_files import prepare
+from harness.archive.case_files import case_folder, write_case
+from harness.cli.main import main
+from harness.cli.streams import safe_output
+from harness.errors import LONGEST_LINE
+from harness.study.study import Study
+from harness.terminal import GOOD
+
+FULL = Path("/dev/full")
+
+
+@pytest.fixture
+def full() -> Iterator[TextIO]:
+    """A stream that takes nothing, as on a full disk."""
+    if not FULL.exists():
+        pytest.skip("there is no device here that is always full")
+    with FULL.open("w", buffering=1) as stream:
+        yield stream
+
+
+def test_output_has_no_characters_that_control_a_terminal(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with safe_output():
+        print("a\x1b[2Jb\u202e\tc", "ä 中", GOOD)
+    assert capsys.readouterr().out == f"a\\x1b[2Jb\\u202e\tc ä 中 {GOOD}\n"
+
+
+def test_a_message_in_a_case_file_does_not_control_a_terminal(
+    small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = case_folder(tmp_path, small)
+    prepare(folder)
+    write_case(folder, small.cases[0], xr.Dataset(), "failed", "\x1b]0;owned\x07")
+    assert main(["status", str(small.source), "--out", str(tmp_path)]) == 1
+    told = capsys.readouterr().out
+    assert "\\x1b]0;owned\\x07" in told
+    assert "\x1b" not in told
+
+
+def test_output_that_cannot_be_written_is_one_line_and_code_2(
+    full: TextIO, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "stdout", full)
+    assert main(["schema"]) == 2
+    told = "harness: standard output: cannot be written: No space left on device\n"
+    assert capsys.readouterr().err == told
+
+
+def test_remarks_that_cannot_be_written_change_nothing(
+    small: Study, full: TextIO, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = case_folder(tmp_path, small)
+    prepare(folder)
+    monkeypatch.setattr(sys, "stderr", full)
+    assert main(["status", "no_such_study"]) == 2
+    assert main(["clean", str(small.source), "--out", str(tmp_path)]) == 0
+
+
+@pytest.mark.parametrize("command", ["describe", "plan", "status", "compare"])
+def test_a_name_of_100_kilobytes_is_a_short_line(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([command, 50_000 * "x\x1b"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert len(line) < LONGEST_LINE + 100
+    assert line.isprintable()
+
+
+def test_an_option_of_100_kilobytes_is_a_short_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["list", "--" + 50_000 * "x\x1b"])
+    assert end.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert len(line) < LONGEST_LINE + 100
+    assert line.isprintable()

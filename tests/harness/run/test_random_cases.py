@@ -1,0 +1,125 @@
+"""Cases with random parameters over all that is allowed: each ends, with a result or a reason.
+
+``HARNESS_RANDOM=100 python -m pytest tests/harness/run/test_random_cases.py`` runs that many, of
+all scenes in turn.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.archive.atomic_files import prepare
+from harness.archive.case_files import Outcome, read_case
+from harness.archive.conventions import COMPLETED
+from harness.run.pool import run_cases
+from harness.study.cases import Case
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+
+COUNT = int(os.environ.get("HARNESS_RANDOM", "6"))
+SECONDS, BYTES = 2.0, 1.5e9
+"""What a case may take of time and of memory."""
+NAMED = {COMPLETED, "refused", "diverged", "inaccurate", "unfinished", "timed_out"}
+"""How a case may end; `failed` and `crashed` are errors of the program."""
+WIDE = 1e3
+"""Ratio to the default of what has no bound."""
+
+
+def drawn(source: random.Random, definition: Parameter) -> Value | None:
+    """A value of a parameter, by its logarithm where its range is wide."""
+    if definition.choices is not None:
+        return source.choice(definition.choices)
+    default = definition.default
+    low = next((it for it in (definition.minimum, definition.above) if it is not None), None)
+    high = next((it for it in (definition.maximum, definition.below) if it is not None), None)
+    if definition.kind is str or (default is None and (low is None or high is None)):
+        return default
+    size = abs(float(default or 1.0))
+    low = size / WIDE if low is None else low
+    high = max(size, low) * WIDE if high is None else high
+    inside = 1e-6 * (high - low)
+    low, high = (
+        low + inside * (definition.above is not None),
+        high - inside * (definition.below is not None),
+    )
+    if low > 0.0 and high / low > 100.0:
+        number = low * math.exp(source.uniform(0.0, math.log(high / low)))
+    else:
+        number = source.uniform(low, high)
+    number = min(max(number, low), high)
+    return round(number) if definition.kind is int else number
+
+
+def random_cases(count: int) -> list[Case]:
+    """Cases of all scenes in turn; those that a scene refuses at once are passed over."""
+    source, cases = random.Random(23), list[Case]()
+    names = sorted(scene_names(), key=lambda name: source.random())
+    while len(cases) < count:
+        name = names[len(cases) % len(names)]
+        scene = scene_class(name)
+        values = {key: drawn(source, it) for key, it in parameters_of(scene).items()}
+        try:
+            complete = dataclasses.asdict(from_mapping(scene, values))
+        except ParameterError:
+            continue
+        label = ", ".join(f"{key}={value}" for key, value in complete.items())
+        cases.append(
+            Case(scene=name, scene_version=scene.version, parameters=complete, label=label)
+        )
+    return cases
+
+
+class Ends:
+    """Takes down how cases end."""
+
+    def __init__(self) -> None:
+        self.outcomes: list[tuple[Case, Outcome]] = []
+
+    def advanced(self, case: Case, fraction: float) -> None:
+        pass
+
+    def finished(self, case: Case, outcome: Outcome) -> None:
+        self.outcomes.append((case, outcome))
+
+
+def test_a_random_case_ends_with_a_result_or_with_a_reason(tmp_path: Path) -> None:
+    prepare(tmp_path)
+    ends = Ends()
+    run_cases(
+        random_cases(COUNT), tmp_path, 1, ends, threads=1, time_limit=SECONDS, memory_limit=BYTES
+    )
+    assert len(ends.outcomes) == COUNT
+    for case, outcome in ends.outcomes:
+        what = f"{case.scene}: {case.label}: {outcome}"
+        assert outcome.status in NAMED, what
+        assert (outcome.status == COMPLETED) == (outcome.message == ""), what
+        assert not re.search(r"Error|Exception|Traceback|Errno", outcome.message), what
+        result = read_case(tmp_path, case)
+        assert result is not None, what
+        if "peak_memory" in result:
+            assert result["peak_memory"] < BYTES, what
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_size_of_a_random_case_is_predicted_at_once(name: str) -> None:
+    """Whatever is allowed has a size that is a number, and is told without being built."""
+    source = random.Random(name)
+    scene = scene_class(name)
+    for _ in range(20):
+        values = {key: drawn(source, it) for key, it in parameters_of(scene).items()}
+        try:
+            made = from_mapping(scene, values)
+        except ParameterError:
+            continue
+        size = made.run_size()
+        assert size is not None
+        assert 0.0 < size.byte_count < math.inf
+        assert 0.0 <= size.step_count < math.inf
