@@ -7,8 +7,11 @@ from __future__ import annotations
 
 import functools
 
+from mpm_warp.materials.plastic_strain import PlasticStrain
 from mpm_warp.materials.yield_check import add_yield_check
+from mpm_warp.materials.yield_share import add_yield_share
 from mpm_warp.parts.energy_audit import add_energy_audit
+from mpm_warp.parts.history import add_origin
 from mpm_warp.parts.inflow import add_inflow
 from mpm_warp.parts.moving_wall import crossing_time
 from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
@@ -50,7 +53,8 @@ def make_soil_plan(
     scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
-    grid, material, window = scene.grid, scene.material, scene.window
+    grid, window = scene.grid, scene.window
+    material = PlasticStrain.added_up_of(scene.material) if scene.history else scene.material
     plan = _empty_plan(scene, share_count, time_step)
     add_points(
         plan,
@@ -59,6 +63,8 @@ def make_soil_plan(
         particles_per_side=scene.particles_per_side,
         spare_fraction=0.0 if window is None else window.spare_fraction,
     )
+    if scene.history:
+        add_origin(plan)
     if window is not None:
         window.add_motion(plan)
     interpolation = (
@@ -95,6 +101,8 @@ def make_soil_plan(
     if scene.energy_audit:
         add_energy_audit(plan, grid)
     add_yield_check(plan, material)
+    if scene.history:
+        add_yield_share(plan, material)
     return plan
 
 

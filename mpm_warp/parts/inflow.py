@@ -13,6 +13,7 @@ import warp as wp
 
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
+from mpm_warp.parts.history import note_origin
 from mpm_warp.parts.part import Setting
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.launch import share_bounds
@@ -105,6 +106,7 @@ class Inflow:
         position = self._position.copy()
         position[:, 1] += position.dtype.type(above_bottom)
         self._run.assign("layer.position", position)
+        note_origin(self._run, position, self.travel)
         self._run.assign("layer.slots", self._chosen(free))
         for launch in self._launches:
             self._run.launch(launch)

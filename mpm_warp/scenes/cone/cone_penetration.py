@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import xarray as xr
 
+from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
@@ -15,13 +16,14 @@ from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
-from mpm_warp.results import variable
+from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
     check_bound,
     check_energy,
@@ -34,6 +36,7 @@ from mpm_warp.scenes.cone.window import (
 )
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
+from mpm_warp.snapshots import Snapshots
 
 VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
 """Strength of soil of von Mises in compression along one axis, over that of Tresca."""
@@ -51,6 +54,7 @@ class ConePenetration(ConeTest):
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
     version: ClassVar[int] = 7
+    snapshots_over: ClassVar[str | None] = AXIS
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
@@ -132,8 +136,18 @@ class ConePenetration(ConeTest):
         """Steps to the greatest penetration."""
         return math.ceil(self._window.time_to(self.penetration * self.cone_radius) / plan.time_step)
 
-    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Push the penetrometer in until its resistance is steady.
+    def compute_with_snapshots(
+        self, progress: Progress, execution: Execution | None, snapshots: Snapshots
+    ) -> xr.Dataset:
+        """What a run gives, with snapshots of the soil on the way."""
+        simulation = Simulation(replace(self.build(), history=True), execution)
+        progress(0.0)
+        return self.record(simulation, progress, snapshots)
+
+    def record(
+        self, simulation: Simulation, progress: Progress, snapshots: Snapshots | None = None
+    ) -> xr.Dataset:
+        """Push the penetrometer in until its resistance is steady, and take snapshots on the way.
 
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work, or the cone
@@ -149,16 +163,26 @@ class ConePenetration(ConeTest):
             unsteady=unsteady_penetration(window, self.cone_radius),
             tolerance=self.steady_tolerance,
         )
+        views = []
+        if snapshots is not None:
+            parameters = parameter_variables(self, [AXIS])
+            views.append(
+                PenetrationSnapshots(
+                    simulation, snapshots=snapshots, curves=curves, parameters=parameters
+                )
+            )
         spacing = SAMPLE_SPACING * self.cone_radius
         sample_count = round(self.penetration / SAMPLE_SPACING)
         recorded = follow(
             simulation,
             [sample * spacing for sample in range(1, sample_count + 1)],
             simulation.travel_to,
-            [curves],
+            [curves, *views],
             progress,
             is_over=curves.is_steady,
         )
+        for view in views:
+            view.finish()
         results = recorded.assign(steady_values(recorded, self.undrained_shear_strength)).assign(
             energy_error=energy_error(transferred_energy(simulation) / curves.work),
             step_count_bound=variable(

@@ -29,6 +29,9 @@ class PenetrationCurves:
         radius: radius of the penetrometer [m].
         unsteady: penetration before which no resistance counts as steady, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady.
+
+    Attributes:
+        radius: radius of the penetrometer [m].
     """
 
     def __init__(
@@ -38,7 +41,7 @@ class PenetrationCurves:
         assert isinstance(contact, PenetrometerContact)
         self._simulation = simulation
         self._contact = contact
-        self._radius = radius
+        self.radius = radius
         self._unsteady = unsteady
         self._tolerance = tolerance
         self._contact_forces = ContactForces(simulation)
@@ -50,7 +53,7 @@ class PenetrationCurves:
     @property
     def next_distance(self) -> float:
         """Travel at which the next sample is due [m]."""
-        return (len(self._moved) + 1) * (SAMPLE_SPACING * self._radius)
+        return (len(self._moved) + 1) * (SAMPLE_SPACING * self.radius)
 
     def sample(self) -> None:
         """Take down the mean forces since the sample before."""
@@ -62,6 +65,11 @@ class PenetrationCurves:
         self._nodal_forces.append(nodal_forces)
         self._moved.append(reached - self._sampled_at)
         self._sampled_at = reached
+
+    @property
+    def nodal_forces(self) -> Floats:
+        """Mean forces at the nodes over the last sample [N], shape [node_count, 2]."""
+        return self._nodal_forces[-1]
 
     @property
     def forces(self) -> list[PenetrometerForces]:
@@ -89,7 +97,7 @@ class PenetrationCurves:
         """Resistance, its shear part, friction of the shaft and contact over penetration."""
         # Each sample is a mean over the travel since the one before; it stands in the middle.
         penetration = (np.arange(len(self._moved)) + 0.5) * SAMPLE_SPACING
-        base_area = 0.5 * self._radius**2
+        base_area = 0.5 * self.radius**2
         normal, shear, shaft, share = (
             np.array(
                 [

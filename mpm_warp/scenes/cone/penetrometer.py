@@ -186,14 +186,17 @@ class PenetrometerContact(SurfaceContact):
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
-        face_share = self._face_share if self.friction == 0.0 else self._share_of_face(normal)
-        face_shear = float(shear @ face_share)
+        face_shear = float(shear @ self.face_share(normal))
         return PenetrometerForces(
             face_normal=float(normal @ self._face_part) * math.sin(self.half_angle),
             face_shear=face_shear * math.cos(self.half_angle),
             shaft_shear=float(shear.sum()) - face_shear,
             contact_share=self.share_in_touch(normal),
         )
+
+    def face_share(self, normal: Floats) -> Floats:
+        """The face's share of the shear forces of nodes, given normal forces [N], [node_count]."""
+        return self._face_share if self.friction == 0.0 else self._share_of_face(normal)
 
     @cached_property
     def _face_part(self) -> Floats:
