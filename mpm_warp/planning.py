@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import functools
 
-from mpm_warp.materials.plastic_strain import PlasticStrain
 from mpm_warp.materials.yield_check import add_yield_check
 from mpm_warp.materials.yield_share import add_yield_share
 from mpm_warp.parts.energy_audit import add_energy_audit
 from mpm_warp.parts.history import add_origin
 from mpm_warp.parts.inflow import add_inflow
 from mpm_warp.parts.moving_wall import crossing_time
+from mpm_warp.parts.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
@@ -53,8 +53,7 @@ def make_soil_plan(
     scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
-    grid, window = scene.grid, scene.window
-    material = PlasticStrain.added_up_of(scene.material) if scene.history else scene.material
+    grid, material, window = scene.grid, scene.material, scene.window
     plan = _empty_plan(scene, share_count, time_step)
     add_points(
         plan,
@@ -65,6 +64,7 @@ def make_soil_plan(
     )
     if scene.history:
         add_origin(plan)
+        add_plastic_strain(plan)
     if window is not None:
         window.add_motion(plan)
     interpolation = (
@@ -102,6 +102,7 @@ def make_soil_plan(
         add_energy_audit(plan, grid)
     add_yield_check(plan, material)
     if scene.history:
+        add_plastic_strain_audit(plan, grid, material)
         add_yield_share(plan, material)
     return plan
 

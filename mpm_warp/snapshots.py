@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.arguments import POSITIVE, check_number
 from mpm_warp.parts.history import displacement
+from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
 from mpm_warp.results import Quantity, labelled, variable
 from mpm_warp.sampling import soil_scene
 from mpm_warp.simulation import Simulation
@@ -85,8 +86,12 @@ class Snapshots:
         axis, labels = self._axis
         moments = xr.Variable(axis, [moment for moment, _ in self._taken], labels.attrs)
         fields = {
-            name: xr.Variable.concat([fields[name] for _, fields in self._taken], axis)
-            for name in self._taken[0][1]
+            name: xr.Variable(
+                (axis, *first.dims),
+                np.stack([fields[name].values for _, fields in self._taken]),
+                first.attrs,
+            )
+            for name, first in self._taken[0][1].items()
         }
         variables = {axis: moments, **self._same, **fields}
         return xr.Dataset(variables).set_coords(PLACES & variables.keys())
@@ -141,19 +146,22 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
         return kept
 
     rr, zz, rz, tt = (of_points(component) for component in stress.T)
-    over_strength: dict[str, Quantity] = {}
+    over_strength: dict[str, xr.Variable] = {}
     if (launch := simulation.plan.between_steps.get("yield_share")) is not None:
         simulation.launch(launch)
-        over_strength["deviatoric_stress"] = (
-            of_points(array("yield.share")),
-            "1",
-            "shear stress over shear strength",
-            "as the yield criterion measures them; 1 where soil yields",
+        over_strength = _single(
+            ("point",),
+            deviatoric_stress=(
+                of_points(array("yield.share")),
+                "1",
+                "shear stress over shear strength",
+                "as the yield criterion measures them; 1 where soil yields",
+            ),
         )
     shape = (scene.grid.row_count + 1, scene.grid.column_count + 1)
     excess = "that over the isotropic in-situ stress, tension positive"
     ground = "relative to soil at rest far away"
-    return _single(
+    of_soil = _single(
         ("point",),
         point_r=(of_points(position[:, 0]), "m", "radius of the material point"),
         point_z=(of_points(position[:, 1]), "m", "height of the material point"),
@@ -166,18 +174,19 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
         stress_rz=(rz, "Pa", "shear stress", excess),
         stress_tt=(tt, "Pa", "hoop stress", excess),
         mean_stress=((rr + zz + tt) / 3.0, "Pa", "mean stress", excess),
-        **over_strength,
         plastic_shear_strain=(
-            of_points(array("particle.state")[:, -1]),
+            of_points(array(PLASTIC_STRAIN)),
             "1",
             "plastic shear strain",
-            "added up since entry, of sqrt(2 de:de)",
+            "added up since entry; engineering shear strain in pure shear",
         ),
-    ) | _single(
+    )
+    of_grid = _single(
         ("row", "column"),
         node_velocity_r=(node_velocity[:, 0].reshape(shape), "m s-1", "radial velocity", ground),
         node_velocity_z=(node_velocity[:, 1].reshape(shape), "m s-1", "upward velocity", ground),
     )
+    return of_soil | over_strength | of_grid
 
 
 def _single(dims: tuple[str, ...], **quantities: Quantity) -> dict[str, xr.Variable]:

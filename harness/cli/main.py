@@ -27,6 +27,7 @@ COMMANDS = {
     "plan": "scene_commands.show_plan",
     "compare": "result_commands.compare",
     "plot": "result_commands.plot",
+    "view": "view_command.view",
     "report": "result_commands.report",
     "recommend": "result_commands.show_recommendation",
 }

@@ -8,6 +8,7 @@ from typing import Any
 
 from harness.study.designs import (
     EITHER_FIXED_OR_VARIED,
+    FULL,
     LATIN_HYPERCUBE,
     LIST,
     SPACINGS,
@@ -23,6 +24,9 @@ from mpm_warp.scenes import CatalogueScene
 
 LARGEST_STUDY = 100_000
 """Cases that a study may have; more than that is a slip in a list."""
+
+SNAPSHOTS = "snapshots"
+"""Key of the moments at which the soil is kept."""
 
 Scene = type[CatalogueScene]
 
@@ -40,6 +44,7 @@ class ScenePart:
         listed: the cases of the design ``list``.
         derived: parameters worked out from the others, in this order.
         excluded: conditions on cases that are not run.
+        snapshots: moments at which the soil of each case is kept.
     """
 
     name: str
@@ -50,6 +55,7 @@ class ScenePart:
     listed: tuple[Combination, ...]
     derived: Mapping[str, Expression]
     excluded: tuple[Expression, ...]
+    snapshots: tuple[float, ...]
 
     @property
     def assigned(self) -> set[str]:
@@ -121,7 +127,30 @@ def read_part(
             _expression(known, f"{table.where} exclude = {shown(text)}", text, [])
             for text in table.list("exclude")
         ),
+        snapshots=read_snapshots(name, scene, table) if SNAPSHOTS in table.values else (),
     )
+
+
+def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
+    """Read at which moments the soil is to be kept: a list of numbers, or a range with a count.
+
+    Args:
+        name: of the scene.
+        scene: its class.
+        table: that has them under the key `snapshots`.
+
+    Raises:
+        StudyError: the scene takes none, or a moment is not allowed.
+    """
+    if scene.snapshots_over is None:
+        raise table.refuse(SNAPSHOTS, f"{name} takes no snapshots")
+    farthest = parameters_of(scene)[scene.snapshots_over]
+    moment = replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0)
+    moments = _variation(
+        Assignments(table.where, table.values, {SNAPSHOTS: moment}), SNAPSHOTS, Design(kind=FULL)
+    )
+    assert isinstance(moments, tuple)  # a range without a count is a Latin hypercube's alone
+    return tuple(sorted(float(it) for it in moments))
 
 
 def _fixed(table: Assignments) -> dict[str, Value]:

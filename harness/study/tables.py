@@ -167,13 +167,26 @@ def parse_setting(setting: str) -> tuple[str, Any]:
         raise StudyError(f"--set {setting}: must be key=value")
     if re.fullmatch(r"[A-Za-z_]\w*", text) and text not in ("true", "false", "inf", "nan"):
         return key, text
+    return key, parse_value(f"--set {setting}", text)
+
+
+def parse_value(option: str, text: str) -> Any:
+    """A TOML value from the command line.
+
+    Args:
+        option: with what it was given, for the message.
+        text: the value.
+
+    Raises:
+        StudyError: it is none.
+    """
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         parsed = {}
     if parsed.keys() != {"value"}:
-        raise StudyError(f"--set {setting}: {text} is not a TOML value: a number, a text or a list")
-    return key, parsed["value"]
+        raise StudyError(f"{option}: {text} is not a TOML value: a number, a text or a list")
+    return parsed["value"]
 
 
 def shown(value: object) -> str:

@@ -1,4 +1,4 @@
-"""How near to yield each material point is: what pictures of the yielding zone ask of a material."""
+"""How near to yield each material point is: what a picture of the yielding zone asks of soil."""
 
 import functools
 from typing import Any

@@ -75,6 +75,7 @@ class PenetrationSnapshots:
         scalars = labelled(
             time=(self._simulation.time, "s", "time"),
             travel=(self._simulation.travel, "m", "penetration"),
+            speed=(self._simulation.array("window.motion")[1], "m s-1", "penetration speed"),
             resistance=(resistance, "Pa", "net cone resistance", f"mean {over}"),
         )
         traction = surface_traction(self._contact, nodal)
