@@ -7,9 +7,9 @@ optional dependency: it stands on VTK itself, which ParaView reads with.
 from __future__ import annotations
 
 import tempfile
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import xarray as xr
@@ -54,17 +54,17 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
             written.append(path)
             where = {"timestep": f"{penetration:g}", "part": f"{part}", "name": kind}
             file = {"file": path.relative_to(folder).as_posix()}
-            ElementTree.SubElement(collection, "DataSet", where | file)
+            ET.SubElement(collection, "DataSet", where | file)
     listed = folder / f"{name}.pvd"
-    write_whole(ElementTree.tostring(series, xml_declaration=True, encoding="utf-8"), listed)
+    write_whole(ET.tostring(series, xml_declaration=True, encoding="utf-8"), listed)
     return [listed, *written]
 
 
-def _series() -> tuple[ElementTree.Element, ElementTree.Element]:
+def _series() -> tuple[ET.Element, ET.Element]:
     """An empty list of files by time, and where they are listed in it."""
     about = {"type": "Collection", "version": "1.0", "byte_order": "LittleEndian"}
-    series = ElementTree.Element("VTKFile", about)
-    return series, ElementTree.SubElement(series, "Collection")
+    series = ET.Element("VTKFile", about)
+    return series, ET.SubElement(series, "Collection")
 
 
 def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
