@@ -181,7 +181,10 @@ def _draw(
             norm=norm,
             rasterized=True,
         )
-        axes.contour(side * r, z, values, levels=quantity.lines, colors="0.5", linewidths=0.5)
+        lines = axes.contour(
+            side * r, z, values, levels=quantity.lines, colors="0.5", linewidths=0.5
+        )
+    axes.clabel(lines, fmt="%g", fontsize=6, colors="0.5")
     surface_r, surface_z = (snapshot[f"surface_{it}"].values / radius for it in "rz")
     outline = np.concatenate(
         [np.stack([-surface_r[::-1], surface_z[::-1]]), [surface_r, surface_z]], axis=1
