@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import POSITIVE, check_number
 from mpm_warp.parts.history import displacement
 from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
-from mpm_warp.results import Quantity, labelled, variable
+from mpm_warp.results import labelled, variable
 from mpm_warp.sampling import soil_scene
 from mpm_warp.simulation import Simulation
 
@@ -117,9 +117,11 @@ def grid_places(simulation: Simulation) -> dict[str, xr.Variable]:
         for dim, count in counts.items()
     }
     return numbers | _single(
-        ("row", "column"),
-        node_r=(radius, "m", "radius of the node"),
-        node_z=(height, "m", "height of the node"),
+        labelled(
+            dims=("row", "column"),
+            node_r=(radius, "m", "radius of the node"),
+            node_z=(height, "m", "height of the node"),
+        )
     )
 
 
@@ -150,44 +152,61 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
     if (launch := simulation.plan.between_steps.get("yield_share")) is not None:
         simulation.launch(launch)
         over_strength = _single(
-            ("point",),
-            deviatoric_stress=(
-                of_points(array("yield.share")),
-                "1",
-                "shear stress over shear strength",
-                "as the yield criterion measures them; 1 where soil yields",
-            ),
+            labelled(
+                dims=("point",),
+                deviatoric_stress=(
+                    of_points(array("yield.share")),
+                    "1",
+                    "shear stress over shear strength",
+                    "as the yield criterion measures them; 1 where soil yields",
+                ),
+            )
         )
     shape = (scene.grid.row_count + 1, scene.grid.column_count + 1)
     excess = "that over the isotropic in-situ stress, tension positive"
     ground = "relative to soil at rest far away"
     of_soil = _single(
-        ("point",),
-        point_r=(of_points(position[:, 0]), "m", "radius of the material point"),
-        point_z=(of_points(position[:, 1]), "m", "height of the material point"),
-        displacement_r=(of_points(moved[:, 0]), "m", "radial displacement", "since entry"),
-        displacement_z=(of_points(moved[:, 1]), "m", "upward displacement", "since entry"),
-        velocity_r=(of_points(velocity[:, 0]), "m s-1", "radial velocity", ground),
-        velocity_z=(of_points(velocity[:, 1]), "m s-1", "upward velocity", ground),
-        stress_rr=(rr, "Pa", "radial stress", excess),
-        stress_zz=(zz, "Pa", "vertical stress", excess),
-        stress_rz=(rz, "Pa", "shear stress", excess),
-        stress_tt=(tt, "Pa", "hoop stress", excess),
-        mean_stress=((rr + zz + tt) / 3.0, "Pa", "mean stress", excess),
-        plastic_shear_strain=(
-            of_points(array(PLASTIC_STRAIN)),
-            "1",
-            "plastic shear strain",
-            "added up since entry; engineering shear strain in pure shear",
-        ),
+        labelled(
+            dims=("point",),
+            point_r=(of_points(position[:, 0]), "m", "radius of the material point"),
+            point_z=(of_points(position[:, 1]), "m", "height of the material point"),
+            displacement_r=(of_points(moved[:, 0]), "m", "radial displacement", "since entry"),
+            displacement_z=(of_points(moved[:, 1]), "m", "upward displacement", "since entry"),
+            velocity_r=(of_points(velocity[:, 0]), "m s-1", "radial velocity", ground),
+            velocity_z=(of_points(velocity[:, 1]), "m s-1", "upward velocity", ground),
+            stress_rr=(rr, "Pa", "radial stress", excess),
+            stress_zz=(zz, "Pa", "vertical stress", excess),
+            stress_rz=(rz, "Pa", "shear stress", excess),
+            stress_tt=(tt, "Pa", "hoop stress", excess),
+            mean_stress=((rr + zz + tt) / 3.0, "Pa", "mean stress", excess),
+            plastic_shear_strain=(
+                of_points(array(PLASTIC_STRAIN)),
+                "1",
+                "plastic shear strain",
+                "added up since entry; engineering shear strain in pure shear",
+            ),
+        )
     )
     of_grid = _single(
-        ("row", "column"),
-        node_velocity_r=(node_velocity[:, 0].reshape(shape), "m s-1", "radial velocity", ground),
-        node_velocity_z=(node_velocity[:, 1].reshape(shape), "m s-1", "upward velocity", ground),
+        labelled(
+            dims=("row", "column"),
+            node_velocity_r=(
+                node_velocity[:, 0].reshape(shape),
+                "m s-1",
+                "radial velocity",
+                ground,
+            ),
+            node_velocity_z=(
+                node_velocity[:, 1].reshape(shape),
+                "m s-1",
+                "upward velocity",
+                ground,
+            ),
+        )
     )
     return of_soil | over_strength | of_grid
 
 
-def _single(dims: tuple[str, ...], **quantities: Quantity) -> dict[str, xr.Variable]:
-    return {name: it.astype(np.float32) for name, it in labelled(dims=dims, **quantities).items()}
+def _single(variables: Variables) -> dict[str, xr.Variable]:
+    """The same in single precision."""
+    return {name: it.astype(np.float32) for name, it in variables.items()}

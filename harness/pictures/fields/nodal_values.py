@@ -45,8 +45,8 @@ class NodalValues:
 
     def _added(self, values: Floats) -> Floats:
         weighted = (self._weights * values).ravel()
-        sums: Floats = np.bincount(self._nodes.ravel(), weighted, self.r.size)
-        return sums.reshape(self.r.shape)
+        sums = np.bincount(self._nodes.ravel(), weighted, self.r.size)
+        return sums.reshape(self.r.shape).astype(np.float64, copy=False)
 
     def _shape_functions(self, r: Floats, z: Floats) -> tuple[NDArray[np.integer], Floats]:
         """The four nodes around each point, and their shape functions there: [4, point_count]."""

@@ -1,4 +1,4 @@
-"""Snapshots of a case in a file beside that of the case: written, read, missing, damaged, removed."""
+"""Snapshots of a case in a file beside its own: written, read, missing, damaged, removed."""
 
 from __future__ import annotations
 
