@@ -69,7 +69,7 @@ def check_number(
     """
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if not (is_number and allowed.holds(value, value)):
-        kind = "" if is_number and math.isfinite(float(value)) else "a finite number "  # type: ignore[arg-type]
+        kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
         raise error(f"{name} = {_text(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}")
 
 

@@ -23,6 +23,8 @@ from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.gravity import Gravity
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.travelling_source import TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar

@@ -16,6 +16,7 @@ from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.part import FitsGrid, NodeAction
+from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
 from mpm_warp.precision import PRECISIONS
 
@@ -26,6 +27,7 @@ REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": st
 OPTIONAL = {
     "fixed": Fixed,
     "far_field": FarField,
+    "surroundings": SurroundingGround,
     "contact": SurfaceContact,
     "moving_wall": MovingWall,
     "window": Window,
@@ -47,6 +49,8 @@ class Scene:
             or a user's own.
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
+        surroundings: the ground around a window that travels with a body, or none; it takes the
+            place of a far field, and the soil starts with its stress at rest.
         contact: contact with a rigid body, or none.
         moving_wall: inner wall that moves and takes the grid along, or none; it is a cylinder or a
             sphere, and there is no window then.
@@ -72,6 +76,7 @@ class Scene:
     forces: tuple[NodeAction, ...] = ()
     fixed: Fixed | None = None
     far_field: FarField | None = None
+    surroundings: SurroundingGround | None = None
     contact: SurfaceContact | None = None
     moving_wall: MovingWall | None = None
     window: Window | None = None
@@ -103,6 +108,8 @@ class Scene:
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
             ("moving_wall", self.window, "a window"),
             ("window", self.grid.polar, "a grid of rays"),
+            ("surroundings", self.far_field, "a far field"),
+            ("surroundings", self.window is None, "a grid at rest; give it a window"),
             ("conservative_interpolation", has_rays_or_is_plane, "a grid of rays or that is plane"),
         ):
             if getattr(self, name) and does_not_go_with:
@@ -115,7 +122,7 @@ class Scene:
     def node_actions(self) -> Iterator[NodeAction]:
         """The parts that act on nodes, in their order; the push of a moving wall comes after."""
         yield from self.forces
-        for part in (self.fixed, self.far_field, self.contact):
+        for part in (self.fixed, self.far_field, self.surroundings, self.contact):
             if part is not None:
                 yield part
 

@@ -163,7 +163,7 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
             )
         )
     shape = (scene.grid.row_count + 1, scene.grid.column_count + 1)
-    excess = "that over the isotropic in-situ stress, tension positive"
+    excess = "that over the vertical in-situ stress, tension positive"
     ground = "relative to soil at rest far away"
     of_soil = _single(
         labelled(

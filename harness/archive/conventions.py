@@ -5,14 +5,16 @@ parameters where a study runs all their combinations, else the single dim `case`
 varies is a coordinate along these dims. A variable's attribute ``role`` says what it is to the
 harness, which knows no other names of results than those below.
 
-=============  =====================================================================================
-``headline``   the scalar that the scene is run for; without a finite one no case is `completed`
-``exact``      an exact value or curve; the attribute ``exact_of`` names the variable it belongs to
-``error``      a scalar error against an exact solution
-``measured``   a time, a speed or an amount of memory: it differs from run to run
-``parameter``  an input of the scene
-``reference``  a value from the literature; ``deviation``: the result's relative deviation from it
-=============  =====================================================================================
+===============  ===================================================================================
+``headline``     the scalar that the scene is run for; without a finite one no case is `completed`
+``uncertainty``  half width of 95 % of the headline; not a number where it is not known
+``settled``      whether the headline has settled; what has not says nothing of an error
+``exact``        an exact value or curve; the attribute ``exact_of`` names what it belongs to
+``error``        a scalar error against an exact solution
+``measured``     a time, a speed or an amount of memory: it differs from run to run
+``parameter``    an input of the scene
+``reference``    a value from the literature; ``deviation``: the result's relative deviation from it
+===============  ===================================================================================
 
 The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
 `inaccurate`.
@@ -25,6 +27,7 @@ exact solution. Only a table or a picture that is meant for one kind of scene kn
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable
 from enum import StrEnum
 
@@ -47,7 +50,8 @@ MISSING, DAMAGED = "missing", "damaged"
 class Role(StrEnum):
     """What a variable is to the harness."""
 
-    HEADLINE, EXACT, ERROR = "headline", "exact", "error"
+    HEADLINE, UNCERTAINTY, SETTLED = "headline", "uncertainty", "settled"
+    EXACT, ERROR = "exact", "error"
     MEASURED, PARAMETER = "measured", "parameter"
     REFERENCE, DEVIATION = "reference", "deviation"
 
@@ -102,6 +106,21 @@ def parameter_attributes(definition: Parameter) -> dict[str, str]:
 def spoken(name: Hashable) -> str:
     """A variable's name as words."""
     return str(name).removesuffix(_SUFFIX).replace("_", " ")
+
+
+def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
+    """The half width of each case's headline, not a number where none is known."""
+    return over_cases(dataset, next(iter(with_role(dataset, Role.UNCERTAINTY)), math.nan))
+
+
+def stated(value: float, half_width: float) -> str:
+    """A number with the digits that are known of it: 10.49 +- 0.08; without +- where none are."""
+    if not math.isfinite(half_width) or half_width <= 0.0:
+        return f"{value:.4g}"
+    # A half width of 0.1 to 0.2 would lose half of itself to rounding with one digit.
+    leading = math.floor(math.log10(half_width))
+    decimals = max(0, -leading + (half_width < 2.0 * 10.0**leading))
+    return f"{value:.{decimals}f} +- {half_width:.{decimals}f}"
 
 
 def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:

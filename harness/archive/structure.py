@@ -17,7 +17,10 @@ from harness.archive.provenance import OF_CASE
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
-_OF_EACH_CASE = (Role.HEADLINE, Role.ERROR, Role.PARAMETER, Role.DEVIATION)
+_OF_EACH_CASE = (
+    *(Role.HEADLINE, Role.UNCERTAINTY, Role.SETTLED),
+    *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
+)
 """Roles of variables that have one value a case."""
 _TEXTS = ("units", "long_name", "description")
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import Role, over_cases, varied_names
+from harness.archive.conventions import Role, over_cases, stated, uncertainty_of, varied_names
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
@@ -72,13 +72,17 @@ def _parameter_columns(dataset: xr.Dataset) -> list[_Column]:
 
 
 def _cone_factor_columns(dataset: xr.Dataset) -> list[_Column]:
+    factors = zip(over_cases(dataset, "cone_factor"), uncertainty_of(dataset), strict=True)
     parts = [
-        _Column(heading, [_number(value, ".2f") for value in over_cases(dataset, name)])
-        for name, heading in (
-            ("cone_factor", ("cone", "factor")),
-            ("cone_factor_normal", ("normal", "part")),
-        )
-        if name in dataset
+        _Column(("cone", "factor"), [_stated(value, half) for value, half in factors]),
+        *(
+            _Column(heading, [_number(value, ".3g") for value in over_cases(dataset, name)])
+            for name, heading in (
+                ("cone_factor_simulated", ("as", "simulated")),
+                ("cone_factor_normal", ("normal", "part")),
+            )
+            if name in dataset
+        ),
     ]
     if "cone_factor_shear" not in dataset:
         return parts
@@ -149,6 +153,7 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
+        "cone factor: +- half width of 95 %; without it nothing is known of the error",
         "computed: su is the strength in pure shear, for von_mises too (sqrt(J2) = su)",
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
@@ -170,6 +175,10 @@ def _text(value: object) -> str:
 
 def _number(value: float, form: str) -> str:
     return format(value, form) if np.isfinite(value) else MISSING
+
+
+def _stated(value: float, half_width: float) -> str:
+    return stated(value, half_width) if np.isfinite(value) else MISSING
 
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:

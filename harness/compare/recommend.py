@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.conventions import COMPLETED, over_cases, varied_names
+from harness.archive.conventions import COMPLETED, over_cases, parameter_names, varied_names
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study
-from harness.compare.finest_error import error_name
+from harness.compare.finest_error import FLOOR, error_name
 from harness.errors import HarnessError
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class
@@ -28,7 +28,8 @@ class Recommendation:
     """Settings of a scene, and what they were measured to cost and to be worth.
 
     Attributes:
-        settings: parameters of the method that differ between the cases at hand.
+        settings: parameters of the method that differ between the cases at hand, or are not as by
+            default.
         run_time: longest wall-clock time of the time loop, over all cases with them [s].
         error: greatest error of these cases, dimensionless.
         case_count: how many there are.
@@ -126,9 +127,12 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
     name = error_name(dataset)
     if name is None or "run_time" not in dataset:
         return []
-    error, seconds = over_cases(dataset, name), over_cases(dataset, "run_time")
+    # No error is promised that is below what is known of the reference.
+    error = np.fmax(over_cases(dataset, name), over_cases(dataset, FLOOR))
+    seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
     varied = _varied(kinds, dataset)
+    fixed = _fixed(kinds, dataset)
     columns = [_settings(over_cases(dataset, it), kinds[it]) for it in varied]
     groups: dict[tuple[Value, ...], list[int]] = {}
     for case in range(error.size):
@@ -142,7 +146,7 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
             worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
             found.append(
                 Recommendation(
-                    settings=dict(zip(varied, values, strict=True)),
+                    settings=fixed | dict(zip(varied, values, strict=True)),
                     run_time=float(np.nanmax(seconds[cases])) if done[cases].any() else np.inf,
                     error=worst,
                     case_count=len(cases),
@@ -150,6 +154,17 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
                 )
             )
     return found
+
+
+def _fixed(kinds: Mapping[str, type], dataset: xr.Dataset) -> dict[str, Value]:
+    """Parameters of the method that all cases share, and that are not as by default."""
+    defaults = parameters_of(scene_class(str(dataset.attrs["scene"]).split()[0]))
+    shared = {
+        name: _settings(dataset[stored].values.reshape(1), kinds[name])[0]
+        for name, stored in parameter_names(dataset).items()
+        if name in kinds and name in defaults and dataset[stored].ndim == 0
+    }
+    return {name: it for name, it in shared.items() if defaults[name].default not in (None, it)}
 
 
 def _settings(values: np.ndarray, kind: type) -> list[Value]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import signal
 import sys
 import time
@@ -16,7 +17,15 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
-from harness.archive.conventions import COMPLETED, MISSING, UNFINISHED, Role, spoken, with_role
+from harness.archive.conventions import (
+    COMPLETED,
+    MISSING,
+    UNFINISHED,
+    Role,
+    spoken,
+    stated,
+    with_role,
+)
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
@@ -85,7 +94,7 @@ def compute(
         message = " ".join(str(error).split()) if status else in_one_line(error)
         status = status or "failed"
     headline = ", ".join(
-        f"{spoken(name)} {dataset[name].item():.4g}"
+        f"{spoken(name)} {stated(dataset[name].item(), _half_width(dataset))}"
         for name in _headlines(dataset)
         if status == COMPLETED
     )
@@ -163,6 +172,10 @@ def serve(
 
 def _headlines(dataset: xr.Dataset) -> list[str]:
     return [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
+
+
+def _half_width(dataset: xr.Dataset) -> float:
+    return next((dataset[it].item() for it in with_role(dataset, Role.UNCERTAINTY)), math.nan)
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:

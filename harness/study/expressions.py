@@ -145,34 +145,34 @@ def _check(node: ast.expr) -> None:
         _check(part)
 
 
-def _value(  # noqa: PLR0911 - a kind of node, a value
-    node: ast.expr, parameters: Mapping[str, Value | None]
-) -> Value:
+def _value(node: ast.expr, parameters: Mapping[str, Value | None]) -> Value:
+    value: Value
     match node:
-        case ast.Constant(value=str() | bool() as value):
-            return value
-        case ast.Constant(value=int() | float() as value):
-            return float(value)
+        case ast.Constant(value=str() | bool() | int() | float() as constant):
+            value = constant
         case ast.Name(id=name):
             given = parameters[name]
             if given is None:
                 raise ExpressionError(f"{name} is what the scene derives itself; give it a value")
-            return given if isinstance(given, (str, bool)) else float(given)
+            value = given
         case ast.BinOp(left=left, op=op, right=right):
-            return ARITHMETIC[type(op)](_number(left, parameters), _number(right, parameters))
+            value = ARITHMETIC[type(op)](_number(left, parameters), _number(right, parameters))
         case ast.UnaryOp(op=ast.Not(), operand=operand):
-            return not _truth(operand, parameters)
+            value = not _truth(operand, parameters)
         case ast.UnaryOp(op=op, operand=operand):
             number = _number(operand, parameters)
-            return -number if isinstance(op, ast.USub) else number
+            value = -number if isinstance(op, ast.USub) else number
         case ast.BoolOp(op=op, values=parts):
             decide = all if isinstance(op, ast.And) else any
-            return decide(_truth(part, parameters) for part in parts)
+            value = decide(_truth(part, parameters) for part in parts)
         case ast.Compare():
-            return _compared(node, parameters)
+            value = _compared(node, parameters)
         case ast.Call(func=ast.Name(id=name), args=parts):
-            return FUNCTIONS[name](*(_number(part, parameters) for part in parts))
-    raise AssertionError(f"{ast.dump(node)} has passed the check")
+            value = FUNCTIONS[name](*(_number(part, parameters) for part in parts))
+        case _:
+            raise AssertionError(f"{ast.dump(node)} has passed the check")
+    # A number is a float, whatever it is written as.
+    return value if isinstance(value, (str, bool)) else float(value)
 
 
 def _compared(node: ast.Compare, parameters: Mapping[str, Value | None]) -> bool:

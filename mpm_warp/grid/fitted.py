@@ -290,6 +290,27 @@ def graded(first: float, length: float, growth: float) -> Floats:
     return edges
 
 
+def growing(first: float, length: float, growth: float) -> Floats:
+    """Edges from 0 to about `length` whose spacing starts with `first` and grows by `growth`.
+
+    Both are exact; the number of cells is the whole one with which the last edge is nearest.
+
+    Args:
+        first: width of the first cell [m].
+        length: sum of all widths, about [m], more than `first`.
+        growth: ratio of a cell's width to the one before, more than 1.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+    check_number("growing: first", first, POSITIVE, unit="m")
+    check_number("growing: length", length, Range(above=first), unit="m")
+    check_number("growing: growth", growth, Range(above=1.0))
+    count = round(np.log1p(length / first * (growth - 1.0)) / np.log(growth))
+    edges: Floats = first * (growth ** np.arange(count + 1) - 1.0) / (growth - 1.0)
+    return edges
+
+
 def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
     """Shape functions and their derivatives along xi and eta, each [4 nodes, points]."""
     shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta])

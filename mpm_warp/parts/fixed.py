@@ -45,6 +45,13 @@ class Fixed:
         check_nodes("fixed: nodes", self.nodes, setting.grid.node_count)
 
     @classmethod
+    def axis(cls, grid: Grid) -> Self:
+        """No radial velocity on the axis."""
+        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        radial[grid.surface_radius == 0.0, 0] = True
+        return cls.where(radial=radial, vertical=np.zeros_like(radial))
+
+    @classmethod
     def axis_and_ends(cls, grid: Grid) -> Self:
         """No radial velocity on the axis, none at all at the bottom, no vertical one at the top."""
         free = np.ones((grid.row_count + 1, grid.column_count + 1, 2))

@@ -1,7 +1,8 @@
-"""The source of soil of a travelling window: layers of undisturbed soil enter at the bottom.
+"""The source of soil of a travelling window: layers of soil enter at the bottom.
 
 A layer that enters is a copy of the lowest layer as it was seeded, in all that particles carry, so
-that what a part or a material adds to the particles enters with them.
+that what a part or a material adds to the particles enters with them. Where the scene says how the
+ground around the window moves, the layer has its velocity and stress.
 """
 
 import functools
@@ -15,6 +16,7 @@ from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.parts.history import note_origin
 from mpm_warp.parts.part import Setting
+from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan
@@ -56,12 +58,16 @@ class Inflow:
         run: that has not travelled yet.
         setting: the soil.
         window: of the scene.
+        ground: around the window, or none: what enters is undisturbed then.
     """
 
-    def __init__(self, run: Run, setting: Setting, window: Window) -> None:
+    def __init__(
+        self, run: Run, setting: Setting, window: Window, ground: SurroundingGround | None
+    ) -> None:
         plan, rows = run.plan, setting.grid.rows
         self._run = run
         self._window = window
+        self._ground = ground
         self._launches = [
             launch for name, launch in plan.between_steps.items() if name.startswith("enter.")
         ]
@@ -108,14 +114,21 @@ class Inflow:
         self._run.assign("layer.position", position)
         note_origin(self._run, position, self.travel)
         self._run.assign("layer.slots", self._chosen(free))
+        if self._ground is not None:
+            speed, travel = self._run.array("window.motion")[1:]
+            flow = self._ground.source.velocity(position)
+            self._run.assign("layer.velocity", speed * flow)
+            self._run.assign("layer.stress", self._ground.stress(position, travel))
         for launch in self._launches:
             self._run.launch(launch)
         self._layer_count += 1
         has_risen_by_a_row = self._layer_count % self._layers_per_row == 0
         if has_risen_by_a_row and self._run.plan.find("far_field.displacement"):
             # The springs at the side belong to the soil there.
-            springs = self._run.array("far_field.displacement")
-            self._run.assign("far_field.displacement", np.concatenate([[0.0], springs[:-1]]))
+            springs = self._run.array("far_field.displacement").copy()
+            springs[1:] = springs[:-1]
+            springs[0] = 0.0 if self._ground is None else self._ground.entering_spring(self.travel)
+            self._run.assign("far_field.displacement", springs)
 
     @property
     def _next_layer(self) -> float:

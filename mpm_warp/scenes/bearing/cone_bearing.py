@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.parameters import parameter
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
@@ -55,10 +55,10 @@ class ConeBearing(Bearing):
 
     def grid(self) -> Grid:
         """A grid fitted to the cone, that ends at its shoulder."""
+        size = RADIUS / self.cells_per_radius
         return self._penetrometer.fitted_grid(
-            cell_size=RADIUS / self.cells_per_radius,
-            cell_growth=0.3,
-            outer_radius=5.0 * RADIUS,
+            rows_on_face=self._penetrometer.rows_on_face(size),
+            columns=graded(size, 4.0 * RADIUS, 1.0 + 0.3 * size / RADIUS),
             depth_below=2.0 * RADIUS,
             height_above=0.0,
         )

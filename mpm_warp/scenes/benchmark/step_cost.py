@@ -88,7 +88,7 @@ class StepCost(CatalogueScene):
         soil = dataclasses.replace(
             scene,
             bulk_viscosity=None,
-            far_field=None,
+            surroundings=None,
             contact=None,
             window=None,
             conservative_interpolation=False,

@@ -6,20 +6,24 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.fitted import Floats, Grid, growing
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.travelling_source import TravellingSource
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.cone.known_error import known_error
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
@@ -31,6 +35,8 @@ from mpm_warp.scenes.cone.soundness import (
     energy_error,
 )
 from mpm_warp.scenes.cone.window import (
+    slowing_penetration,
+    steady_penetration,
     unsteady_penetration,
     window_of_test,
 )
@@ -40,6 +46,9 @@ from mpm_warp.snapshots import Snapshots
 
 VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
 """Strength of soil of von Mises in compression along one axis, over that of Tresca."""
+SOURCE_HEIGHT = 2.0 / 3.0
+"""Height of the source that the cone is from afar, above the tip, over the cone's height: that of
+the middle of the volume that it puts into the ground."""
 CROSSING = 0.65
 """Length that a wave crosses in the critical time step over the width of a cell, about."""
 
@@ -49,12 +58,23 @@ class ConePenetration(ConeTest):
     """A penetrometer pushed at constant speed into uniform, weightless, undrained clay.
 
     The penetrometer starts in place, in undisturbed ground. Excess stresses are simulated: those
-    over the isotropic in-situ stress, which balances itself.
+    over the vertical in-situ stress, which balances itself.
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     snapshots_over: ClassVar[str | None] = AXIS
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        # Stress in the ground before must be within the yield surface.
+        bound = 1.0 if self.material == "tresca" else 0.5 * math.sqrt(3.0)
+        if abs(self.stress_anisotropy) >= bound:
+            raise ParameterError(
+                "stress_anisotropy",
+                f"stress_anisotropy = {self.stress_anisotropy:g} is not allowed: clay of "
+                f"{self.material} yields at {bound:.4g}",
+            )
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
@@ -66,8 +86,10 @@ class ConePenetration(ConeTest):
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=0.2,
-            fixed=Fixed.axis_and_ends(grid),
-            far_field=FarField.around(grid, material),
+            fixed=Fixed.axis(grid),
+            surroundings=SurroundingGround.around(
+                grid, material, self._source, self._stress_at_rest
+            ),
             contact=PenetrometerContact.of(
                 self._penetrometer,
                 grid,
@@ -87,15 +109,39 @@ class ConePenetration(ConeTest):
         return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
 
     @property
+    def _cell_size(self) -> float:
+        """Width and height of the cells at the cone [m]."""
+        assert self.cells_per_radius is not None
+        rows = self._penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
+        return self._penetrometer.cone_height / rows
+
+    @property
     def _grid(self) -> Grid:
-        radius = self.cone_radius
+        assert self.domain_radius is not None
+        assert self.domain_above is not None
+        assert self.domain_below is not None
+        radius, size = self.cone_radius, self._cell_size
+        span = (self.domain_radius - 1.0) * radius
         return self._penetrometer.fitted_grid(
-            cell_size=radius / self.cells_per_radius,
-            cell_growth=self.cell_growth,
-            outer_radius=self.domain_radius * radius,
+            rows_on_face=self._penetrometer.rows_on_face(size),
+            columns=growing(size, span, 1.0 + self.cell_growth * size / radius),
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,
         )
+
+    @property
+    def _source(self) -> TravellingSource:
+        return TravellingSource(
+            radius=self.cone_radius,
+            height=SOURCE_HEIGHT * self._penetrometer.cone_height,
+            shear_modulus=self._clay.shear_modulus,
+        )
+
+    @property
+    def _stress_at_rest(self) -> Floats:
+        """Stress of the ground before, over the vertical in-situ stress [Pa]."""
+        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
+        return np.array([horizontal, 0.0, 0.0, horizontal])
 
     @property
     def _clay(self) -> Material:
@@ -109,6 +155,8 @@ class ConePenetration(ConeTest):
     @property
     def _window(self) -> Window:
         assert self.approach_speed_ratio is not None
+        assert self.approach is not None
+        assert self.penetration is not None
         return window_of_test(
             radius=self.cone_radius,
             shear_wave_speed=self._clay.shear_wave_speed,
@@ -116,25 +164,33 @@ class ConePenetration(ConeTest):
             approach_speed_ratio=self.approach_speed_ratio,
             approach=self.approach,
             penetration=self.penetration,
+            steady_penetration=steady_penetration(self.rigidity_index),
             rubs=self.friction_coefficient > 0.0,
         )
 
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and about the steps to the end."""
         cell_count, window = self._grid.cell_count, self._window
-        cell_size = self.cone_radius / self.cells_per_radius
-        time_step = self.time_step_fraction * CROSSING * cell_size / self._clay.pressure_wave_speed
+        time_step = (
+            self.time_step_fraction * CROSSING * self._cell_size / self._clay.pressure_wave_speed
+        )
         return RunSize(
             cell_count=cell_count,
             particle_count=round(
                 cell_count * self.particles_per_cell * (1 + window.spare_fraction)
             ),
-            step_count=window.time_to(self.penetration * self.cone_radius) / time_step,
+            step_count=self._time_to_the_end / time_step,
         )
 
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the greatest penetration."""
-        return math.ceil(self._window.time_to(self.penetration * self.cone_radius) / plan.time_step)
+        return math.ceil(self._time_to_the_end / plan.time_step)
+
+    @property
+    def _time_to_the_end(self) -> float:
+        """Time to the greatest penetration [s]."""
+        assert self.penetration is not None
+        return self._window.time_to(self.penetration * self.cone_radius)
 
     def compute_with_snapshots(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots
@@ -157,10 +213,12 @@ class ConePenetration(ConeTest):
         """
         window = soil_scene(simulation).window
         assert window is not None
+        assert self.penetration is not None
         curves = PenetrationCurves(
             simulation,
             radius=self.cone_radius,
-            unsteady=unsteady_penetration(window, self.cone_radius),
+            unsteady=unsteady_penetration(window, self.cone_radius, self.rigidity_index),
+            slowing=slowing_penetration(window, self.cone_radius),
             tolerance=self.steady_tolerance,
         )
         views = []
@@ -191,6 +249,8 @@ class ConePenetration(ConeTest):
                 meaning="time steps to the greatest penetration",
             ),
         )
+        cell_size = self._cell_size / self.cone_radius
+        results = results.assign(known_error(self, cell_size=cell_size, recorded=results))
         check_energy(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():
             check_levelled(results)

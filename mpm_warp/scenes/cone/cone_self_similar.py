@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, GroundGrid
+from mpm_warp.grid.fitted import Floats, GroundGrid, graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.fixed import Fixed
@@ -107,10 +107,10 @@ class ConeSelfSimilar(CatalogueScene):
         return FINAL_DEPTH * self._penetrometer.cone_height
 
     def _grid(self) -> GroundGrid:
+        size = RADIUS / self.cells_per_radius
         fitted = self._penetrometer.fitted_grid(
-            cell_size=RADIUS / self.cells_per_radius,
-            cell_growth=0.8,
-            outer_radius=20.0 * RADIUS,
+            rows_on_face=self._penetrometer.rows_on_face(size),
+            columns=graded(size, 19.0 * RADIUS, 1.0 + 0.8 * size / RADIUS),
             depth_below=12.0 * RADIUS,
             height_above=RADIUS,
         )

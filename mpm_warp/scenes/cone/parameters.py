@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
-from mpm_warp.scenes.cone.window import approach_speed_ratio
+from mpm_warp.scenes.cone import window
 from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
+
+CELLS_PER_RADIUS = {"standard": 3.0, "fine": 6.0}
+WINDOW = {"standard": 1.0, "fine": 1.3}
+"""Cells per cone radius, and extents of the window over those of `default_extents`, by accuracy."""
+SPARE = 4.5
+"""Penetration that is left for a resistance that becomes steady late, in cone radii."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +24,7 @@ class ConeTest(CatalogueScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method: ClassVar[tuple[str, ...]] = (
+        "accuracy",
         "cells_per_radius",
         "cell_growth",
         "particles_per_cell",
@@ -68,7 +76,15 @@ class ConeTest(CatalogueScene):
         1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
     )
     in_situ_stress: float = parameter(
-        400e3, unit="Pa", meaning="isotropic total stress in the ground before", minimum=0
+        400e3, unit="Pa", meaning="vertical total stress in the ground before", minimum=0
+    )
+    stress_anisotropy: float = parameter(
+        0.0,
+        unit="1",
+        meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
+        "over 2 su",
+        above=-1,
+        below=1,
     )
     cone_radius: float = parameter(
         0.01785, unit="m", meaning="radius of the cone's base", minimum=1e-6, maximum=1e3
@@ -76,21 +92,26 @@ class ConeTest(CatalogueScene):
     apex_angle: float = parameter(
         60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
     )
-    penetration: float = parameter(
-        30.0, unit="1", meaning="greatest penetration over cone radius", minimum=1, maximum=200
+    penetration: float | None = parameter(
+        None,
+        unit="1",
+        meaning="greatest penetration over cone radius (default: approach + 10, more below Ir 100)",
+        minimum=1,
+        maximum=300,
     )
-    approach: float = parameter(
-        8.0,
+    approach: float | None = parameter(
+        None,
         unit="1",
         meaning="penetration of the approach, its rise and fall of speed included, over cone "
-        "radius; ends 5.5 before the greatest at the latest, 3 or less: none",
+        "radius (default: domain_above + 1); ends 5.5 before the greatest at the latest, more "
+        "below Ir 100; 3 or less: none",
         minimum=0,
         maximum=200,
     )
     approach_speed_ratio: float | None = parameter(
         None,
         unit="1",
-        meaning="approach speed over shear wave speed (default: the lesser of 4 speed_ratio and "
+        meaning="approach speed over shear wave speed (default: the lesser of 0.25 and "
         "sqrt(7 / Ir)); not above speed_ratio: no approach",
         above=0,
         maximum=0.5,
@@ -106,11 +127,23 @@ class ConeTest(CatalogueScene):
     speed_ratio: float = parameter(
         0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.5
     )
-    cells_per_radius: float = parameter(
-        3.0, unit="1", meaning="cells per cone radius at the cone", minimum=1, maximum=100
+    accuracy: str = parameter(
+        "standard",
+        unit="1",
+        meaning="what cells and window are by default: fine halves the cells and widens the window "
+        "by 1.3, takes some ten times as long, and has half of the uncertainty",
+        choices=tuple(CELLS_PER_RADIUS),
+    )
+    cells_per_radius: float | None = parameter(
+        None,
+        unit="1",
+        meaning="cells per cone radius at the cone, about: they are square, and a whole number of "
+        "them makes up its height (default: 3, 6 where accuracy is fine)",
+        minimum=1,
+        maximum=100,
     )
     cell_growth: float = parameter(
-        0.8,
+        0.4,
         unit="1",
         meaning="growth of the cells' width per distance from the penetrometer",
         minimum=0.1,
@@ -123,20 +156,27 @@ class ConeTest(CatalogueScene):
     time_step_fraction: float = parameter(
         0.85, unit="1", meaning="time step over the critical one", minimum=0.01, maximum=1.2
     )
-    domain_radius: float = parameter(
-        40.0, unit="1", meaning="radius of the grid over cone radius", minimum=5, maximum=1000
-    )
-    domain_above: float = parameter(
-        14.0,
+    domain_radius: float | None = parameter(
+        None,
         unit="1",
-        meaning="extent of the grid above the shoulder over cone radius",
+        meaning="radius of the grid over cone radius, to the nearest cell (default: 4 sqrt(Ir), "
+        "40 at least)",
+        minimum=5,
+        maximum=1000,
+    )
+    domain_above: float | None = parameter(
+        None,
+        unit="1",
+        meaning="extent of the grid above the shoulder over cone radius (default: 1.3 sqrt(Ir), "
+        "13 at least)",
         minimum=2,
         maximum=500,
     )
-    domain_below: float = parameter(
-        14.0,
+    domain_below: float | None = parameter(
+        None,
         unit="1",
-        meaning="extent of the grid below the tip over cone radius",
+        meaning="extent of the grid below the tip over cone radius (default: sqrt(Ir), 14 at "
+        "least)",
         minimum=2,
         maximum=500,
     )
@@ -150,9 +190,28 @@ class ConeTest(CatalogueScene):
     )
     precision: str = floating_point()
 
-    def derived(self) -> Mapping[str, float]:
-        """The shaft is as rough as the face; the approach is as fast as its inertia allows."""
+    @property
+    def default_extents(self) -> dict[str, float]:
+        """Extents of a window that the resistance hardly depends on, over cone radius."""
+        root = math.sqrt(self.rigidity_index)
         return {
+            "domain_radius": max(40.0, 4.0 * root),
+            "domain_above": max(13.0, 1.3 * root),
+            "domain_below": max(14.0, root),
+        }
+
+    def derived(self) -> Mapping[str, float]:
+        """The shaft is as rough as the face; window and approach follow the rigidity index."""
+        extents = {
+            it: WINDOW[self.accuracy] * by_law for it, by_law in self.default_extents.items()
+        }
+        above = extents["domain_above"] if self.domain_above is None else self.domain_above
+        # Soil that the cone has never passed has then left the window.
+        approach = above + 1.0 if self.approach is None else self.approach
+        return extents | {
+            "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
             "shaft_adhesion_factor": self.adhesion_factor,
-            "approach_speed_ratio": approach_speed_ratio(self.speed_ratio, self.rigidity_index),
+            "approach_speed_ratio": window.approach_speed_ratio(self.rigidity_index),
+            "approach": approach,
+            "penetration": approach + window.steady_penetration(self.rigidity_index) + SPARE,
         }

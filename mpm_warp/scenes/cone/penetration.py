@@ -29,13 +29,21 @@ class PenetrationCurves:
         radius: radius of the penetrometer [m].
         unsteady: penetration before which no resistance counts as steady, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady.
+        slowing: penetration between which the resistance is not given, over the radius: the
+            penetrometer slows down there, and the inertia of the soil pushes it; or none.
 
     Attributes:
         radius: radius of the penetrometer [m].
     """
 
     def __init__(
-        self, simulation: Simulation, *, radius: float, unsteady: float, tolerance: float
+        self,
+        simulation: Simulation,
+        *,
+        radius: float,
+        unsteady: float,
+        tolerance: float,
+        slowing: tuple[float, float] | None = None,
     ) -> None:
         contact = soil_scene(simulation).contact
         assert isinstance(contact, PenetrometerContact)
@@ -43,6 +51,7 @@ class PenetrationCurves:
         self._contact = contact
         self.radius = radius
         self._unsteady = unsteady
+        self._slowing = slowing
         self._tolerance = tolerance
         self._contact_forces = ContactForces(simulation)
         self._nodal_forces: list[Floats] = []  # by sample
@@ -108,10 +117,19 @@ class PenetrationCurves:
             .reshape(-1, 4)
             .T
         )
+        resistance = (normal + shear) / base_area
+        if self._slowing is not None:
+            begin, end = self._slowing
+            resistance[(penetration > begin) & (penetration < end)] = np.nan
         return curves(
             "penetration",
             (penetration, "1", "penetration over cone radius"),
-            penetration_resistance=((normal + shear) / base_area, "Pa", "net cone resistance"),
+            penetration_resistance=(
+                resistance,
+                "Pa",
+                "net cone resistance",
+                "not a number where the penetrometer slows down at the end of its approach",
+            ),
             penetration_resistance_shear=(
                 shear / base_area,
                 "Pa",
@@ -144,7 +162,7 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
 
 
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """The cone factor and its parts, from the last two radii of the curves or their last half.
+    """The cone factor and its shear part, over the last two radii of the curves or their last half.
 
     Args:
         recorded: the curves of `PenetrationCurves`.
@@ -156,22 +174,15 @@ def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variabl
     over = f"over the last {mean_count * SAMPLE_SPACING:g} radii"
     resistance = recorded.penetration_resistance.values[last]
     shear = recorded.penetration_resistance_shear.values[last]
-    factor, normal_part, shear_part = (
-        values.mean() / strength for values in (resistance, resistance - shear, shear)
-    )
-    headline = labelled(
-        role="headline",
-        cone_factor=(factor, "1", "cone factor", f"Nc = (qc - sigma_v0) / su, mean {over}"),
-    )
-    return headline | labelled(
-        cone_factor_normal=(
-            normal_part,
+    return labelled(
+        cone_factor_simulated=(
+            resistance.mean() / strength,
             "1",
-            "cone factor, normal part",
-            f"what the normal traction on the face adds to Nc, mean {over}",
+            "cone factor, as simulated",
+            f"mean resistance {over}, over su: before any correction",
         ),
         cone_factor_shear=(
-            shear_part,
+            shear.mean() / strength,
             "1",
             "cone factor, shear part",
             f"what the shear traction on the face adds to Nc, mean {over}",

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 
 
@@ -35,43 +35,35 @@ class Penetrometer:
         fraction: Floats = np.clip(height / self.cone_height, 0.0, 1.0)
         return fraction * self.radius
 
+    def rows_on_face(self, cell_size: float) -> int:
+        """Rows of cells beside the face, of the height that is nearest to a size [m]."""
+        return max(1, round(self.cone_height / cell_size))
+
     def fitted_grid(
-        self,
-        *,
-        cell_size: float,
-        cell_growth: float,
-        outer_radius: float,
-        depth_below: float,
-        height_above: float,
+        self, *, rows_on_face: int, columns: Floats, depth_below: float, height_above: float
     ) -> Grid:
         """A grid whose rows meet tip and shoulder and whose first column follows the surface.
 
-        Halving `cell_size` halves every cell, near and far: a series of such grids converges.
-
         Args:
-            cell_size: width of the cells at the penetrometer [m]; their height is the nearest
-                to it that divides the cone's height.
-            cell_growth: growth of the cells' width per distance from the surface, dimensionless.
-            outer_radius: where the grid ends [m].
-            depth_below: extent of the grid below the tip [m].
-            height_above: extent of the grid above the shoulder [m], >= 0.
+            rows_on_face: rows of cells beside the face, >= 1; all rows are as high.
+            columns: distances of the columns of nodes from the shaft, from 0, rising [m].
+            depth_below: extent of the grid below the tip, to the nearest row [m].
+            height_above: extent of the grid above the shoulder, to the nearest row [m], >= 0.
         """
-        rows_on_cone = max(1, round(self.cone_height / cell_size))
-        cell_height = self.cone_height / rows_on_cone
+        cell_height = self.cone_height / rows_on_face
         rows_below = max(1, round(depth_below / cell_height))
         rows_above = round(height_above / cell_height)
-        row = np.arange(-rows_below, rows_on_cone + rows_above + 1)
+        row = np.arange(-rows_below, rows_on_face + rows_above + 1)
         rows = cell_height * row
-        span = outer_radius - self.radius
         surface = self.surface_radius(rows)
         # Exactly on tip and shoulder, whatever rounding made of their rows.
         surface[row <= 0] = 0.0
-        surface[row >= rows_on_cone] = self.radius
+        surface[row >= rows_on_face] = self.radius
         return Grid(
-            columns=graded(cell_size, span, 1.0 + cell_growth * cell_size / self.radius) / span,
+            columns=columns / columns[-1],
             rows=rows,
             surface_radius=surface,
-            outer_radius=outer_radius,
+            outer_radius=self.radius + float(columns[-1]),
         )
 
 
@@ -180,23 +172,40 @@ class PenetrometerContact(SurfaceContact):
         """Forces on face and shaft.
 
         The shoulder belongs to both: its normal traction acts on either area, and its shear force
-        is shared as the greatest shear that the two can bear.
+        is shared as the greatest shear that the two can bear. The tip, which cannot slip on the
+        axis, bears as much of its greatest shear as the face does beside it.
 
         Args:
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
-        face_shear = float(shear @ self.face_share(normal))
+        limits, on_face = self._limits(normal), self.shear_on_face(nodal)
+        face_shear = float(on_face.sum())
+        tip_shear = float(limits[0, 0] * on_face[1] / limits[0, 1]) if limits[0, 1] > 0.0 else 0.0
+        upward_from_tip = tip_shear * math.cos(self.half_angle)
+        upward_from_normals = float(normal @ self._face_part) * math.sin(self.half_angle)
         return PenetrometerForces(
-            face_normal=float(normal @ self._face_part) * math.sin(self.half_angle),
-            face_shear=face_shear * math.cos(self.half_angle),
+            face_normal=upward_from_normals - upward_from_tip,
+            face_shear=face_shear * math.cos(self.half_angle) + upward_from_tip,
             shaft_shear=float(shear.sum()) - face_shear,
             contact_share=self.share_in_touch(normal),
         )
 
-    def face_share(self, normal: Floats) -> Floats:
-        """The face's share of the shear forces of nodes, given normal forces [N], [node_count]."""
-        return self._face_share if self.friction == 0.0 else self._share_of_face(normal)
+    def shear_on_face(self, nodal: Floats) -> Floats:
+        """The face's part of the shear forces at the nodes [N], shape [node_count].
+
+        Args:
+            nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
+        """
+        normal, shear = nodal[:, 0], nodal[:, 1]
+        limits = self._limits(normal)
+        part: Floats = shear * np.divide(
+            limits[0], limits.sum(axis=0), out=np.zeros_like(shear), where=limits[0] > 0.0
+        )
+        return part
+
+    def _limits(self, normal: Floats) -> Floats:
+        return self._adhesive_limits if self.friction == 0.0 else self._shear_limits(normal)
 
     @cached_property
     def _face_part(self) -> Floats:
@@ -205,13 +214,17 @@ class PenetrometerContact(SurfaceContact):
         return part
 
     @cached_property
-    def _face_share(self) -> Floats:
-        """The face's share of the shear forces where there is no friction, [node_count]."""
-        return self._share_of_face(np.zeros(len(self.nodes)))
+    def _adhesive_limits(self) -> Floats:
+        """`_shear_limits` where there is no friction."""
+        return self._shear_limits(np.zeros(len(self.nodes)))
 
-    def _share_of_face(self, normal: Floats) -> Floats:
-        """Of the greatest shear force that a node can bear under normal forces, [node_count]."""
+    def _shear_limits(self, normal: Floats) -> Floats:
+        """Greatest shear force on the face and on the shaft of each node [N], [2, node_count].
+
+        Args:
+            normal: normal forces on the nodes [N], [node_count].
+        """
         rubbing = self.friction * (normal / self.normal_areas + self.in_situ_stress)
-        face_limit = (self.face_adhesion + rubbing) * self.face_areas
-        limit = face_limit + (self.shaft_adhesion + rubbing) * self.shaft_areas
-        return np.divide(face_limit, limit, out=np.zeros_like(limit), where=limit > 0.0)
+        on_face = (self.face_adhesion + rubbing) * self.face_areas
+        on_shaft = (self.shaft_adhesion + rubbing) * self.shaft_areas
+        return np.stack([on_face, on_shaft])

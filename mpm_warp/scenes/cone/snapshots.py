@@ -117,9 +117,9 @@ def surface_traction(contact: PenetrometerContact, nodal: Floats) -> dict[str, x
     """
     face, shaft = _sides(contact)
     pressure = nodal[:, 0] / contact.normal_areas
-    share = contact.face_share(nodal[:, 0])
-    on_face = nodal[face, 1] * share[face] / contact.face_areas[face]
-    on_shaft = nodal[shaft, 1] * (1.0 - share[shaft]) / contact.shaft_areas[shaft]
+    shear_on_face = contact.shear_on_face(nodal)
+    on_face = shear_on_face[face] / contact.face_areas[face]
+    on_shaft = (nodal[:, 1] - shear_on_face)[shaft] / contact.shaft_areas[shaft]
     return labelled(
         dims=("surface",),
         normal_traction=(

@@ -15,27 +15,36 @@ RAMP = 1.0
 """Penetration in which the speed rises from rest, in cone radii."""
 SLOWING = 2.0
 """Penetration in which the speed falls to the final one, in cone radii."""
-FORGETTING = 1.5
-"""Penetration at the final speed in which the soil forgets the approach, in cone radii."""
-STEADY_PENETRATION = FORGETTING + 2.0 * STEADY_SAMPLES * SAMPLE_SPACING
-"""Penetration at the final speed, at least, in cone radii: that, and two means to compare."""
+FORGETTING, FORGETTING_OF_STIFFNESS, LONGEST_FORGETTING = 1.5, 150.0, 10.0
+"""Penetration at the final speed in which the soil forgets the approach, in cone radii: at least
+the first, the second over the rigidity index, and at most the third."""
+PUSHED = 0.5
+"""Penetration after the approach in which the soil that was slowed down still pushes, in cone
+radii."""
+MEANS = 2.0 * STEADY_SAMPLES * SAMPLE_SPACING
+"""Penetration over which two means of the resistance are compared, in cone radii."""
 FROM_REST = 2.0
 """Penetration without an approach before which no resistance counts as steady, in cone radii."""
 SPARE_FRACTION, SPARE_FRACTION_OF_FRICTION = 0.15, 0.4
 """Slots for material points beside those that fill the grid, over their number: the cells along a
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
-LARGEST_INERTIA = 7.0
-"""What rho V^2 / su may be during the approach by default."""
+LARGEST_INERTIA, LARGEST_SPEED_RATIO = 7.0, 0.25
+"""What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
 
 
-def approach_speed_ratio(speed_ratio: float, rigidity_index: float) -> float:
-    """Speed of the approach by default, over that of shear waves.
+def approach_speed_ratio(rigidity_index: float) -> float:
+    """Speed of the approach by default, over that of shear waves."""
+    return min(LARGEST_SPEED_RATIO, math.sqrt(LARGEST_INERTIA / rigidity_index))
 
-    Args:
-        speed_ratio: final speed over that of shear waves.
-        rigidity_index: G/su.
-    """
-    return min(4 * speed_ratio, math.sqrt(LARGEST_INERTIA / rigidity_index))
+
+def forgetting(rigidity_index: float) -> float:
+    """Penetration at the final speed in which the soil forgets the approach, in cone radii."""
+    return min(LONGEST_FORGETTING, max(FORGETTING, FORGETTING_OF_STIFFNESS / rigidity_index))
+
+
+def steady_penetration(rigidity_index: float) -> float:
+    """Penetration at the final speed before a resistance counts as steady, in cone radii."""
+    return forgetting(rigidity_index) + MEANS
 
 
 def window_of_test(
@@ -46,6 +55,7 @@ def window_of_test(
     approach_speed_ratio: float,
     approach: float,
     penetration: float,
+    steady_penetration: float,
     rubs: bool,
 ) -> Window:
     """The window of a test.
@@ -58,10 +68,11 @@ def window_of_test(
             the final one there is no approach.
         approach: penetration of the approach, over the radius.
         penetration: greatest penetration, over the radius.
+        steady_penetration: the last of it, at the final speed at the least, over the radius.
         rubs: whether there is friction between penetrometer and soil.
     """
     speed = speed_ratio * shear_wave_speed
-    travel = min(approach, penetration - STEADY_PENETRATION)
+    travel = min(approach, penetration - steady_penetration)
     faster = None
     if travel > RAMP + SLOWING and approach_speed_ratio > speed_ratio:
         faster = Approach(
@@ -77,8 +88,19 @@ def window_of_test(
     )
 
 
-def unsteady_penetration(window: Window, radius: float) -> float:
-    """Penetration before which no resistance counts as steady, over the radius [m]."""
+def unsteady_penetration(window: Window, radius: float, rigidity_index: float) -> float:
+    """Penetration before which no mean of the resistance is taken, over the radius [m]."""
     if window.approach is None:
         return FROM_REST
-    return window.approach.travel / radius + FORGETTING
+    return window.approach.travel / radius + forgetting(rigidity_index)
+
+
+def slowing_penetration(window: Window, radius: float) -> tuple[float, float] | None:
+    """Penetrations between which the soil is slowed down, over the radius [m]; or none.
+
+    Its inertia then takes from the resistance up to 1.3 su.
+    """
+    approach = window.approach
+    if approach is None:
+        return None
+    return (approach.travel - approach.slowing_travel) / radius, approach.travel / radius + PUSHED

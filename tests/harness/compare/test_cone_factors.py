@@ -131,12 +131,12 @@ def test_table_has_one_row_a_case_with_all_of_it() -> None:
     dataset = with_references(result(adhesion_factor=[0.0, 0.5, 1.0]), ["lu_2004"])
     dataset["cone_factor_shear"][1] *= 1.01
     text = cone_factor_table(dataset)
-    # 11.00 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
+    # 11 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
     # at 11.91 at 1.
     assert rows(text) == [
-        "0 11.00 11.00 0.000 0.000 - 10.77 +2.2% above 12.3 completed",
-        "0.5 11.00 10.13 0.875 0.866 +1.0% 11.42 -3.7% yes 12.3 completed",
-        "1 11.00 9.27 1.732 1.732 +0.0% 12.07 -8.9% below 12.3 completed",
+        "0 11 11 0.000 0.000 - 10.77 +2.2% above 12.3 completed",
+        "0.5 11 10.1 0.875 0.866 +1.0% 11.42 -3.7% yes 12.3 completed",
+        "1 11 9.27 1.732 1.732 +0.0% 12.07 -8.9% below 12.3 completed",
     ]
     widths = {len(line) for line in text.partition("\n\n")[0].splitlines()[2:]}
     assert len(widths) == 1
@@ -181,3 +181,12 @@ def test_table_tells_the_difference_of_the_finest_two(order: slice) -> None:
     text = cone_factor_table(dataset.isel(cells_per_radius=order))
     assert "finest two (cells_per_radius 4 to 8): cone factor +2.00%, failed" in text
     assert "finest two" not in cone_factor_table(dataset.isel(cells_per_radius=[0]))
+
+
+def test_table_shows_what_is_known_of_the_error_beside_the_cone_factor() -> None:
+    dataset = result(adhesion_factor=[0.0, 1.0]).assign(
+        cone_factor_uncertainty=("adhesion_factor", [0.083, np.nan], {"role": "uncertainty"})
+    )
+    known, unknown = rows(cone_factor_table(dataset))
+    assert known.startswith("0 11.00 +- 0.08 ")
+    assert unknown.startswith("1 11 ")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from harness.compare.finest_error import with_finest_error
+from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.study.study import ERROR_FINEST
 
 
@@ -29,3 +29,30 @@ def test_one_case_of_each_soil_has_no_error(two_soils: xr.Dataset) -> None:
 
 def test_a_scene_without_parameters_of_the_method_has_no_error(two_soils: xr.Dataset) -> None:
     assert ERROR_FINEST not in with_finest_error(two_soils.drop_vars(ERROR_FINEST), [])
+
+
+def stating(dataset: xr.Dataset, half_width: list[float], settled: list[float]) -> xr.Dataset:
+    """The soil whose cases are all complete, with what they state of themselves."""
+    soil = dataset.drop_vars(ERROR_FINEST).sel(rigidity_index=[50.0])
+    return soil.assign(
+        cone_factor_uncertainty=("cells_per_radius", half_width, {"role": "uncertainty"}),
+        cone_factor_settled=("cells_per_radius", settled, {"role": "settled"}),
+    )
+
+
+def test_the_case_that_is_known_best_is_the_reference_and_its_uncertainty_the_floor(
+    two_soils: xr.Dataset,
+) -> None:
+    dataset = stating(two_soils, [np.nan, 0.09, 0.3], [1.0, 1.0, 1.0])
+    told = with_finest_error(dataset, ["cells_per_radius"])
+    error, floor = told[ERROR_FINEST].values[0], told[FLOOR].values[0]
+    np.testing.assert_allclose(error, [9.9 / 9.18 - 1.0, np.nan, 1.0 - 9.0 / 9.18], rtol=1e-12)
+    np.testing.assert_allclose(floor, [0.09 / 9.18, np.nan, 0.09 / 9.18], rtol=1e-12)
+
+
+def test_a_case_that_has_not_settled_has_no_error_and_is_no_reference(
+    two_soils: xr.Dataset,
+) -> None:
+    dataset = stating(two_soils, [np.nan] * 3, [1.0, 1.0, 0.0])
+    error = with_finest_error(dataset, ["cells_per_radius"])[ERROR_FINEST].values[0]
+    np.testing.assert_allclose(error, [9.9 / 9.18 - 1.0, np.nan, np.nan], rtol=1e-12)

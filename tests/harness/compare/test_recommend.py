@@ -144,3 +144,22 @@ def test_a_folder_that_is_not_there_is_told(
     nowhere = str(tmp_path / "nowhere")
     line = refusal(["recommend", "thick_cylinder", "--error", "1%", "--results", nowhere])
     assert line == f"harness: --results {nowhere}: no such folder"
+
+
+def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    dataset = two_soils.assign(error_floor=0.04 + 0.0 * two_soils.error_finest)
+    found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
+    assert found is not None
+    assert found.error == pytest.approx(0.04)
+    assert recommend("cone_penetration", 0.03, [written(tmp_path, dataset)]) is None
+
+
+def test_fixed_settings_that_are_not_as_by_default_are_told(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    dataset = two_soils.assign(cell_growth=((), 0.8, {"role": "parameter"}))
+    found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
+    assert found is not None
+    assert found.settings == {"cell_growth": 0.8, "cells_per_radius": 2.0}

@@ -53,19 +53,34 @@ def _uniform_traction(contact: PenetrometerContact, pressure: float) -> Floats:
 
 
 def test_a_uniform_pressure_gives_its_value_times_the_base(contact: PenetrometerContact) -> None:
-    forces = contact.forces(_uniform_traction(contact, 7.0))
+    nodal = _uniform_traction(contact, 7.0)
+    nodal[:, 1] = 0.0
+    forces = contact.forces(nodal)
     assert forces.face_normal == pytest.approx(7.0 * 0.5, rel=ROUNDING)
 
 
-def test_full_adhesion_gives_the_exact_shear_less_the_share_of_the_tip(
+@pytest.mark.parametrize("mobilised", [1.0, 0.25])
+def test_adhesion_gives_the_exact_shear_on_face_and_shaft(
+    contact: PenetrometerContact, mobilised: float
+) -> None:
+    """2 F / R^2 = a / tan(half angle), the tip included, which takes as much as its neighbour."""
+    nodal = _uniform_traction(contact, 7.0)
+    nodal[:, 1] *= mobilised
+    forces = contact.forces(nodal)
+    exact = mobilised * 3.0 / np.tan(HALF_ANGLE)
+    assert 2.0 * forces.face_shear == pytest.approx(exact, rel=ROUNDING)
+    assert forces.shaft_shear == pytest.approx(mobilised * contact.shaft_area, rel=ROUNDING)
+
+
+def test_what_counts_as_shear_at_the_tip_is_taken_from_its_normal_force(
     contact: PenetrometerContact,
 ) -> None:
-    """2 F / R^2 = a / tan(half angle); the tip's share is 1 / (3 n^2) with n rows on the face."""
-    rows_on_face = np.count_nonzero(contact.face_areas) - 1
-    forces = contact.forces(_uniform_traction(contact, 7.0))
-    exact = 3.0 / np.tan(HALF_ANGLE) * (1.0 - 1.0 / (3.0 * rows_on_face**2))
-    assert 2.0 * forces.face_shear == pytest.approx(exact, rel=ROUNDING)
-    assert forces.shaft_shear == pytest.approx(1.0 * contact.shaft_area, rel=ROUNDING)
+    nodal = _uniform_traction(contact, 7.0)
+    forces = contact.forces(nodal)
+    vertical = nodal[:, 0] * contact.normals[:, 1]
+    along_face = nodal[:, 1] * contact.face_areas / (contact.face_areas + contact.shaft_areas / 3.0)
+    expected = vertical.sum() + np.cos(HALF_ANGLE) * along_face.sum()
+    assert forces.face_normal + forces.face_shear == pytest.approx(expected, rel=ROUNDING)
 
 
 def test_friction_shares_the_shoulder_by_the_total_normal_traction(

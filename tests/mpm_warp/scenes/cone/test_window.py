@@ -27,8 +27,10 @@ def test_a_run_takes_the_steps_that_its_plan_says() -> None:
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
 def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float) -> None:
-    """Both end where they are steady to 0.3 %, so they may differ by twice as much."""
-    cone = ConePenetration(cells_per_radius=2, adhesion_factor=adhesion_factor)
+    """After the same way; both are steady to 0.3 %, so they may differ by twice as much."""
+    cone = ConePenetration(
+        cells_per_radius=2, adhesion_factor=adhesion_factor, penetration=20, steady_tolerance=0
+    )
     slow = float(dataclasses.replace(cone, approach=0.0).run().cone_factor)
     assert float(cone.run().cone_factor) == pytest.approx(slow, rel=0.006)
 
@@ -43,3 +45,14 @@ def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
     assert approach(penetration=7) is None  # its last five radii are at the final speed
     assert approach(approach=0) is None
     assert approach(speed_ratio=0.2, approach_speed_ratio=0.1) is None
+
+
+def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
+    """Two radii until the end of the approach, and half a radius after it."""
+    cone = ConePenetration(
+        cells_per_radius=1, domain_radius=10, domain_above=3, domain_below=3, approach=5,
+        penetration=12, steady_tolerance=0,
+    )  # fmt: skip
+    curve = cone.run().penetration_resistance
+    slowed = (curve.penetration > 3.0) & (curve.penetration < 5.5)
+    assert (curve.isnull() == slowed).all()

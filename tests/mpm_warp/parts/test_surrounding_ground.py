@@ -1,0 +1,139 @@
+"""The ground around a window: what it makes of velocities, springs, and soil that enters."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.errors import SceneError
+from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.simulation import Simulation
+
+SHORT = ConePenetration(
+    cells_per_radius=2, domain_radius=10, domain_above=4, domain_below=5, approach=0
+)
+ROUNDING = 1e-12
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """A cone in a small window."""
+    return SHORT.build()
+
+
+def ground_of(scene: Scene) -> SurroundingGround:
+    assert scene.surroundings is not None
+    return scene.surroundings
+
+
+def test_bottom_and_top_move_as_the_source_has_them_move(scene: Scene) -> None:
+    """At the top only along z: the shaft is there."""
+    simulation = Simulation(scene)
+    simulation.advance(200)
+    speed = simulation.array("window.motion")[1]
+    simulation.advance(1)
+    velocity = simulation.array("node.velocities")[:, :2]
+    places = scene.grid.node_positions
+    flow = speed * ground_of(scene).source.velocity(places)
+    bottom, top = (places[:, 1] == scene.grid.rows[row] for row in (0, -1))
+    np.testing.assert_allclose(velocity[bottom], flow[bottom], rtol=ROUNDING)
+    off_the_shaft = top & (places[:, 0] > SHORT.cone_radius)
+    np.testing.assert_allclose(velocity[off_the_shaft, 1], flow[off_the_shaft, 1], rtol=ROUNDING)
+
+
+def test_a_step_of_the_side_is_that_of_its_equation(scene: Scene) -> None:
+    """From rest, springs displaced: m dv = -k w dt with the dashpots implicit, to rounding."""
+    ground = ground_of(scene)
+    simulation = Simulation(scene)
+    count = len(ground.side)
+    pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], count)
+    simulation.assign("far_field.displacement", pushed)
+    simulation.advance(1)  # the window still rests
+    mass, step = simulation.array("node.mass")[ground.side, None], simulation.plan.time_step
+    expected = -step * ground.spring * pushed / (mass + step * ground.dashpot)
+    velocity = simulation.array("node.velocities")[ground.side, :2]
+    between = slice(1, -1)  # the ends have the last word in the corners
+    np.testing.assert_allclose(velocity[between], expected[between], rtol=1e-9)
+    moved = simulation.array("far_field.displacement") - pushed
+    np.testing.assert_allclose(moved, step * expected, rtol=1e-6)
+
+
+def test_side_nodes_that_move_with_the_source_are_pulled_by_its_traction_alone(
+    scene: Scene,
+) -> None:
+    """Then dw/dt = -V A t / k: the spring comes to pull as the elastic ground does."""
+    ground = ground_of(scene)
+    flow = ground.source.velocity(ground.side_positions)
+    plan = Simulation(scene).plan
+    drawn, shown = (plan.arrays[f"far_field.{name}"].initial for name in ("drawn", "flow"))
+    assert drawn is not None
+    assert shown is not None
+    np.testing.assert_allclose(shown, flow)
+    pull_rate = ground.spring * (drawn - flow)
+    expected = ground.side_areas[:, None] * ground.source.traction_rate(ground.side_positions)
+    np.testing.assert_allclose(pull_rate, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+def test_a_spring_that_enters_holds_the_stress_of_the_soil_beside_it(scene: Scene) -> None:
+    ground = dataclasses.replace(ground_of(scene), stress_at_rest=np.array([4e3, 0.0, 0.0, 4e3]))
+    travel = 2.0 * SHORT.cone_radius
+    stress = ground.stress(ground.side_positions[:1], travel)[0]
+    force = -ground.spring[0] * ground.entering_spring(travel)
+    np.testing.assert_allclose(force, ground.side_areas[0] * stress[[0, 2]], rtol=ROUNDING)
+
+
+@pytest.mark.parametrize("anisotropy", [-0.4, 0.4])
+def test_anisotropic_ground_rests(anisotropy: float) -> None:
+    """Before the window moves nothing does: the springs hold the stress at rest, to rounding."""
+    scene = dataclasses.replace(SHORT, stress_anisotropy=anisotropy).build()
+    # The contact would let the soil go where it pulls at the shaft, so that is held instead.
+    held = np.zeros((scene.grid.row_count + 1, scene.grid.column_count + 1), dtype=bool)
+    held[:, 0] = True
+    assert scene.fixed is not None
+    fixed = type(scene.fixed).where(radial=held, vertical=held)
+    simulation = Simulation(dataclasses.replace(scene, contact=None, fixed=fixed))
+    simulation.advance(1)
+    stress = simulation.array("particle.stress")
+    soil = simulation.array("particle.cell")[:, 0] >= 0
+    horizontal = 2.0 * anisotropy * SHORT.undrained_shear_strength
+    np.testing.assert_allclose(
+        stress[soil], np.tile([horizontal, 0.0, 0.0, horizontal], (soil.sum(), 1)),
+        atol=1e-6 * abs(horizontal),
+    )  # fmt: skip
+
+
+def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) -> None:
+    simulation = Simulation(scene)
+    row = float(scene.grid.rows[1] - scene.grid.rows[0])
+    simulation.travel_to(0.25 * row)  # where the first layer enters
+    ground, (_, speed, travel) = ground_of(scene), simulation.array("window.motion")
+    position = simulation.array("layer.position")
+    np.testing.assert_allclose(
+        simulation.array("layer.stress"), ground.stress(position, travel), rtol=ROUNDING
+    )
+    np.testing.assert_allclose(
+        simulation.array("layer.velocity"),
+        speed * ground.source.velocity(position),
+        rtol=ROUNDING,
+    )
+
+
+def test_it_takes_the_place_of_a_far_field_and_needs_a_window(scene: Scene) -> None:
+    far = FarField.around(scene.grid, scene.material)
+    with pytest.raises(SceneError, match="surroundings: not together with a far field"):
+        dataclasses.replace(scene, far_field=far)
+    with pytest.raises(SceneError, match="surroundings: not together with a grid at rest"):
+        dataclasses.replace(scene, window=None)
+
+
+def test_values_that_are_not_allowed(scene: Scene) -> None:
+    ground = ground_of(scene)
+    with pytest.raises(SceneError, match="surroundings: spring"):
+        dataclasses.replace(ground, spring=-ground.spring)
+    with pytest.raises(SceneError, match="surroundings: free must be 0 or 1"):
+        dataclasses.replace(ground, free=0.5 + 0.0 * ground.free)

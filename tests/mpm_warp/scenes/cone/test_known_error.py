@@ -1,0 +1,128 @@
+"""What is stated of the error of a cone factor, and when nothing is."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.known_error import FACE_ERRORS, known_error, mesh_error
+
+TEST = ConePenetration()
+CELL = math.sqrt(3.0) / 5.0
+PARTS = ("face", "growth", "domain", "steadiness", "speed", "points", "noise")
+
+
+def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) -> xr.Dataset:
+    """A resistance that is steady but for a rise of its mean over two radii, in su."""
+    resistance = factor * np.ones(60)
+    resistance[:-20] -= rise
+    return xr.Dataset(
+        {
+            "penetration_resistance": (
+                "penetration",
+                test.undrained_shear_strength * resistance,
+            ),
+            "cone_factor_simulated": factor,
+            "cone_factor_shear": 0.0,
+            "penetration_reached": test.penetration,
+        }
+    )
+
+
+def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
+    known = known_error(TEST, cell_size=CELL, recorded=recorded(TEST))
+    mesh = mesh_error(rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4)
+    speed = 0.07 * 100.0 * TEST.speed_ratio**2
+    assert float(known.cone_factor_correction) == pytest.approx(-mesh - speed, rel=1e-12)
+    assert float(known.cone_factor) == pytest.approx(10.0 - mesh - speed, rel=1e-12)
+    assert float(known.cone_factor_normal) == float(known.cone_factor)
+
+
+def test_the_half_width_is_made_of_its_parts() -> None:
+    known = known_error(TEST, cell_size=CELL, recorded=recorded(TEST))
+    parts = [float(known[f"cone_factor_uncertainty_{name}"]) for name in PARTS]
+    assert min(parts) >= 0.0
+    assert float(known.cone_factor_uncertainty) == pytest.approx(math.hypot(*parts), rel=1e-12)
+
+
+def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
+    def slope(rigidity_index: float, adhesion_factor: float) -> float:
+        coarse, fine = (
+            mesh_error(
+                rigidity_index=rigidity_index,
+                adhesion_factor=adhesion_factor,
+                cell_size=size,
+                cell_growth=1e-9,  # cells that do not grow have the error of the face alone
+            )
+            for size in (0.2, 0.1)
+        )
+        return (coarse - fine) / 0.1
+
+    assert slope(100.0, 0.0) == pytest.approx(FACE_ERRORS[0][2])
+    assert slope(100.0, 1.0) == pytest.approx(FACE_ERRORS[1][2])
+    assert slope(100.0, 0.5) == pytest.approx(0.5 * (FACE_ERRORS[0][2] + FACE_ERRORS[1][2]))
+    between = 0.5 * (FACE_ERRORS[0][1] + FACE_ERRORS[0][2])
+    assert slope(math.sqrt(50.0 * 100.0), 0.0) == pytest.approx(between)
+
+
+@pytest.mark.parametrize(
+    ("part", "changes"),
+    [
+        ("face", {}),
+        ("growth", {"cell_growth": 0.8}),
+        ("domain", {"domain_above": 10.0}),
+        ("domain", {"domain_radius": 20.0}),
+        ("speed", {"speed_ratio": 0.1}),
+    ],
+)
+def test_a_worse_choice_has_a_larger_part(part: str, changes: dict[str, float]) -> None:
+    worse = dataclasses.replace(TEST, **changes)
+    name = f"cone_factor_uncertainty_{part}"
+    cell = CELL if changes else 1.2 * CELL
+    before = known_error(TEST, cell_size=CELL, recorded=recorded(TEST))
+    after = known_error(worse, cell_size=cell, recorded=recorded(worse))
+    assert float(after[name]) > float(before[name])
+
+
+def test_a_resistance_that_still_changes_is_less_certain() -> None:
+    known = known_error(TEST, cell_size=CELL, recorded=recorded(TEST, rise=0.2))
+    assert float(known.cone_factor_uncertainty_steadiness) == pytest.approx(0.3)
+    assert float(known.cone_factor_uncertainty) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"material": "von_mises"}, "material = von_mises is not tresca"),
+        ({"apex_angle": 90.0}, "apex_angle = 90 is not 60"),
+        ({"friction_coefficient": 0.1}, "friction_coefficient is not 0"),
+        ({"rigidity_index": 5.0}, "rigidity_index is not 20 to 1000"),
+        ({"stress_anisotropy": 0.6}, "stress_anisotropy is beyond 0.5"),
+        ({"poissons_ratio": 0.3}, "poissons_ratio is below 0.45"),
+        ({"speed_ratio": 0.2}, "the speed is too high"),
+        ({"penetration": 14.0}, "soil that the cone has not passed is still beside it"),
+    ],
+)
+def test_where_nothing_is_known_nothing_is_stated(changes: dict[str, object], why: str) -> None:
+    test = dataclasses.replace(TEST, **changes)
+    known = known_error(test, cell_size=CELL, recorded=recorded(test))
+    assert known.cone_factor_uncertainty.attrs["not_known"] == why
+    assert np.isnan(known.cone_factor_uncertainty)
+    assert float(known.cone_factor) == 10.0
+
+
+def test_cells_that_are_too_wide_have_no_stated_error() -> None:
+    known = known_error(TEST, cell_size=math.sqrt(3.0) / 3.0, recorded=recorded(TEST))
+    assert known.cone_factor_uncertainty.attrs["not_known"] == "the cells are too wide"
+
+
+def test_a_run_that_is_too_short_has_not_settled() -> None:
+    short = dataclasses.replace(TEST, penetration=2.0)
+    known = known_error(short, cell_size=CELL, recorded=recorded(short).isel(penetration=slice(9)))
+    assert float(known.cone_factor_settled) == 0.0
+    assert float(known_error(TEST, cell_size=CELL, recorded=recorded(TEST)).cone_factor_settled)
