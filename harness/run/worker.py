@@ -206,7 +206,7 @@ def _run(
         raise RuntimeError(
             f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
         )
-    check_memory(from_mapping(scene, case.parameters), memory_limit)
+    check_memory(from_mapping(scene, case.parameters), memory_limit, len(case.snapshots))
     run_count = repeats + 1
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
