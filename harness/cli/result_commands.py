@@ -10,14 +10,15 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.study_files import read_study
 from harness.cli.exit_codes import DONE, INCOMPLETE
-from harness.compare.cone_factor_table import cone_factor_table
 from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.recommend import recommend, results_in
+from harness.compare.result_table import result_table
 from harness.compare.tolerances import has_tolerances, misses
 from harness.errors import HarnessError, tell
+from harness.pictures.own_files import NotOwnFileError, check_replaceable
 from harness.pictures.pictures import NothingToDrawError, draw
-from harness.pictures.report import write_report
+from harness.report.report import write_report
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -28,7 +29,7 @@ def compare(options: argparse.Namespace) -> int:
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
     try:
-        print(cone_factor_table(dataset))
+        print(result_table(dataset))
     except NothingToCompareError as error:
         if not has_tolerances(dataset):
             raise HarnessError(f"{options.file}: {error}") from None
@@ -56,12 +57,12 @@ def list_misses(dataset: xr.Dataset) -> int:
 def show(dataset: xr.Dataset, folder: Path) -> None:
     """Print the table and draw the pictures, as far as the scene has what they show."""
     try:
-        print(cone_factor_table(dataset))
+        print(result_table(dataset))
     except NothingToCompareError as error:
         tell(str(error))
     try:
         print(*draw(dataset, folder), sep="\n")
-    except (NothingToCompareError, NothingToDrawError) as error:
+    except (NotOwnFileError, NothingToDrawError) as error:
         tell(str(error))
 
 
@@ -71,7 +72,7 @@ def plot(options: argparse.Namespace) -> int:
     folder = options.out or options.file.parent
     prepare(folder)
     try:
-        pictures = draw(dataset, folder)
+        pictures = draw(dataset, folder, options.format)
     except NothingToDrawError as error:
         raise HarnessError(f"{options.file}: {error}") from None
     print(*pictures, sep="\n")
@@ -80,6 +81,7 @@ def plot(options: argparse.Namespace) -> int:
 
 def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
+    check_replaceable(options.out)  # before all is drawn
     write_report([read_study(file) for file in options.file], options.out)
     print(options.out)
     return DONE

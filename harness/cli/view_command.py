@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.atomic_files import prepare
 from harness.archive.fields_files import ENDING, find_fields, read_fields
 from harness.cli.exit_codes import DONE
 from harness.pictures.fields.animation import write_animation
 from harness.pictures.fields.sections import sections_figure
 from harness.pictures.fields.traction import traction_figure
 from harness.pictures.fields.vtk_files import write_vtk
-from harness.pictures.plot_parts import png
+from harness.pictures.own_files import write_own
+from harness.pictures.plot_parts import image
 
 
 def view(options: argparse.Namespace) -> int:
@@ -26,7 +27,7 @@ def view(options: argparse.Namespace) -> int:
     written = []
     for kind, figure in (("sections", sections_figure), ("traction", traction_figure)):
         written.append(folder / f"{name}_{kind}.png")
-        write_whole(png(figure(fields)), written[-1])
+        write_own(image(figure(fields)), written[-1])
     written += write_animation(fields, folder / f"{name}_animation.gif")
     print(*written, *series, sep="\n")
     return DONE

@@ -42,6 +42,14 @@ def test_the_page_has_the_commands() -> None:
     assert [command[0] for command in commands()] == ["run", "view", "view"]
 
 
+def test_the_python_of_the_page_runs(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(seen)
+    section = PAGE.read_text().partition("\n## Seeing the soil")[2].partition("\n## ")[0]
+    (block,) = re.findall(r"^```python\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
+    exec(block, {})
+    assert (seen / "sections.png").stat().st_size > 0
+
+
 def test_pictures_and_film_are_written(seen: Path) -> None:
     (results,) = seen.glob("results")
     for kind in ("sections", "traction"):
