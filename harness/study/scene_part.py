@@ -145,7 +145,8 @@ def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
     if scene.snapshots_over is None:
         raise table.refuse(SNAPSHOTS, f"{name} takes no snapshots")
     farthest = parameters_of(scene)[scene.snapshots_over]
-    moment = replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0)
+    meaning = f"moment at which the soil is kept, measured as the {farthest.name} is"
+    moment = replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0, meaning=meaning)
     moments = _variation(
         Assignments(table.where, table.values, {SNAPSHOTS: moment}), SNAPSHOTS, Design(kind=FULL)
     )

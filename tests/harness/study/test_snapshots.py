@@ -40,8 +40,8 @@ def test_moments_are_a_list_or_a_range(given: str, moments: tuple[float, ...], f
     [
         ("5", "must be a list of one value or more, or a range"),
         ("[]", "must be a list of one value or more, or a range"),
-        ("[0]", "must be a number > 0 and <= 300"),
-        ("[301]", "must be a number"),
+        ("[0]", "must be a number > 0 and <= "),
+        ("[3000]", "must be a number"),
         ("['a']", "must be a number"),
         ("[5, 5]", "is there twice"),
         ("{ from = 1, to = 4 }", "count: is missing"),
