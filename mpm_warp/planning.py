@@ -8,9 +8,12 @@ from __future__ import annotations
 import functools
 
 from mpm_warp.materials.yield_check import add_yield_check
+from mpm_warp.materials.yield_share import add_yield_share
 from mpm_warp.parts.energy_audit import add_energy_audit
+from mpm_warp.parts.history import add_origin
 from mpm_warp.parts.inflow import add_inflow
 from mpm_warp.parts.moving_wall import crossing_time
+from mpm_warp.parts.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
@@ -60,6 +63,9 @@ def make_soil_plan(
         spare_fraction=0.0 if window is None else window.spare_fraction,
         stress=scene.stress_at_rest,
     )
+    if scene.history:
+        add_origin(plan)
+        add_plastic_strain(plan)
     if window is not None:
         window.add_motion(plan)
     interpolation = (
@@ -96,6 +102,9 @@ def make_soil_plan(
     if scene.energy_audit:
         add_energy_audit(plan, grid)
     add_yield_check(plan, material)
+    if scene.history:
+        add_plastic_strain_audit(plan, grid, material)
+        add_yield_share(plan, material)
     return plan
 
 

@@ -47,3 +47,4 @@ from mpm_warp.scenes.impact.struck_column import StruckColumn
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.simulation import Simulation
+from mpm_warp.snapshots import Snapshots, soil_fields

@@ -28,7 +28,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.precision import PRECISIONS
 
 REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": str} | dict.fromkeys(
-    ("free_surface", "conservative_interpolation", "energy_audit"), bool
+    ("free_surface", "conservative_interpolation", "energy_audit", "history"), bool
 )
 """Of what type a value of a scene has to be."""
 OPTIONAL = {
@@ -71,6 +71,7 @@ class Scene:
             over a cell; for soil that streams along a wall for long. The grid is axisymmetric, of
             horizontal rows.
         energy_audit: whether to sample what energy the transfers create or dissipate.
+        history: whether particles keep where they entered, and add up their plastic shear strain.
         precision: floating point numbers of the run, "float64" or "float32".
 
     Raises:
@@ -93,6 +94,7 @@ class Scene:
     free_surface: bool = False
     conservative_interpolation: bool = False
     energy_audit: bool = False
+    history: bool = False
     precision: str = "float64"
 
     def __post_init__(self) -> None:

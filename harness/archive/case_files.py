@@ -16,6 +16,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
+from harness.archive.fields_files import fields_file, has_fields, write_fields
 from harness.archive.netcdf_files import DIGEST, opened_result, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
 from harness.study.cases import Case
@@ -30,7 +31,8 @@ class Outcome:
         status: ``completed``; ``refused``, by its scene before it began; ``diverged``,
             ``inaccurate``, ``unfinished``, ``failed``, ``crashed``, ``timed_out``; ``missing``
             where there is no file, ``damaged`` where the file is of no use, ``untimed`` where it
-            completed without the timed runs that its study asks for.
+            completed without the timed runs that its study asks for, ``no_fields`` where it did so
+            without the snapshots.
         message: why it did not complete, one line.
         headline: name and value of the scalar that the scene is run for.
         seconds: time that the case took in all.
@@ -85,12 +87,18 @@ def discard(folder: Path, cases: Iterable[Case]) -> None:
     """
     for case in cases:
         remove_file(case_file(folder, case))
+        remove_file(fields_file(folder, case))
 
 
 def write_case(
-    folder: Path, case: Case, dataset: xr.Dataset, status: str, message: str = ""
+    folder: Path,
+    case: Case,
+    dataset: xr.Dataset,
+    status: str,
+    message: str = "",
+    fields: xr.Dataset | None = None,
 ) -> None:
-    """Keep the result of a case.
+    """Keep the result of a case, and its snapshots first: what is done has them.
 
     Args:
         folder: the folder of the study's cases.
@@ -99,6 +107,7 @@ def write_case(
             by another machine it carries that machine's provenance.
         status: how it ended, as the status of an `Outcome`.
         message: why it did not complete, one line.
+        fields: snapshots of the soil; without them those of an earlier run are removed.
 
     Raises:
         ArchiveError: it cannot be written.
@@ -113,6 +122,7 @@ def write_case(
         "format_version": FORMAT_VERSION,
     }
     kept = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
+    write_fields(folder, case, None if fields is None else fields.assign_attrs(kept.attrs))
     write_netcdf(kept, case_file(folder, case))
 
 
@@ -161,9 +171,10 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
 
 
 def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
-    """Whether a case has completed, and has as many timed runs as are asked for."""
+    """Whether a case has completed, and has the timed runs and snapshots that are asked for."""
     outcome = read_outcome(folder, case)
-    return outcome.status == COMPLETED and outcome.repeats >= repeats
+    is_done = outcome.status == COMPLETED and outcome.repeats >= repeats
+    return is_done and has_fields(folder, case)
 
 
 def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:

@@ -42,7 +42,7 @@ from mpm_warp.scenes import scene_class, scene_names
 FORMAT_VERSION = 1
 """Version of the layout of case files and study files alike."""
 
-COMPLETED, UNTIMED = "completed", "untimed"
+COMPLETED, UNTIMED, NO_FIELDS = "completed", "untimed", "no_fields"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
 FAILED, UNFINISHED = "failed", "unfinished"
 MISSING, DAMAGED = "missing", "damaged"

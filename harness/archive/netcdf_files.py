@@ -97,7 +97,7 @@ def opened_result(path: Path) -> Iterator[tuple[netCDF4.Dataset, Outline]]:
     """
     with opened(path) as file:
         found = _outline(file)
-        _check_version(path, found.attributes)
+        check_version(path, found.attributes)
         if (fault := malformed(found)) is not None:
             raise ArchiveError(f"{path}: is no whole result: {fault}")
         yield file, found
@@ -168,7 +168,7 @@ def _damaged(path: Path, how: str) -> str:
     return f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
 
 
-def _check_version(path: Path, attributes: Mapping[str, Any]) -> None:
+def check_version(path: Path, attributes: Mapping[str, Any]) -> None:
     """Refuse a file of another format version.
 
     Raises:

@@ -90,6 +90,12 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="N",
         help="cases that a process computes together, to fill a GPU; default: 1",
     )
+    run.add_argument(
+        "--snapshots",
+        metavar="LIST",
+        help="keep the soil of each case at these moments, for `harness view`: 5,10 of the "
+        "penetration over the cone radius",
+    )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
         "--case-timeout",
@@ -216,6 +222,14 @@ def _add_results(commands: _Commands) -> None:
         default=["png"],
         metavar="FORMAT",
         help="png, the default, pdf or svg; several are allowed",
+    )
+
+    view = commands.add_parser("view", help="draw the soil of a case around its penetrometer")
+    view.add_argument("file", type=Path, metavar="FILE", help="result of a study, or of a case")
+    view.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
+    view.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
+    view.add_argument(
+        "--vtk", action="store_true", help="write points, grid and surface for ParaView too"
     )
 
     report = commands.add_parser("report", help="write one page of HTML on results")

@@ -107,6 +107,13 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
         "Draw the pictures of a result again.",
         ("plot results/adhesion_factor.nc",),
     ),
+    "view": (
+        (
+            "Draw the soil around the penetrometer of a case that was run with --snapshots: "
+            "sections, traction and a film. With --vtk: files for ParaView too."
+        ),
+        ("view results/adhesion_factor.nc", "view results/adhesion_factor.nc --vtk --out seen"),
+    ),
     "report": (
         "Write one page of HTML on results, pictures included.",
         ("report results/adhesion_factor.nc -o report.html",),

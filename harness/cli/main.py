@@ -31,6 +31,7 @@ COMMANDS = {
     "plan": "plan_commands.show_plan",
     "compare": "result_commands.compare",
     "plot": "result_commands.plot",
+    "view": "view_command.view",
     "report": "result_commands.report",
     "recommend": "result_commands.show_recommendation",
     "references": "reference_commands.references",

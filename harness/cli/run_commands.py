@@ -23,7 +23,7 @@ from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
-from harness.study.study import Study, load_study
+from harness.study.study import Study, load_study, with_snapshots
 from harness.study.unusual_values import tell_of_unusual_values
 
 
@@ -40,6 +40,8 @@ def run(options: argparse.Namespace) -> int:
             "with --dask"
         )
     study = load_study(options.study, options.set)
+    if options.snapshots is not None:
+        study = with_snapshots(study, options.snapshots)
     _ = study.cases  # what is wrong with them is told before anything is started
     tell_of_unusual_values(study)
     runner = (

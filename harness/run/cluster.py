@@ -104,7 +104,7 @@ def _kept(folder: Path, case: Case, result: Result) -> Outcome:
     # Computed there, with all that this says of the machine, but asked for here.
     asked = {"command_line": provenance()["command_line"]}
     outcome, dataset = result.outcome, result.dataset.assign_attrs(asked)
-    write_case(folder, case, dataset, outcome.status, outcome.message)
+    write_case(folder, case, dataset, outcome.status, outcome.message, result.fields)
     return outcome
 
 

@@ -13,7 +13,8 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
 from harness.archive.collection import collect
-from harness.archive.conventions import COMPLETED, TRACEBACK, UNTIMED, over_cases
+from harness.archive.conventions import COMPLETED, NO_FIELDS, TRACEBACK, UNTIMED, over_cases
+from harness.archive.fields_files import has_fields
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import study_file, write_study
@@ -63,12 +64,12 @@ def outcomes(study: Study, out: Path) -> list[Outcome]:
     """How the cases of a study stand, in their order."""
     folder = case_folder(out, study)
     read = [read_outcome(folder, case) for case in study.cases]
-    return [
-        replace(outcome, status=UNTIMED)
-        if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats
-        else outcome
-        for outcome in read
-    ]
+    for place, (case, outcome) in enumerate(zip(study.cases, read, strict=True)):
+        if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats:
+            read[place] = replace(outcome, status=UNTIMED)
+        elif outcome.status == COMPLETED and not has_fields(folder, case):
+            read[place] = replace(outcome, status=NO_FIELDS)
+    return read
 
 
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from harness.archive.atomic_files import ArchiveError, abandoned, is_folder, remove_file
 from harness.archive.case_files import case_file, case_folder, check_no_link, read_outcome
 from harness.archive.conventions import DAMAGED
+from harness.archive.fields_files import fields_fault, fields_file
 from harness.archive.netcdf_files import read_attributes
 from harness.errors import tell
 from harness.study.cases import Case
@@ -48,10 +49,14 @@ def leftovers(study: Study, out: Path) -> list[Leftover]:
     folder = case_folder(out, study)
     found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
     present = {case_file(folder, case): case for case in study.cases}
+    of_cases = {fields_file(folder, case) for case in study.cases}
     keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
     for path in sorted(folder.glob("*.nc")):
         if is_folder(path):
             tell(f"{path}: is a folder, where only files belong; kept")
+        elif path in of_cases:
+            if (fault := fields_fault(path)) is not None:
+                found[path] = fault.removeprefix(f"{path}: ")
         elif path not in present:
             found[path] = _stranger(path, keys, shared)
         elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:

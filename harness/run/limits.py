@@ -19,6 +19,8 @@ LONG = 24 * 3600.0
 """Time of a case beyond which a run tells of it before it begins [s]."""
 PROCESS_MEMORY = 300e6
 """What a process takes before it runs a case: the interpreter and its libraries [byte]."""
+SNAPSHOT_BYTES = 150.0
+"""What a material point takes in a snapshot: as it is taken, gathered and written [byte]."""
 SHARE_OF_MACHINE = 0.9
 """Of the machine's memory, that cases may take where nothing is said."""
 CONTAINER_LIMITS = (
@@ -44,12 +46,13 @@ def default_memory_limit() -> float:
     return SHARE_OF_MACHINE * machine_memory()
 
 
-def check_memory(scene: CatalogueScene, limit: float) -> None:
+def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -> None:
     """Refuse a scene that needs more memory than it may take, before anything is built.
 
     Args:
         scene: what is to be run.
         limit: memory that its process may take [byte].
+        snapshot_count: snapshots of the soil that are kept until its end.
 
     Raises:
         TooLarge: it needs more.
@@ -58,6 +61,7 @@ def check_memory(scene: CatalogueScene, limit: float) -> None:
     if size is None:
         return
     needed = PROCESS_MEMORY + size.byte_count
+    needed += snapshot_count * size.particle_count * SNAPSHOT_BYTES
     if needed > limit:
         raise TooLarge(
             f"needs about {needed / 1e9:.3g} GB of memory for {size.cell_count:,} cells and "

@@ -39,6 +39,7 @@ from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
+from mpm_warp.snapshots import Snapshots
 
 REPORT_INTERVAL = 0.1
 """Seconds between two reports of progress."""
@@ -52,10 +53,12 @@ class Result:
         outcome: how it ended.
         dataset: what the scene returned, or had computed up to its error; what it cost and where it
             was computed.
+        fields: snapshots of the soil, up to its error; None where there are none.
     """
 
     outcome: Outcome
     dataset: xr.Dataset
+    fields: xr.Dataset | None = None
 
 
 def compute(
@@ -80,8 +83,10 @@ def compute(
     execution = execution or Execution()
     measurement = Measurement()
     status, message = COMPLETED, ""
+    snapshots = Snapshots(case.snapshots) if case.snapshots else None
+    memory_limit = memory_limit or default_memory_limit()
     try:
-        dataset = _run(case, progress, execution, repeats, memory_limit or default_memory_limit())
+        dataset = _run(case, progress, execution, repeats, memory_limit, snapshots)
         if (missing := _without_headline(dataset)) is not None:
             status, message = UNFINISHED, missing
     except Exception as error:
@@ -113,7 +118,8 @@ def compute(
         start_seconds=seconds - compiling - running if running and not repeats else 0.0,
         compile_seconds=compiling,
     )
-    return Result(outcome, dataset)
+    fields = None if snapshots is None else snapshots.dataset()
+    return Result(outcome, dataset, fields or None)
 
 
 def run_case(
@@ -132,8 +138,9 @@ def run_case(
         ArchiveError: the result cannot be written.
     """
     result = compute(case, progress, execution, repeats, memory_limit)
-    write_case(folder, case, result.dataset, result.outcome.status, result.outcome.message)
-    return result.outcome
+    outcome = result.outcome
+    write_case(folder, case, result.dataset, outcome.status, outcome.message, result.fields)
+    return outcome
 
 
 def serve(
@@ -205,24 +212,28 @@ def _run(
     execution: Execution,
     repeats: int,
     memory_limit: float,
+    snapshots: Snapshots | None,
 ) -> xr.Dataset:
-    """The dataset of the scene and its sources, with the run times of `repeats` more runs."""
+    """The dataset of the scene and its sources, with the run times of `repeats` more runs.
+
+    Snapshots are taken in the first run alone, which is not timed.
+    """
     scene = scene_class(case.scene)
     if scene.version != case.scene_version:  # as on a cluster with another installation
         raise RuntimeError(
             f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
         )
-    check_memory(from_mapping(scene, case.parameters), memory_limit)
+    check_memory(from_mapping(scene, case.parameters), memory_limit, len(case.snapshots))
     run_count = repeats + 1
 
-    def run(number: int) -> xr.Dataset:
+    def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
         def report(fraction: float) -> None:
             if progress is not None:
                 progress((number + fraction) / run_count)
 
-        return from_mapping(scene, case.parameters).run(report, execution)
+        return from_mapping(scene, case.parameters).run(report, execution, snapshots)
 
-    dataset = run(0).assign_attrs({SOURCES: sources_digest(scene)})
+    dataset = run(0, snapshots).assign_attrs({SOURCES: sources_digest(scene)})
     samples = []
     for number in range(1, run_count):
         again = run(number)

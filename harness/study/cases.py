@@ -33,12 +33,15 @@ class Case:
         parameters: all parameters of the scene, derived defaults filled in; None is one that the
             scene derives only when it runs.
         label: the varied values, for people.
+        snapshots: moments at which the soil is to be kept; they change no result, so a case is the
+            same one with them.
     """
 
     scene: str
     scene_version: int
     parameters: Mapping[str, Value | None]
     label: str
+    snapshots: tuple[float, ...] = ()
 
     @property
     def key(self) -> str:
@@ -87,6 +90,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
                 scene_version=part.scene.version,
                 parameters=complete,
                 label=label,
+                snapshots=part.snapshots,
             )
             cases.setdefault(case.key, case)
             if refusal is not None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from harness.study.designs import (
     EITHER_FIXED_OR_VARIED,
+    FULL,
     LATIN_HYPERCUBE,
     LIST,
     SPACINGS,
@@ -26,6 +27,9 @@ LARGEST_STUDY = 100_000
 MOST_EXCLUSIONS = 100
 """Conditions of a study, each of which is worked out for every case."""
 
+SNAPSHOTS = "snapshots"
+"""Key of the moments at which the soil is kept."""
+
 Scene = type[CatalogueScene]
 
 
@@ -42,6 +46,7 @@ class ScenePart:
         listed: the cases of the design ``list``.
         derived: parameters worked out from the others, in this order.
         excluded: conditions on cases that are not run.
+        snapshots: moments at which the soil of each case is kept.
     """
 
     name: str
@@ -52,6 +57,7 @@ class ScenePart:
     listed: tuple[Combination, ...]
     derived: Mapping[str, Expression]
     excluded: tuple[Expression, ...]
+    snapshots: tuple[float, ...]
 
     @property
     def assigned(self) -> set[str]:
@@ -120,7 +126,31 @@ def read_part(
         ),
         derived=derived,
         excluded=_excluded(known, table),
+        snapshots=read_snapshots(name, scene, table) if SNAPSHOTS in table.values else (),
     )
+
+
+def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
+    """Read at which moments the soil is to be kept: a list of numbers, or a range with a count.
+
+    Args:
+        name: of the scene.
+        scene: its class.
+        table: that has them under the key `snapshots`.
+
+    Raises:
+        StudyError: the scene takes none, or a moment is not allowed.
+    """
+    if scene.snapshots_over is None:
+        raise table.refuse(SNAPSHOTS, f"{name} takes no snapshots")
+    farthest = parameters_of(scene)[scene.snapshots_over]
+    meaning = f"moment at which the soil is kept, measured as the {farthest.name} is"
+    moment = replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0, meaning=meaning)
+    moments = _variation(
+        Assignments(table.where, table.values, {SNAPSHOTS: moment}), SNAPSHOTS, Design(kind=FULL)
+    )
+    assert isinstance(moments, tuple)  # a range without a count is a Latin hypercube's alone
+    return tuple(sorted(float(it) for it in moments))
 
 
 def _fixed(table: Assignments) -> dict[str, Value]:

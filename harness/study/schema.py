@@ -7,16 +7,17 @@ at once, such as the sum of cases, is left to the harness.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from harness.references.cone_factors import reference_ids
 from harness.references.experience import experience_ids
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
-from harness.study.scene_part import LARGEST_STUDY
+from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
 from harness.study.study import LARGEST_SEED, MOST_REPEATS
 from mpm_warp.parameters import Parameter, parameters_of
-from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
@@ -49,6 +50,7 @@ def study_schema() -> Schema:
         "derived": {"type": "object", "additionalProperties": _expression("from the others")},
         "exclude": texts,
         "case": {"type": "array", "items": {"type": "object"}},
+        SNAPSHOTS: {},
         "scenes": _table(
             {name: _of_scene(name) for name in scene_names()},
             description="what holds for one scene of several",
@@ -83,8 +85,18 @@ def _of_scene(name: str) -> Schema:
             "derived": _table({it.name: _expression(it.meaning) for it in parameters}),
             "exclude": {"type": "array", "items": _expression("condition")},
             "case": {"type": "array", "items": fixed},
+            **_snapshots(scene_class(name)),
         }
     )
+
+
+def _snapshots(scene: type[CatalogueScene]) -> Schema:
+    """The moments at which the soil is kept, of a scene that takes snapshots."""
+    if scene.snapshots_over is None:
+        return {}
+    farthest = parameters_of(scene)[scene.snapshots_over]
+    meaning = f"{farthest.meaning}: moments at which the soil is kept"
+    return {SNAPSHOTS: _variation(replace(farthest, minimum=None, above=0.0, meaning=meaning))}
 
 
 def value_schema(parameter: Parameter) -> Schema:

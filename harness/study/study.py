@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +33,15 @@ from harness.references.experience import experience_ids
 from harness.study.cases import Case, cases_of
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.study.files import find_study, joined, lineage, study_names
-from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart, read_part
-from harness.study.tables import Assignments, StudyError, Table, parse_setting, shown
+from harness.study.scene_part import (
+    LARGEST_STUDY,
+    SNAPSHOTS,
+    Scene,
+    ScenePart,
+    read_part,
+    read_snapshots,
+)
+from harness.study.tables import Assignments, StudyError, Table, parse_setting, parse_value, shown
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import (
     Parameter,
@@ -56,7 +63,7 @@ MISSPELT = 0.85
 """Likeness from which on a name is a slip; two results of a scene are less alike."""
 
 OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
-OF_SCENE = ("fixed", "vary", "derived", "exclude", "case")
+OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
 """Keys that may stand under [scenes.NAME] as well, for that scene alone."""
 
 
@@ -126,6 +133,28 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         values = _standing_on(values, its_own)
         _read(base, values, {})  # what is wrong there is to be told of that file
     return _read(path, _standing_on(values, own), assignments)
+
+
+def with_snapshots(study: Study, moments: str) -> Study:
+    """The study whose scenes keep the soil at other moments, where they take snapshots at all.
+
+    Args:
+        study: the study.
+        moments: as on the command line: ``5, 10``, or the list or the range of a study in TOML.
+
+    Raises:
+        StudyError: they are malformed, or no scene takes any.
+    """
+    option = f"--{SNAPSHOTS}"
+    given = moments if moments.lstrip().startswith(("[", "{")) else f"[{moments}]"
+    table = Table(option, {SNAPSHOTS: parse_value(f"{option} {moments}", SNAPSHOTS, given)})
+    taking = [part for part in study.parts if part.scene.snapshots_over is not None]
+    parts = [
+        replace(part, snapshots=read_snapshots(part.name, part.scene, table))
+        for part in taking or study.parts[:1]
+    ]
+    others = {part.name: part for part in study.parts} | {part.name: part for part in parts}
+    return replace(study, parts=tuple(others.values()))
 
 
 def is_scene(subject: str) -> bool:

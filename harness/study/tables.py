@@ -169,13 +169,27 @@ def parse_setting(setting: str) -> tuple[str, Any]:
         raise StudyError(f"--set {setting}: must be key=value, without blanks around the =")
     if re.fullmatch(r"[A-Za-z_]\w*", text) and text not in ("true", "false", "inf", "nan"):
         return key, text
+    return key, parse_value(f"--set {setting}", key, text)
+
+
+def parse_value(option: str, key: str, text: str) -> Any:
+    """A TOML value from the command line.
+
+    Args:
+        option: with what it was given, for the message.
+        key: what it is the value of.
+        text: the value.
+
+    Raises:
+        StudyError: it is none.
+    """
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         parsed = {}
     if parsed.keys() != {"value"}:
-        raise StudyError(f"--set {setting}: {text} is not a TOML value: {_meant(key, text)}")
-    return key, parsed["value"]
+        raise StudyError(f"{option}: {text} is not a TOML value: {_meant(key, text)}")
+    return parsed["value"]
 
 
 def _meant(key: str, text: str) -> str:

@@ -14,6 +14,7 @@ import warp as wp
 
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
+from mpm_warp.parts.history import note_origin
 from mpm_warp.parts.part import Setting
 from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
@@ -112,6 +113,7 @@ class Inflow:
         position = self._position.copy()
         position[:, 1] += position.dtype.type(above_bottom)
         self._run.assign("layer.position", position)
+        note_origin(self._run, position, self.travel)
         self._run.assign("layer.slots", self._chosen(free))
         if self._ground is not None:
             speed, travel = self._run.array("window.motion")[1:]

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import xarray as xr
 from tqdm import tqdm
 
+from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import Value, check_parameters
 from mpm_warp.plan.plan import Plan
@@ -19,6 +20,7 @@ from mpm_warp.planning import make_plan
 from mpm_warp.results import parameter_variables
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
+from mpm_warp.snapshots import Snapshots
 
 Progress = Callable[[float], None]
 """Called now and then during a run with the fraction done, 0 to 1."""
@@ -69,6 +71,8 @@ class CatalogueScene(ABC):
     """Parameters of the method alone: without its error, the headline would not depend on them."""
     verifications: ClassVar[tuple[Verification, ...]] = ()
     """Comparisons with the exact solution, where there is one: its results hold `error`."""
+    snapshots_over: ClassVar[str | None] = None
+    """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
 
     def __post_init__(self) -> None:
         check_parameters(self, self.derived)
@@ -99,7 +103,10 @@ class CatalogueScene(ABC):
         return None
 
     def run(
-        self, progress: Progress | bool | None = None, execution: Execution | None = None
+        self,
+        progress: Progress | bool | None = None,
+        execution: Execution | None = None,
+        snapshots: Snapshots | None = None,
     ) -> xr.Dataset:
         """Simulate the scene.
 
@@ -108,6 +115,7 @@ class CatalogueScene(ABC):
                 and then with the fraction done: with 0 when the first step is begun, at the end
                 with 1.
             execution: device and threads; default: one thread of the processor.
+            snapshots: are taken on the way, whatever ends the run; they change no result by a bit.
 
         Returns:
             Curves, scalars, what they cost, and all parameters. Each variable has the attributes
@@ -120,9 +128,13 @@ class CatalogueScene(ABC):
                 recorded up to there.
             mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
             mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
+            mpm_warp.errors.SceneError: the scene takes no snapshots.
         """
         with _reporter(progress, self.catalogue_name()) as report:
-            results = self.compute(report, execution)
+            if snapshots is None:
+                results = self.compute(report, execution)
+            else:
+                results = self.compute_with_snapshots(report, execution, snapshots)
             report(1.0)
         return results.assign(parameter_variables(self, {*results.variables, *results.dims}))
 
@@ -139,6 +151,18 @@ class CatalogueScene(ABC):
         simulation = Simulation(self.build(), execution)
         progress(0.0)  # set up and compiled: from here on it computes
         return self.record(simulation, progress)
+
+    def compute_with_snapshots(
+        self, progress: Progress, execution: Execution | None, snapshots: Snapshots
+    ) -> xr.Dataset:
+        """What `compute` gives, with snapshots taken on the way.
+
+        A scene with `snapshots_over` defines it.
+
+        Raises:
+            SceneError: the scene takes none.
+        """
+        raise SceneError(f"{self.catalogue_name()}: takes no snapshots")
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Run a simulation of what `build` gives, and take down its results.

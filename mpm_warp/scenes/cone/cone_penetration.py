@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Floats, Grid, growing
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
@@ -18,7 +19,7 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.travelling_source import TravellingSource
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
-from mpm_warp.results import variable
+from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
@@ -27,6 +28,7 @@ from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
+from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
     check_bound,
     check_energy,
@@ -41,6 +43,7 @@ from mpm_warp.scenes.cone.window import (
 )
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
+from mpm_warp.snapshots import Snapshots
 
 VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
 """Strength of soil of von Mises in compression along one axis, over that of Tresca."""
@@ -59,6 +62,7 @@ class ConePenetration(ConeTest):
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
     version: ClassVar[int] = 8
+    snapshots_over: ClassVar[str | None] = AXIS
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -191,8 +195,18 @@ class ConePenetration(ConeTest):
         assert self.penetration is not None
         return self._window.time_to(self.penetration * self.cone_radius)
 
-    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Push the penetrometer in until its resistance is steady.
+    def compute_with_snapshots(
+        self, progress: Progress, execution: Execution | None, snapshots: Snapshots
+    ) -> xr.Dataset:
+        """What a run gives, with snapshots of the soil on the way."""
+        simulation = Simulation(replace(self.build(), history=True), execution)
+        progress(0.0)
+        return self.record(simulation, progress, snapshots)
+
+    def record(
+        self, simulation: Simulation, progress: Progress, snapshots: Snapshots | None = None
+    ) -> xr.Dataset:
+        """Push the penetrometer in until its resistance is steady, and take snapshots on the way.
 
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work, or the cone
@@ -212,16 +226,26 @@ class ConePenetration(ConeTest):
             slowing=slowing,
             tolerance=self.steady_tolerance,
         )
+        views = []
+        if snapshots is not None:
+            parameters = parameter_variables(self, [AXIS])
+            views.append(
+                PenetrationSnapshots(
+                    simulation, snapshots=snapshots, curves=curves, parameters=parameters
+                )
+            )
         spacing = SAMPLE_SPACING * self.cone_radius
         sample_count = round(self.penetration / SAMPLE_SPACING)
         recorded = follow(
             simulation,
             [sample * spacing for sample in range(1, sample_count + 1)],
             simulation.travel_to,
-            [curves, pressures],
+            [curves, pressures, *views],
             progress,
             is_over=curves.is_steady,
         )
+        for view in views:
+            view.finish()
         strength = self.undrained_shear_strength
         steady = steady_values(recorded, strength) | pore_pressure_factors(recorded, strength)
         results = recorded.assign(steady).assign(

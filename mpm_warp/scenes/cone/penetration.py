@@ -34,6 +34,9 @@ class PenetrationCurves:
         tolerance: change of the resistance over two radii at which it counts as steady.
         slowing: penetration between which the resistance is not given, over the radius: the
             penetrometer slows down there, and the inertia of the soil pushes it; or none.
+
+    Attributes:
+        radius: radius of the penetrometer [m].
     """
 
     def __init__(
@@ -49,7 +52,7 @@ class PenetrationCurves:
         assert isinstance(contact, PenetrometerContact)
         self._simulation = simulation
         self._contact = contact
-        self._radius = radius
+        self.radius = radius
         self._unsteady = unsteady
         self._slowing = slowing
         self._tolerance = tolerance
@@ -62,7 +65,7 @@ class PenetrationCurves:
     @property
     def next_distance(self) -> float:
         """Travel at which the next sample is due [m]."""
-        return (len(self._moved) + 1) * (SAMPLE_SPACING * self._radius)
+        return (len(self._moved) + 1) * (SAMPLE_SPACING * self.radius)
 
     def sample(self) -> None:
         """Take down the mean forces since the sample before."""
@@ -74,6 +77,11 @@ class PenetrationCurves:
         self._nodal_forces.append(nodal_forces)
         self._moved.append(reached - self._sampled_at)
         self._sampled_at = reached
+
+    @property
+    def nodal_forces(self) -> Floats:
+        """Mean forces at the nodes over the last sample [N], shape [node_count, 2]."""
+        return self._nodal_forces[-1]
 
     @property
     def forces(self) -> list[PenetrometerForces]:
@@ -99,7 +107,7 @@ class PenetrationCurves:
 
     def dataset(self) -> xr.Dataset:
         """Resistance, its shear part, friction of shaft and sleeve, and contact."""
-        base_area = 0.5 * self._radius**2
+        base_area = 0.5 * self.radius**2
         normal, shear, shaft, share = (
             np.array(
                 [
@@ -111,7 +119,7 @@ class PenetrationCurves:
             .T
         )
         sleeve = self._sleeve_friction
-        sleeve_area = 2.0 * math.pi * SLEEVE_LENGTH * self._radius**2
+        sleeve_area = 2.0 * math.pi * SLEEVE_LENGTH * self.radius**2
         return curves(
             "penetration",
             penetration_axis(len(self._moved)),
@@ -145,7 +153,7 @@ class PenetrationCurves:
     def _sleeve_friction(self) -> Floats:
         """Mean shear stress on the sleeve in each sample [Pa], shape [sample_count]."""
         heights = soil_scene(self._simulation).grid.node_positions[self._contact.nodes, 1]
-        above_shoulder = heights / self._radius - 1.0 / math.tan(self._contact.half_angle)
+        above_shoulder = heights / self.radius - 1.0 / math.tan(self._contact.half_angle)
         stresses = map(self._contact.shaft_shear_stress, self._nodal_forces)
         return np.array([sleeve_mean(above_shoulder, it) for it in stresses])
 

@@ -192,6 +192,14 @@ class PenetrometerContact(SurfaceContact):
             contact_share=self.share_in_touch(normal),
         )
 
+    def shear_on_face(self, nodal: Floats) -> Floats:
+        """The face's part of the shear forces at the nodes [N], shape [node_count].
+
+        Args:
+            nodal: as in `forces`.
+        """
+        return _shear_on_face(nodal[:, 1], self._limits(nodal[:, 0]))
+
     def shaft_shear_stress(self, nodal: Floats) -> Floats:
         """Shear stress on the shaft at its nodes, from below, 0 on the face [Pa], [node_count].
 
@@ -199,7 +207,7 @@ class PenetrometerContact(SurfaceContact):
             nodal: as in `forces`.
         """
         shear = nodal[:, 1]
-        on_shaft = shear - _shear_on_face(shear, self._limits(nodal[:, 0]))
+        on_shaft = shear - self.shear_on_face(nodal)
         stress: Floats = np.divide(
             on_shaft, self.shaft_areas, out=np.zeros_like(shear), where=self.shaft_areas > 0.0
         )

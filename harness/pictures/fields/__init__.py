@@ -1,0 +1,1 @@
+"""Pictures of the soil around a penetrometer, from the snapshots of a case."""

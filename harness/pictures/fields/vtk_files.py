@@ -1,0 +1,128 @@
+"""Snapshots for ParaView: points, grid and surface of each in VTK files, and one that lists all.
+
+Coordinates are (r, 0, z), so that z points up; all units are SI. Pyvista writes the files, an
+optional dependency: it stands on VTK itself, which ParaView reads with.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.atomic_files import prepare, write_whole
+from harness.errors import HarnessError
+from harness.pictures.fields.nodal_values import Floats, NodalValues
+
+VECTORS = ("displacement", "velocity")
+PARTS = ("points", "grid", "surface")
+OF_CASE = ("cone_radius", "undrained_shear_strength", "apex_angle", "resistance", "penetration")
+"""Numbers that stand with every surface, by which its traction can be integrated."""
+
+
+def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
+    """Write the snapshots of a case: ``NAME.pvd``, which lists the files in ``NAME_vtk/``.
+
+    Points carry what they carry in the snapshots; the nodes of the grid have averages of it, and
+    their own velocities. Between the nodes of the surface the traction is linear.
+
+    Args:
+        fields: the snapshots of a case.
+        folder: where they are written.
+        name: of the series.
+
+    Returns:
+        The series, and every file that it lists.
+
+    Raises:
+        HarnessError: pyvista is not installed.
+        ArchiveError: a file cannot be written.
+    """
+    beside = folder / f"{name}_vtk"
+    prepare(beside)
+    series, collection = _series()
+    written = []
+    for number, penetration in enumerate(fields["penetration"].values.tolist()):
+        meshes = _meshes(fields.isel(penetration=number))
+        for part, (kind, mesh) in enumerate(zip(PARTS, meshes, strict=True)):
+            path = beside / f"{kind}_{number:03}.vtu"
+            write_whole(_content(mesh), path)
+            written.append(path)
+            where = {"timestep": f"{penetration:g}", "part": f"{part}", "name": kind}
+            file = {"file": path.relative_to(folder).as_posix()}
+            ET.SubElement(collection, "DataSet", where | file)
+    listed = folder / f"{name}.pvd"
+    write_whole(ET.tostring(series, xml_declaration=True, encoding="utf-8"), listed)
+    return [listed, *written]
+
+
+def _series() -> tuple[ET.Element, ET.Element]:
+    """An empty list of files by time, and where they are listed in it."""
+    about = {"type": "Collection", "version": "1.0", "byte_order": "LittleEndian"}
+    series = ET.Element("VTKFile", about)
+    return series, ET.SubElement(series, "Collection")
+
+
+def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
+    """Points, grid and surface of a snapshot."""
+    try:
+        import pyvista as pv
+    except ModuleNotFoundError as error:
+        raise HarnessError(f"--vtk: {error}: pip install 'mpm-warp[view]'") from None
+    carried = {
+        str(name): it.values for name, it in snapshot.data_vars.items() if it.dims == ("point",)
+    }
+    present = np.isfinite(snapshot.point_r.values)
+    nodal = NodalValues(snapshot)
+    r, z = (snapshot[f"point_{it}"].values[present] for it in "rz")
+    vertices = np.arange(len(r))[:, None]
+    points = pv.UnstructuredGrid({pv.CellType.VERTEX: vertices}, _in_space(r, z))
+    _carry(points, {name: values[present] for name, values in carried.items()})
+
+    node = np.arange(nodal.r.size).reshape(nodal.r.shape)
+    corners = node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]
+    cells = np.stack([corner.ravel() for corner in corners], axis=-1)
+    grid = pv.UnstructuredGrid({pv.CellType.QUAD: cells}, _in_space(nodal.r, nodal.z))
+    averages = {name: nodal.of(values).ravel() for name, values in carried.items()}
+    own = {f"velocity_{it}": snapshot[f"node_velocity_{it}"].values.ravel() for it in "rz"}
+    _carry(grid, averages | own)
+
+    r, z = (snapshot[f"surface_{it}"].values for it in "rz")
+    of_part = snapshot.surface_part.values
+    # None leads from the shoulder of the face to that of the shaft, which are at one place.
+    first = np.flatnonzero(of_part[1:] == of_part[:-1])
+    lines = np.stack([first, first + 1], axis=-1)
+    surface = pv.UnstructuredGrid({pv.CellType.LINE: lines}, _in_space(r, z))
+    tractions = {name: snapshot[name].values for name in ("normal_traction", "shear_traction")}
+    _carry(surface, {**tractions, "on_shaft": (of_part == "shaft").astype(np.uint8)})
+    for name in OF_CASE:
+        surface.field_data[name] = np.array([snapshot[name].item()])
+    return points, grid, surface
+
+
+def _carry(mesh: Any, values: dict[str, Any]) -> None:
+    """Give the points of a mesh arrays; two components of a vector become one array."""
+    for vector in VECTORS:
+        components = [values.pop(f"{vector}_{it}", None) for it in "rz"]
+        if components[0] is not None:
+            mesh.point_data[vector] = _in_space(*components)
+    for name, array in values.items():
+        mesh.point_data[name] = array
+
+
+def _in_space(r: Floats, z: Floats) -> Floats:
+    """Vectors (r, 0, z), shape [count, 3]."""
+    vectors: Floats = np.stack([r.ravel(), np.zeros(r.size), z.ravel()], axis=-1)
+    return vectors
+
+
+def _content(mesh: Any) -> bytes:
+    """The file of a mesh, which VTK writes to a disk alone."""
+    with tempfile.TemporaryDirectory(prefix="harness-vtk-") as folder:
+        path = Path(folder) / "mesh.vtu"
+        mesh.save(path)
+        return path.read_bytes()

@@ -1,0 +1,97 @@
+"""Plastic strain: every 16th step also records the plastic shear strain that soil bears in it.
+
+Symbols: G shear modulus, tau trial stress, sigma stress after the law of the material, dev the
+deviator. The law changes stress by plastic strain. Its deviator, and what is added up, are
+
+    de = dev(tau - sigma) / (2 G),    gamma <- gamma + 16 sqrt(2 de:de)
+
+so gamma, in pure shear, is the plastic part of the engineering shear strain. A step moves a point
+by a small part of a cell: 16 steps bear about 16 times what one of them does.
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_update
+from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
+from mpm_warp.precision import Precision
+
+PLASTIC_STRAIN = "particle.plastic_strain"
+"""The array of what each point has borne since it entered, shape [slot_count]."""
+
+
+def add_plastic_strain(plan: Plan) -> None:
+    """Add the array, when the plan has its points: soil that enters brings none with it."""
+    plan.add_zeros(PLASTIC_STRAIN, "real", plan.arrays["particle.mass"].shape)
+
+
+def add_plastic_strain_audit(plan: Plan, grid: Grid, material: Material) -> None:
+    """Add the record to the audited step of a plan that is complete."""
+    law = material.law(plan.precision)
+    record = plan.launch(
+        _make_record_plastic_strain(law, plan.precision),
+        plan.arrays["particle.mass"].shape,
+        column_count=grid.column_count,
+        shear_modulus=material.shear_modulus,
+        bulk_modulus=material.bulk_modulus,
+        properties=law.properties_type(*material.properties),
+        particle_state=plan.find("particle.state"),
+    )
+    # Between the rates of cells and the stage that leaves the stress after the law.
+    update = plan.position_after("grid_to_particles") - 1
+    stress_update, audited = plan.step[update], plan.audited_step or plan.step
+    place = audited.index(stress_update)
+    plan.audited_step = [*audited[:place], record, *audited[place:]]
+
+
+@functools.cache
+def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
+    """The kernel, launched over slots of particles."""
+    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
+    properties_type, state_type = law.properties_type, law.state_type
+    elastic_trial, j2 = make_elastic_trial(precision), make_j2(precision)
+    stress_update, remembers = make_stress_update(law, precision), law.remembers
+    steps = wp.constant(real(AUDIT_INTERVAL))
+
+    key = f"{law.key}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.record_plastic_strain.{key}", enable_backward=False)
+    def record_plastic_strain(
+        offset: int,
+        particle_cell: wp.array(dtype=wp.vec2i),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
+        cell_stress_increment: wp.array(dtype=vec7),
+        column_count: int,
+        shear_modulus: real,
+        bulk_modulus: real,
+        time_step: real,
+        properties: properties_type,
+        particle_plastic_strain: wp.array(dtype=real),
+    ):
+        p = offset + wp.tid()
+        cell = particle_cell[p]
+        if cell[0] < 0:
+            return
+        increment = cell_stress_increment[cell[1] * column_count + cell[0]]
+        remembered = state_type()
+        if wp.static(remembers):
+            remembered = particle_state[p]
+        trial = elastic_trial(particle_stress[p], increment)
+        sigma, _ = stress_update(
+            particle_stress[p],
+            increment,
+            shear_modulus,
+            bulk_modulus,
+            time_step,
+            properties,
+            remembered,
+        )
+        particle_plastic_strain[p] += steps * wp.sqrt(j2(trial - sigma)) / shear_modulus
+
+    return record_plastic_strain

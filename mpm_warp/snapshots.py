@@ -1,0 +1,212 @@
+"""The soil of a run at some moments: its material points and the nodes of its grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from mpm_warp.arguments import POSITIVE, check_number
+from mpm_warp.parts.history import displacement
+from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.results import labelled, variable
+from mpm_warp.sampling import soil_scene
+from mpm_warp.simulation import Simulation
+
+ROUNDING = 1e-9
+"""Share of a moment that counts as rounding: a run that is so near to it has reached it."""
+
+Variables = Mapping[str, xr.Variable]
+
+
+class Snapshots:
+    """The state of the soil at some moments of a run, in single precision.
+
+    Args:
+        at: the moments, as the scene counts them: a cone test by the penetration over the cone
+            radius. Each is taken at the first sample that has reached it. Those beyond the end of
+            a run are taken at its end, as one.
+
+    Attributes:
+        at: the moments, rising, each once.
+
+    Raises:
+        ValueError: there is no moment, or one is not a number > 0.
+    """
+
+    def __init__(self, at: Iterable[float]) -> None:
+        moments = list(at)
+        for moment in moments:
+            check_number("snapshots: moment", moment, POSITIVE, error=ValueError)
+        if not moments:
+            raise ValueError("snapshots: no moment is given, must be one at least")
+        self.at: tuple[float, ...] = tuple(sorted({float(moment) for moment in moments}))
+        self._left = list(self.at)
+        self._axis: tuple[str, xr.Variable] | None = None
+        self._same: dict[str, xr.Variable] = {}
+        self._taken: list[tuple[float, Variables]] = []
+
+    def begin(self, axis: str, quantity: tuple[str, str], same: Variables) -> None:
+        """Begin a run; what was taken of another is forgotten.
+
+        Args:
+            axis: what moments are called.
+            quantity: their unit and meaning.
+            same: what is the same at all moments.
+        """
+        unit, meaning = quantity
+        self._axis = axis, variable([], unit=unit, meaning=meaning, dims=(axis,))
+        self._same = dict(same)
+        self._left, self._taken = list(self.at), []
+
+    def is_due(self, moment: float) -> bool:
+        """Whether a run that is at a moment has reached one that has not been taken."""
+        return bool(self._left) and moment >= self._left[0] * (1.0 - ROUNDING)
+
+    def take(self, moment: float, fields: Variables) -> None:
+        """Take down fields, of the same names each time, for all moments that a run has reached."""
+        while self.is_due(moment):
+            del self._left[0]
+        self._taken.append((moment, fields))
+
+    def has_left(self, moment: float) -> bool:
+        """Whether a run that ends at a moment has some left to be taken there."""
+        return bool(self._left) and not (self._taken and self._taken[-1][0] == moment)
+
+    def dataset(self) -> xr.Dataset:
+        """What has been taken so far; empty before the first moment.
+
+        Arrays over the material points have the dim `point`, a slot of the run each: not a number
+        where the slot is empty. A slot holds the same soil until that has left the window.
+        """
+        if self._axis is None or not self._taken:
+            return xr.Dataset()
+        axis, labels = self._axis
+        moments = xr.Variable(axis, [moment for moment, _ in self._taken], labels.attrs)
+        fields = {
+            name: xr.Variable(
+                (axis, *first.dims),
+                np.stack([fields[name].values for _, fields in self._taken]),
+                first.attrs,
+            )
+            for name, first in self._taken[0][1].items()
+        }
+        variables = {axis: moments, **self._same, **fields}
+        return xr.Dataset(variables).set_coords(PLACES & variables.keys())
+
+
+PLACES = {"point_r", "point_z", "node_r", "node_z"}
+"""Where points and nodes are, in coordinates whose origin the scene has chosen."""
+
+
+def grid_places(simulation: Simulation) -> dict[str, xr.Variable]:
+    """Places of the nodes of a grid that keeps its shape, and numbers of points, rows and columns.
+
+    Raises:
+        TypeError: what is run is not soil in a grid.
+    """
+    grid = soil_scene(simulation).grid
+    shape = (grid.row_count + 1, grid.column_count + 1)
+    radius, height = np.moveaxis(grid.node_positions.reshape(*shape, 2), -1, 0)
+    (slot_count,) = simulation.plan.arrays["particle.mass"].shape
+    counts = {"point": slot_count, "row": shape[0], "column": shape[1]}
+    numbers = {
+        dim: xr.Variable(dim, np.arange(count, dtype=np.int32), {"long_name": f"number of {dim}"})
+        for dim, count in counts.items()
+    }
+    return numbers | _single(
+        labelled(
+            dims=("row", "column"),
+            node_r=(radius, "m", "radius of the node"),
+            node_z=(height, "m", "height of the node"),
+        )
+    )
+
+
+def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
+    """Material points and nodal velocities of a run as it is now.
+
+    Args:
+        simulation: of soil in a grid, a scene with `history`.
+
+    Raises:
+        TypeError: what is run is not soil in a grid.
+        KeyError: its points do not keep where they entered: the scene has no `history`.
+    """
+    scene, array = soil_scene(simulation), simulation.array
+    travel = 0.0 if scene.window is None else simulation.travel
+    moved = displacement(simulation, travel)
+    stress, velocity = array("particle.stress"), array("particle.velocity")
+    position, node_velocity = array("particle.position"), array("node.velocities")
+    absent = array("particle.cell")[:, 0] < 0
+
+    def of_points(values: NDArray[np.floating]) -> NDArray[np.float32]:
+        kept = values.astype(np.float32)
+        kept[absent] = np.nan
+        return kept
+
+    rr, zz, rz, tt = (of_points(component) for component in stress.T)
+    over_strength: dict[str, xr.Variable] = {}
+    if (launch := simulation.plan.between_steps.get("yield_share")) is not None:
+        simulation.launch(launch)
+        over_strength = _single(
+            labelled(
+                dims=("point",),
+                deviatoric_stress=(
+                    of_points(array("yield.share")),
+                    "1",
+                    "shear stress over shear strength",
+                    "as the yield criterion measures them; 1 where soil yields",
+                ),
+            )
+        )
+    shape = (scene.grid.row_count + 1, scene.grid.column_count + 1)
+    excess = "that over the vertical in-situ stress, tension positive"
+    ground = "relative to soil at rest far away"
+    of_soil = _single(
+        labelled(
+            dims=("point",),
+            point_r=(of_points(position[:, 0]), "m", "radius of the material point"),
+            point_z=(of_points(position[:, 1]), "m", "height of the material point"),
+            displacement_r=(of_points(moved[:, 0]), "m", "radial displacement", "since entry"),
+            displacement_z=(of_points(moved[:, 1]), "m", "upward displacement", "since entry"),
+            velocity_r=(of_points(velocity[:, 0]), "m s-1", "radial velocity", ground),
+            velocity_z=(of_points(velocity[:, 1]), "m s-1", "upward velocity", ground),
+            stress_rr=(rr, "Pa", "radial stress", excess),
+            stress_zz=(zz, "Pa", "vertical stress", excess),
+            stress_rz=(rz, "Pa", "shear stress", excess),
+            stress_tt=(tt, "Pa", "hoop stress", excess),
+            mean_stress=((rr + zz + tt) / 3.0, "Pa", "mean stress", excess),
+            plastic_shear_strain=(
+                of_points(array(PLASTIC_STRAIN)),
+                "1",
+                "plastic shear strain",
+                "added up since entry; engineering shear strain in pure shear",
+            ),
+        )
+    )
+    of_grid = _single(
+        labelled(
+            dims=("row", "column"),
+            node_velocity_r=(
+                node_velocity[:, 0].reshape(shape),
+                "m s-1",
+                "radial velocity",
+                ground,
+            ),
+            node_velocity_z=(
+                node_velocity[:, 1].reshape(shape),
+                "m s-1",
+                "upward velocity",
+                ground,
+            ),
+        )
+    )
+    return of_soil | over_strength | of_grid
+
+
+def _single(variables: Variables) -> dict[str, xr.Variable]:
+    """The same in single precision."""
+    return {name: it.astype(np.float32) for name, it in variables.items()}

@@ -1,0 +1,122 @@
+"""What soil has gone through since it entered: where it came from, its plastic shear strain."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.history import displacement
+from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.plan.plan import AUDIT_INTERVAL
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+ADDED = {"particle.origin", "particle.plastic_strain", "layer.origin", "layer.plastic_strain"}
+"""Arrays of a history in a window; with `yield.share`, which a snapshot works out."""
+
+
+def with_history(scene: Scene) -> Scene:
+    return dataclasses.replace(scene, history=True)
+
+
+def test_a_scene_without_history_has_none_of_its_arrays_and_launches(cone: Scene) -> None:
+    plan, kept = make_plan(cone), make_plan(with_history(cone))
+    assert kept.arrays.keys() - plan.arrays.keys() == {*ADDED, "yield.share"}
+    assert plan.arrays.keys() <= kept.arrays.keys()
+    names = [launch.name for launch in plan.launches]
+    kept_names = [launch.name for launch in kept.launches]
+    assert "record_plastic_strain" not in names
+    assert sorted(kept_names) == sorted(
+        [*names, "enter", "enter", "record_plastic_strain", "yield_share"]
+    )
+    # An ordinary step is the same, kernel by kernel: it has nothing to do for a history.
+    assert [launch.kernel for launch in kept.step] == [launch.kernel for launch in plan.step]
+
+
+def test_a_history_changes_no_bit_of_a_run(cone: Scene) -> None:
+    bare, kept = Simulation(cone), Simulation(with_history(cone))
+    for simulation in (bare, kept):
+        simulation.advance(700)
+    assert kept.travel > 0.2  # soil has entered
+    for name in bare.plan.arrays:
+        np.testing.assert_array_equal(kept.array(name), bare.array(name), err_msg=name)
+
+
+def test_soil_enters_without_displacement_and_plastic_strain(cone: Scene) -> None:
+    simulation = Simulation(with_history(cone))
+    simulation.assign(PLASTIC_STRAIN, 1.0)
+    before = simulation.array("layer.position").copy()
+    while np.array_equal(simulation.array("layer.position"), before):
+        simulation.advance(1)
+    entered = simulation.array("layer.slots")
+    moved = displacement(simulation, simulation.travel)
+    # Of heights of some meters two roundings are left.
+    np.testing.assert_allclose(moved[entered], 0.0, atol=1e-14)
+    np.testing.assert_array_equal(simulation.array(PLASTIC_STRAIN)[entered], 0.0)
+    present = simulation.array("particle.cell")[:, 0] >= 0
+    present[entered] = False
+    assert simulation.array(PLASTIC_STRAIN)[present].min() >= 1.0
+
+
+def rotated(stress: Floats, increment: Floats) -> Floats:
+    """R sigma R' + elastic increment, by matrices."""
+    cosine = np.sqrt(increment[:, 4])
+    sine = increment[:, 6] / cosine
+    rotation = np.stack([np.stack([cosine, sine], -1), np.stack([-sine, cosine], -1)], -2)
+    plane = np.stack([stress[:, [0, 2]], stress[:, [2, 1]]], axis=-2)
+    turned = rotation @ plane @ np.swapaxes(rotation, -1, -2)
+    parts = [turned[:, 0, 0], turned[:, 1, 1], turned[:, 0, 1], stress[:, 3]]
+    trial: Floats = np.stack(parts, axis=-1) + increment[:, :4]
+    return trial
+
+
+def test_plastic_strain_is_a_sample_of_what_the_law_takes_from_the_trial_stress(
+    cone: Scene,
+) -> None:
+    """Of every 16th step from the first, as many times over: by hand, in soil that stays."""
+    simulation = Simulation(with_history(cone))
+    modulus, count = cone.material.shear_modulus, cone.grid.column_count
+    simulation.advance(480)  # so that soil yields
+    expected = simulation.array(PLASTIC_STRAIN).copy()
+    here = np.flatnonzero(simulation.array("particle.cell")[:, 1] > 2)
+    for step in range(480, 480 + 2 * AUDIT_INTERVAL):
+        stress, cell = (simulation.array(f"particle.{it}").copy() for it in ("stress", "cell"))
+        simulation.advance(1)
+        if step % AUDIT_INTERVAL == 0:
+            increment = simulation.array("cell.stress_increment")[cell[here] @ [1, count]]
+            change = rotated(stress[here], increment) - simulation.array("particle.stress")[here]
+            normal = change[:, [0, 1, 3]] - change[:, [0, 1, 3]].mean(axis=1, keepdims=True)
+            square = 0.5 * np.sum(normal**2, axis=1) + change[:, 2] ** 2
+            expected[here] += AUDIT_INTERVAL * np.sqrt(square) / modulus
+    stayed = here[simulation.array("particle.cell")[here, 1] > 2]
+    recorded = simulation.array(PLASTIC_STRAIN)[stayed]
+    assert recorded.max() > 0.01
+    # Roundings of the stress, some 10 su, over G, in each of the records.
+    np.testing.assert_allclose(recorded, expected[stayed], atol=1e-12)
+
+
+def test_a_cavity_has_the_plastic_strain_of_its_expansion(cavity: Scene) -> None:
+    """A cylinder in soil of constant volume: gamma = 2 ln(r / r0), less su / G, which is elastic.
+
+    The volume between a point and the wall, of radius a, stays: r^2 - a^2 = r0^2 - 1. A velocity as
+    1 / r, linear between nodes w apart, is too large by (w / 2 r)^2 at most, a strain of one cell
+    off by a third of that: here w = r / 2 at the wall.
+    """
+    simulation = Simulation(with_history(cavity))
+    simulation.advance_to(40.0)
+    moved = displacement(simulation, 0.0)[:, 0]
+    radius = simulation.array("particle.position")[:, 0]
+    exact = 2.0 * np.log(radius / (radius - moved)) - 0.01
+    column = simulation.array("particle.cell")[:, 0]
+    wall = simulation.array("wall.motion")[0, 2]
+    near = column < 2
+    freed = radius[near] ** 2 - (radius - moved)[near] ** 2
+    assert freed.mean() == pytest.approx(wall**2 - 1.0, rel=1.0 / 16.0)
+    recorded = simulation.array(PLASTIC_STRAIN)
+    for cell in range(2):
+        there = column == cell
+        assert recorded[there].mean() == pytest.approx(exact[there].mean(), rel=1.0 / 48.0)
