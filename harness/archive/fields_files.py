@@ -14,7 +14,12 @@ from typing import Any
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
-from harness.archive.netcdf_files import check_version, read_attributes, read_netcdf, write_netcdf
+from harness.archive.netcdf_files import (
+    check_version,
+    read_attributes,
+    read_fields_netcdf,
+    write_netcdf,
+)
 from harness.study.cases import Case
 from mpm_warp.parameters import did_you_mean
 
@@ -80,7 +85,7 @@ def read_fields(path: Path) -> xr.Dataset:
     """
     if not path.exists():
         raise ArchiveError(f"{path}: no such file")
-    fields = read_netcdf(path)
+    fields = read_fields_netcdf(path)
     if ASKED not in fields.attrs:
         raise ArchiveError(f"{path}: holds no snapshots")
     return fields

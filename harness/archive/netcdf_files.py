@@ -71,9 +71,24 @@ def read_netcdf(path: Path) -> xr.Dataset:
         ArchiveError: it is damaged, of another format version, or not built as results are.
     """
     with opened_result(path) as (file, _):
-        # No result holds dates; a unit like "days since ..." would be worked out as one.
-        store = xr.backends.NetCDF4DataStore(file)
-        dataset = xr.open_dataset(store, decode_times=False).load()
+        return _loaded(file)
+
+
+def read_fields_netcdf(path: Path) -> xr.Dataset:
+    """Read snapshots into memory: their dims are points and nodes, and they have no headline.
+
+    Raises:
+        ArchiveError: the file is damaged, or of another format version.
+    """
+    with opened(path) as file:
+        check_version(path, file.__dict__)
+        return _loaded(file)
+
+
+def _loaded(file: netCDF4.Dataset) -> xr.Dataset:
+    # No result holds dates; a unit like "days since ..." would be worked out as one.
+    store = xr.backends.NetCDF4DataStore(file)
+    dataset = xr.open_dataset(store, decode_times=False).load()
     dataset.attrs.pop(DIGEST, None)  # it is of the file, not of what was computed
     return dataset
 
