@@ -14,6 +14,7 @@ from harness.archive.conventions import (
     over_cases,
     parameter_names,
     scenes_of,
+    uncertainty_of,
     varied_names,
     with_role,
 )
@@ -21,9 +22,6 @@ from harness.pictures.values import Floats, Texts, Values
 from harness.references.cone_factors import COMPARED
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names
-
-UNCERTAINTY = "uncertainty"
-"""``<headline>_uncertainty`` is the half width of the interval that holds it with 95 %."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +56,8 @@ class Studied:
     @functools.cached_property
     def half_width(self) -> Floats | None:
         """Half width of the headline's 95 % interval, of each case; None where it is not known."""
-        name = f"{self.headline}_{UNCERTAINTY}"
-        return over_cases(self.dataset, name).astype(float) if name in self.dataset else None
+        known = uncertainty_of(self.dataset).astype(float)
+        return known if np.isfinite(known).any() else None
 
     @functools.cached_property
     def status(self) -> Texts:

@@ -15,6 +15,7 @@ from harness.archive.conventions import spoken
 
 SYMBOLS = {
     "cone_factor": "N_c",
+    "cone_factor_uncertainty": "U_95",
     "rigidity_index": "I_r",
     "adhesion_factor": "α",
     "shaft_adhesion_factor": "α_s",

@@ -12,10 +12,11 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import COMPLETED, over_cases, scenes_of
-from harness.compare.finest_error import error_name
+from harness.compare.finest_error import FLOOR, error_name
 from harness.pictures.caption import write_caption
 from harness.pictures.plot_parts import (
     FAILED,
+    INK,
     MARKERS,
     MOST_LABELS,
     STYLED,
@@ -113,6 +114,10 @@ def study_figure(dataset: xr.Dataset) -> Figure:
             place = (float(seconds[case]), float(errors[case]))
             text = setting_of(dataset, problem, int(case))
             axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
+    floor = over_cases(dataset, FLOOR).astype(float)
+    if np.isfinite(floor).any():
+        told = "uncertainty of the reference"
+        axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=told)
     failed = over_cases(dataset, "status") != COMPLETED
     if "case_time" in dataset and failed.any():
         axes.plot(

@@ -21,7 +21,6 @@ from harness.archive.conventions import (
     with_role,
 )
 from harness.compare.finest_error import error_name
-from harness.pictures.studied import UNCERTAINTY
 from harness.report import words
 
 
@@ -114,11 +113,11 @@ def case_table(dataset: xr.Dataset) -> CaseTable:
 
 def _names(dataset: xr.Dataset) -> list[str]:
     """The variables that have a column, as far as each case has one value of them."""
-    headlines = with_role(dataset, Role.HEADLINE)
     wanted = (
         *varied_names(dataset),
         "status",
-        *(name for it in headlines for name in (it, f"{it}_{UNCERTAINTY}")),
+        *with_role(dataset, Role.HEADLINE),
+        *with_role(dataset, Role.UNCERTAINTY),
         *([error_name(dataset)] if error_name(dataset) else []),
         *with_role(dataset, Role.DEVIATION),
         *limits_of(dataset),

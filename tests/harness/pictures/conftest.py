@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from harness.archive.conventions import FORMAT_VERSION
 from harness.compare.cone_factors import with_references
+from harness.pictures.pictures import figures
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 SOIL = {"rigidity_index": 100.0, "adhesion_factor": 0.5, "friction_coefficient": 0.0}
@@ -67,7 +70,7 @@ def result(
     labels = {"units": "1", "long_name": "cone factor", "role": "headline"}
     made["cone_factor"] = dims, values, labels
     if uncertainty is not None:
-        made["cone_factor_uncertainty"] = dims, np.full(shape, uncertainty), {"units": "1"}
+        made["cone_factor_uncertainty"] = dims, np.full(shape, uncertainty), {"role": "uncertainty"}
     status = np.where(np.isfinite(values), "completed", "diverged")
     made["status"] = dims, status, {"long_name": "outcome of the case"}
     made["message"] = dims, np.where(np.isfinite(values), "", "velocity of particle 3")
@@ -138,7 +141,14 @@ MADE: Mapping[str, Callable[[], xr.Dataset]] = {
 """One result of each kind, by what it varies."""
 
 
+@functools.cache
+def drawn(kind: str) -> tuple[xr.Dataset, dict[str, Figure]]:
+    """A made-up result with its pictures, which take long to draw: each is drawn once."""
+    dataset = MADE[kind]()
+    return dataset, figures(dataset)
+
+
 @pytest.fixture(params=MADE)
-def made_up(request: pytest.FixtureRequest) -> xr.Dataset:
-    """Each of the made-up results."""
-    return MADE[request.param]()
+def made_up(request: pytest.FixtureRequest) -> tuple[xr.Dataset, dict[str, Figure]]:
+    """Each of the made-up results with its pictures."""
+    return drawn(request.param)

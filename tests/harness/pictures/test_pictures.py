@@ -25,9 +25,10 @@ from harness.pictures.own_files import NotOwnFileError
 from harness.pictures.pictures import NothingToDrawError, draw, figures
 from harness.pictures.plot_parts import MOST_LABELS, SHADES, image
 
-from .conftest import MADE, one_at_a_time, random_cases, result
+from .conftest import MADE, drawn, result
 
 PAGE_WIDTH = 6.5
+MadeUp = tuple[xr.Dataset, dict[str, Figure]]
 MAIN = {
     "one parameter": "curve",
     "two parameters": "map",
@@ -40,7 +41,7 @@ MAIN = {
 
 @pytest.mark.parametrize("kind", MADE)
 def test_the_main_picture_fits_the_design(kind: str) -> None:
-    assert next(iter(figures(MADE[kind]()))) == MAIN[kind]
+    assert next(iter(drawn(kind)[1])) == MAIN[kind]
 
 
 def words(figure: Figure) -> Iterator[tuple[str, Bbox]]:
@@ -61,8 +62,8 @@ def words(figure: Figure) -> Iterator[tuple[str, Bbox]]:
             yield text.get_text(), box
 
 
-def test_nothing_overlaps_and_nothing_is_wider_than_the_page(made_up: xr.Dataset) -> None:
-    for name, figure in figures(made_up).items():
+def test_nothing_overlaps_and_nothing_is_wider_than_the_page(made_up: MadeUp) -> None:
+    for name, figure in made_up[1].items():
         assert figure.get_figwidth() == PAGE_WIDTH
         written = list(words(figure))
         for text, box in written:
@@ -76,8 +77,8 @@ def test_nothing_overlaps_and_nothing_is_wider_than_the_page(made_up: xr.Dataset
             assert not shrunk.overlaps(second), (name, one, other)
 
 
-def test_no_picture_labels_more_than_eight_curves(made_up: xr.Dataset) -> None:
-    for name, figure in figures(made_up).items():
+def test_no_picture_labels_more_than_eight_curves(made_up: MadeUp) -> None:
+    for name, figure in made_up[1].items():
         # A tornado has a label at each end of a bar, a map on its contours.
         for axes in figure.axes[1:] if name in ("map", "tornado") else figure.axes:
             assert len(axes.texts) <= MOST_LABELS
@@ -86,8 +87,8 @@ def test_no_picture_labels_more_than_eight_curves(made_up: xr.Dataset) -> None:
             assert len(legend.get_texts()) <= MOST_LABELS + 2
 
 
-def test_the_caption_says_what_was_fixed(made_up: xr.Dataset) -> None:
-    for figure in figures(made_up).values():
+def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
+    for figure in made_up[1].values():
         caption = " ".join(figure.get_supxlabel().split())
         assert caption.startswith("A demonstration.")
         assert "Fixed: " in caption
@@ -95,7 +96,7 @@ def test_the_caption_says_what_was_fixed(made_up: xr.Dataset) -> None:
             ("rigidity_index", r"$I_{\mathrm{r}}$ = 100"),
             ("adhesion_factor", "$α$ = 0.5"),
         ):
-            assert (written in caption) == (made_up[name].ndim == 0)
+            assert (written in caption) == (made_up[0][name].ndim == 0)
 
 
 def test_a_title_with_dollars_is_no_mathematics() -> None:
@@ -166,7 +167,7 @@ def test_nothing_to_draw_is_told_in_one_line(tmp_path: Path) -> None:
 
 
 def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
-    figure = figures(one_at_a_time())["tornado"]
+    figure = drawn("one at a time")[1]["tornado"]
     (axes,) = figure.axes
     rows = [text.get_text().partition(" ")[0] for text in axes.get_yticklabels()]
     assert rows == ["rigidity", "adhesion", "material", "speed"]
@@ -178,7 +179,7 @@ def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
 
 
 def test_effects_of_random_cases_are_found_again() -> None:
-    figure = figures(random_cases())["effects"]
+    figure = drawn("at random")[1]["effects"]
     names = [axes.get_xlabel().partition(" ")[0] for axes in figure.axes]
     assert names == ["rigidity", "adhesion", "material"]
     line = figure.axes[1].lines[1]  # after the cases
@@ -188,7 +189,7 @@ def test_effects_of_random_cases_are_found_again() -> None:
 
 
 def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None:
-    figure = figures(MADE["two parameters"]())["map"]
+    figure = drawn("two parameters")[1]["map"]
     left, right = figure.axes[:2]
     assert left.get_xscale() == "log"
     figure.draw_without_rendering()

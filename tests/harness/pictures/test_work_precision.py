@@ -53,6 +53,12 @@ def test_points_tell_all_settings_that_vary() -> None:
     assert grey.get_xydata().tolist() == [[1.5, 0.2]]  # the entry of the legend has its points
 
 
+def test_the_uncertainty_of_the_reference_is_a_line(two_soils: xr.Dataset) -> None:
+    dataset = two_soils.assign(error_floor=two_soils["error_finest"] * 0.0 + 0.01)
+    (line,) = [it for it in study_figure(dataset).axes[0].lines if it.get_linestyle() == ":"]
+    assert list(line.get_ydata()) == [0.01, 0.01]
+
+
 def test_it_is_not_meant_for_cases_of_different_soils_alone(two_soils: xr.Dataset) -> None:
     assert not shows_work_precision(two_soils.isel(cells_per_radius=[1]))
 
