@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.words_of_the_field import what_to_give
 
 Value = float | int | str | bool
 SceneT = typing.TypeVar("SceneT")
@@ -210,7 +211,9 @@ def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:
     known = parameters_of(scene)
     for name in values:
         if name not in known:
-            raise ParameterError(name, f"unknown parameter {name!r}{nearest_name(name, known)}")
+            raise ParameterError(
+                name, f"unknown parameter {name!r}{nearest_parameter(name, known)}"
+            )
     return scene(**values)
 
 
@@ -241,6 +244,16 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
     names = list(known)
     begun = [it for it in names if it.startswith(f"{name}_")]
     return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
+
+
+def nearest_parameter(name: str, known: Mapping[str, Parameter]) -> str:
+    """A phrase that says what to give instead: what a word of the field means, or the nearest name.
+
+    Args:
+        name: what was given.
+        known: the parameters that there are, by name.
+    """
+    return what_to_give(name, known) or nearest_name(name, known)
 
 
 def _nearest_choice(value: object, choices: tuple[Value, ...] | None) -> str:

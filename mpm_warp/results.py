@@ -25,6 +25,11 @@ ROLES = ("headline", "uncertainty", "settled", "exact", "error", "measured", "pa
 A variable without a role is an ordinary result.
 """
 
+SHARED_NAMES = ("displacement", "expansion", "penetration", "step_count", "stretch")
+"""Parameters that a result of the same scene is called by: the axis of its curves, or what it took.
+"""
+PARAMETER_SUFFIX = "_parameter"
+
 
 def variable(
     value: ArrayLike,
@@ -98,18 +103,32 @@ def _labelled(
     }
 
 
+def stored_name(parameter: str, results: Collection[object]) -> str:
+    """What a parameter is called in a dataset, where a result may have its name.
+
+    One of `SHARED_NAMES` is called ``<name>_parameter`` whatever a run has left behind, so that a
+    run which failed says the same by its names as one that did not.
+
+    Args:
+        parameter: its name.
+        results: names of the results, dimensions among them.
+    """
+    is_shared = parameter in SHARED_NAMES or parameter in results
+    return f"{parameter}{PARAMETER_SUFFIX}" if is_shared else parameter
+
+
 def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:
     """All parameters of a scene as variables of its dataset, with the role "parameter".
 
-    One that shares its name with a result is called ``<name>_parameter``. A number that is not
-    given is not a number, a text that is not given is empty.
+    They are called as :func:`stored_name` says. A number that is not given is not a number, a text
+    that is not given is empty.
 
     Args:
         scene: a dataclass whose fields are parameters.
         results: names of the results, dimensions among them.
     """
     return {
-        f"{name}_parameter" if name in results else name: variable(
+        stored_name(name, results): variable(
             _stored(getattr(scene, name), definition),
             unit=definition.unit,
             meaning=name.replace("_", " "),

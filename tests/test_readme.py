@@ -1,32 +1,46 @@
-"""The front door: its Python runs as it stands there, and the links of all pages lead on."""
+"""The pages: their Python and their commands run as they stand there, and their links lead on."""
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
+import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from harness.cli.arguments import make_parser, options_of
+from harness.cli.main import COMMANDS, main
+from harness.cli.slips import slip
+from harness.study.study import is_scene, load_study
+from mpm_warp.scenes import scene_class
+
 ROOT = Path(__file__).parents[1]
-README = ROOT / "README.md"
+README, OF_HARNESS = ROOT / "README.md", ROOT / "harness" / "README.md"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
+OF_NO_COST = ("list", "describe", "schema")
+SHORT = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
+"""Settings of a cone test by which its result has the same names and dims at next to no cost."""
 
 
-def blocks(page: Path) -> list[str]:
-    """The Python of a page, as a reader would copy it."""
-    return re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
+def blocks(page: Path, language: str = "python") -> list[str]:
+    """What a page has in a language, as a reader would copy it."""
+    pattern = rf"^```{language}\n(.*?)^```$"
+    return re.findall(pattern, page.read_text(), re.MULTILINE | re.DOTALL)
 
 
-def run(*arguments: str, folder: Path) -> str:
-    """What a Python process of its own prints, started in a folder and without a screen."""
-    environment = {**os.environ, "MPLBACKEND": "Agg"}
+def run(script: str, folder: Path) -> str:
+    """What a script prints in a Python process of its own, in a folder and without a screen."""
+    file = folder / "script.py"
+    file.write_text(script)
     done = subprocess.run(
-        [sys.executable, *arguments],
+        [sys.executable, file.name],
         cwd=folder,
-        env=environment,
+        env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         check=False,
@@ -35,20 +49,112 @@ def run(*arguments: str, folder: Path) -> str:
     return done.stdout
 
 
-def test_its_python_runs(tmp_path: Path) -> None:
-    # The main job, coarse and short: the names and dims of its result are those of the full one.
-    short = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
-    settings = [word for setting in short for word in ("--set", setting)]
-    run("-m", "harness", "run", "adhesion_factor", *settings, folder=tmp_path)
-    from_python, from_file = (run("-c", block, folder=tmp_path) for block in blocks(README))
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the results of the main job, coarse and short."""
+    made = tmp_path_factory.mktemp("reader")
+    settings = [f"--set={setting}" for setting in SHORT]
+    assert main(["run", "adhesion_factor", *settings, f"--out={made / 'results'}"]) == 0
+    return made
+
+
+def test_the_front_doors_python_runs(folder: Path) -> None:
+    from_python, from_file = (run(block, folder) for block in blocks(README))
     assert f"`{from_python.strip()}`" in README.read_text()
-    assert (tmp_path / "resistance.png").stat().st_size > 0
+    assert (folder / "resistance.png").stat().st_size > 0
     assert from_file.count("completed") == 5
 
 
-def test_python_of_the_method_runs(tmp_path: Path) -> None:
-    for block in blocks(ROOT / "mpm_warp" / "README.md"):
-        run("-c", block, folder=tmp_path)
+def test_a_study_of_ones_own_is_made_and_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    page = OF_HARNESS.read_text().partition("## A study of your own")[2].partition("\n## ")[0]
+    (block,) = re.findall(r"^```sh\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    for line in block.splitlines():
+        words = shlex.split(line, comments=True)[1:]
+        assert main(words) == 0, line
+        if words[0] == "new":  # the edit that the page speaks of, and a mesh that costs nothing
+            definition = Path("my_study.toml")
+            before, after = re.findall(r"`(rigidity_index = \[.*?\])`", page)
+            assert before in definition.read_text()
+            short = "".join(f"{it.replace('=', ' = ')}\n" for it in SHORT)
+            edited = definition.read_text().replace(before, after)
+            definition.write_text(edited.replace("[fixed]\n", f"[fixed]\n{short}"))
+    assert "<html" in Path("my_study.html").read_text()
+    assert run(blocks(OF_HARNESS)[0], folder).count("completed") == 3
+    assert "penetration" in Path("resistance.csv").read_text()
+    capsys.readouterr()
+
+
+def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None:
+    for block in blocks(OF_HARNESS)[1:]:
+        if "dask_jobqueue" not in block:  # which is not installed, and needs a cluster
+            run(block, folder)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
+    if page not in (README, OF_HARNESS):
+        for block in blocks(page):
+            run(block, tmp_path)
+
+
+def commands(page: Path) -> Iterator[str]:
+    """The commands of `harness` on a page: those in blocks, and those within the text."""
+    for block in blocks(page, "sh"):
+        yield from re.findall(r"(?:^|bin/)harness (.*)$", block, re.MULTILINE)
+    yield from re.findall(r"`harness ([^`]+)`", " ".join(page.read_text().split()))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_command_can_be_given(
+    page: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A command is known with its options, and every study and scene that it names is there."""
+    monkeypatch.chdir(tmp_path)
+    main(["new", "my_study"])
+    parser = make_parser()
+    for line in dict.fromkeys(commands(page)):
+        words = shlex.split(line.partition(" | ")[0].partition(" > ")[0], comments=True)
+        if is_placeholder(words[0]):
+            continue
+        assert slip(words, COMMANDS) is None, line
+        if is_mention(words):
+            known = options_of(parser, words[0])
+            assert {word for word in words if word.startswith("--")} <= {*known}, line
+            continue
+        options, unknown = parser.parse_known_args(words)
+        assert unknown == [], line
+        assert all(load_study(*study).cases for study in studies_of(options)), line
+        given = vars(options).get("scene") or []
+        for scene in [given] if isinstance(given, str) else given:
+            assert is_placeholder(scene) or scene_class(scene), line
+        if words[0] in OF_NO_COST and not any(map(is_placeholder, words)):
+            assert main(words) == 0, line
+    capsys.readouterr()
+
+
+def is_mention(words: list[str]) -> bool:
+    """Whether the text speaks of a command or of its options, without what it is to be given."""
+    return all(word.startswith("-") for word in words[1:]) or "--help" in words
+
+
+def studies_of(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
+    """The studies that a command names, with their settings."""
+    study, subject = (vars(options).get(it) for it in ("study", "subject"))
+    if study and not is_placeholder(study) and not study.endswith(".nc"):
+        yield study, options.set
+    if subject and not is_placeholder(subject) and not is_scene(subject):
+        yield subject, vars(options).get("set", [])
+
+
+def is_placeholder(word: str) -> bool:
+    """Whether a word stands for one that the reader chooses, as STUDY does."""
+    return word.partition(".")[0].isupper()
 
 
 def test_a_stranger_reads_it_in_five_minutes() -> None:

@@ -35,6 +35,8 @@ class Outcome:
         message: why it did not complete, one line.
         headline: name and value of the scalar that the scene is run for.
         seconds: time that the case took in all.
+        start_seconds: of it, the time before the first step: imports, set-up; 0 where not known.
+        compile_seconds: of it, the time to compile kernels or to load them.
         repeats: warm runs that its file has the times of.
         sources: digest of the code that computed it, as its file says.
     """
@@ -45,6 +47,8 @@ class Outcome:
     seconds: float = 0.0
     repeats: int = 0
     sources: str = ""
+    start_seconds: float = 0.0
+    compile_seconds: float = 0.0
 
 
 def case_folder(out: Path, study: Study) -> Path:

@@ -19,7 +19,6 @@ from harness.archive.conventions import (
     Role,
     parameter_attributes,
     spoken,
-    stored_name,
     with_role,
 )
 from harness.archive.provenance import OF_CASE
@@ -27,6 +26,7 @@ from harness.study.cases import Case
 from harness.study.designs import Range
 from harness.study.study import Study
 from mpm_warp.parameters import Parameter, Value
+from mpm_warp.results import stored_name
 
 Variables = dict[Hashable, xr.Variable]
 
@@ -42,13 +42,13 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     Every parameter is there by name: what the study varies is a coordinate, what is the same in all
     cases a scalar, what the scene derives from varied ones a variable over the cases. It is not a
     number where a scene has no such parameter. A parameter that shares its name with a result is
-    called ``<name>_parameter``; a result whose name a scene before has used over other dims is
-    called ``<scene>_<name>``.
+    called ``<name>_parameter``, whatever became of the cases; a result whose name a scene before
+    has used over other dims is called ``<scene>_<name>``.
 
-    A case that did not complete is not a number; its `status` and `message` say why, also where its
-    file is of no use. Where, when and with what the cases were computed are attributes where all
-    agree that were computed, otherwise variables over the cases, an empty text where a case file
-    does not say.
+    Of a case that did not complete the curves are there, as far as they came; each scalar is not a
+    number. Its `status` and `message` say why, also where its file is of no use. Where, when and
+    with what the cases were computed are attributes where all agree that were computed, otherwise
+    variables over the cases, an empty text where a case file does not say.
 
     Args:
         study: the study.
@@ -131,16 +131,17 @@ def _result(folder: Path, case: Case) -> xr.Dataset | None:
 
 def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
     """The scenes' own variables over the dim `case`, padded with not a number."""
-    completed = {
-        place: result
+    known = {
+        place: result if result.attrs["status"] == COMPLETED else _curves(result)
         for place, result in enumerate(results)
-        if result is not None and result.attrs["status"] == COMPLETED
+        if result is not None
     }
-    if not completed:
+    told = {place: result for place, result in known.items() if result.variables}
+    if not told:
         return xr.Dataset()
     dims: dict[Hashable, tuple[Hashable, ...]] = {}
     own = []
-    for result in completed.values():
+    for result in told.values():
         variables = result.drop_vars(with_role(result, Role.PARAMETER)).reset_coords()
         others = {
             name: f"{result.attrs['scene']}_{name}"
@@ -157,8 +158,13 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
         join="outer",
         combine_attrs="override",
     )
-    places = joined.assign_coords({CASE: list(completed)})
+    places = joined.assign_coords({CASE: list(told)})
     return places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
+
+
+def _curves(result: xr.Dataset) -> xr.Dataset:
+    """What a case that did not complete had sampled up to its end."""
+    return result.drop_vars([name for name, array in result.data_vars.items() if not array.dims])
 
 
 def _over_grid(

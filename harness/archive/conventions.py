@@ -14,6 +14,7 @@ harness, which knows no other names of results than those below.
 ``measured``     a time, a speed or an amount of memory: it differs from run to run
 ``parameter``    an input of the scene
 ``reference``    a value from the literature; ``deviation``: the result's relative deviation from it
+``experience``   a band of values from the field, over the dim `bound`: the least and the greatest
 ===============  ===================================================================================
 
 The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
@@ -28,13 +29,14 @@ exact solution. Only a table or a picture that is meant for one kind of scene kn
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable
 from enum import StrEnum
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.results import PARAMETER_SUFFIX
 from mpm_warp.scenes import scene_class, scene_names
 
 FORMAT_VERSION = 1
@@ -42,7 +44,7 @@ FORMAT_VERSION = 1
 
 COMPLETED, UNTIMED = "completed", "untimed"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
-UNFINISHED = "unfinished"
+FAILED, UNFINISHED = "failed", "unfinished"
 MISSING, DAMAGED = "missing", "damaged"
 """Statuses of cases that the harness itself gives; a scene's errors name others."""
 
@@ -54,6 +56,7 @@ class Role(StrEnum):
     EXACT, ERROR = "exact", "error"
     MEASURED, PARAMETER = "measured", "parameter"
     REFERENCE, DEVIATION = "reference", "deviation"
+    EXPERIENCE = "experience"
 
 
 CASE = "case"
@@ -62,8 +65,9 @@ PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
+TRACEBACK = "traceback"
+"""Attribute of the file of a failed case that says where in the program it failed."""
 
-_SUFFIX = "_parameter"
 _MEASURED_BEFORE = (
     *("run_time", "setup_time", "compile_time", "case_time", "peak_memory"),
     *("run_time_minimum", "run_time_sample", "repeat"),
@@ -82,14 +86,11 @@ def limits_of(dataset: xr.Dataset) -> dict[str, float]:
     return {name: float(limit) for name, limit in limits.items() if limit is not None}
 
 
-def stored_name(parameter: str, taken: Iterable[Hashable]) -> str:
-    """What a parameter is called in a dataset, where a result may have its name already."""
-    return f"{parameter}{_SUFFIX}" if parameter in taken else parameter
-
-
 def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
     """The parameters in a dataset: what they are called there, by their own names."""
-    return {name.removesuffix(_SUFFIX): name for name in with_role(dataset, Role.PARAMETER)}
+    return {
+        name.removesuffix(PARAMETER_SUFFIX): name for name in with_role(dataset, Role.PARAMETER)
+    }
 
 
 def parameter_attributes(definition: Parameter) -> dict[str, str]:
@@ -105,7 +106,7 @@ def parameter_attributes(definition: Parameter) -> dict[str, str]:
 
 def spoken(name: Hashable) -> str:
     """A variable's name as words."""
-    return str(name).removesuffix(_SUFFIX).replace("_", " ")
+    return str(name).removesuffix(PARAMETER_SUFFIX).replace("_", " ")
 
 
 def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
@@ -175,6 +176,22 @@ def scenes_of(dataset: xr.Dataset) -> list[str]:
     return [str(dataset.attrs.get("scene", ""))] * dataset["status"].size
 
 
+def without_incomplete_curves(dataset: xr.Dataset) -> xr.Dataset:
+    """A result without the curves of cases that did not complete, as every scalar is.
+
+    A variable that no completed case has is left out.
+    """
+    dims = set(dataset["status"].dims)
+    is_completed = dataset["status"] == COMPLETED
+    curves = {
+        name: it
+        for name, it in dataset.data_vars.items()
+        if set(it.dims) - dims and dims <= set(it.dims) and it.dtype.kind == "f"
+    }
+    kept = {name: it.where(is_completed).transpose(*it.dims) for name, it in curves.items()}
+    return dataset.assign(kept).drop_vars([it for it in kept if kept[it].isnull().all()])
+
+
 def is_there(value: object) -> bool:
     """Whether a case has a value of a parameter: one of another scene is not a number, or empty."""
     return value is not None and str(value) not in ("", "nan")
@@ -186,7 +203,9 @@ def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
         return dataset
     scenes = [it for it in str(dataset.attrs.get("scene", "")).split() if it in scene_names()]
     known = dict.fromkeys(name for scene in scenes for name in parameters_of(scene_class(scene)))
-    parameters = [it if f"{it}{_SUFFIX}" not in dataset else f"{it}{_SUFFIX}" for it in known]
+    parameters = [
+        stored if (stored := f"{it}{PARAMETER_SUFFIX}") in dataset else it for it in known
+    ]
     if "status" in dataset.variables:
         parameters += [name for name in varied_names(dataset) if name != "scene"]
         # Scalars are parameters that are the same in all cases, unless there is one case alone.

@@ -4,24 +4,61 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
-from harness.archive.atomic_files import prepare
-from harness.archive.conventions import COMPLETED, DAMAGED, over_cases
-from harness.archive.study_files import study_file
+from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
+from harness.archive.study_files import read_study, study_file
 from harness.cli.exit_codes import DONE, INCOMPLETE
-from harness.errors import tell
+from harness.errors import HarnessError, tell
 from harness.run import collect_and_clean as results
 from harness.run.leftovers import leftovers, remove
+from harness.study.files import study_names
 from harness.study.study import load_study
+from mpm_warp.scenes import scene_names
 
 
 def status(options: argparse.Namespace) -> int:
-    """Print how the cases of a study stand."""
-    study = load_study(options.study, options.set)
+    """Print how the cases of a study stand, or those of all results."""
+    name = options.study
+    if name is None or (name in scene_names() and name not in study_names()):
+        _list_results(options.out, name)
+        return DONE
+    if name.endswith(".nc"):
+        dataset = read_study(Path(name))
+        keys, labels = over_cases(dataset, "case_key").tolist(), labels_of(dataset)
+        stand = results.outcomes_of(dataset)
+        print(*results.status_rows(list(zip(keys, labels, strict=True)), stand), sep="\n")
+        return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
+    study = load_study(name, options.set)
     stand = results.outcomes(study, options.out)
-    print(*results.status_rows(study.cases, stand), sep="\n")
+    print(*results.status_rows([(it.key, it.label) for it in study.cases], stand), sep="\n")
+    if options.traceback:
+        print(*results.tracebacks(study, options.out), sep="\n")
     results.tell_of_other_sources(study, stand)
+    file = study_file(options.out, study)
+    if all(outcome.status == MISSING for outcome in stand) and file.exists():
+        tell(f"{file} has other cases: give each --set that it was run with, or `status {file}`")
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
+
+
+def _list_results(folder: Path, scene: str | None) -> None:
+    """Print a line for each result in a folder, of all scenes or of one."""
+    rows = []
+    for path in sorted(folder.glob("*.nc")):
+        try:
+            dataset = read_study(path)
+        except ArchiveError as error:
+            tell(str(error))
+            continue
+        scenes = str(dataset.attrs["scene"])
+        if scene is None or scene in scenes.split():
+            stand = results.outcomes_of(dataset)
+            rows.append(f"{path}  {scenes}: {results.summary(stand)}")
+    if not rows:
+        of_scene = "" if scene is None else f" of {scene}"
+        raise HarnessError(f"{folder}: has no results{of_scene}; `harness run STUDY` makes them")
+    print(*rows, sep="\n")
 
 
 def collect(options: argparse.Namespace) -> int:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from harness.cli.command_help import HELP, epilog
 from harness.cli.exit_codes import BAD_INPUT
 from mpm_warp.execution import THREAD_COUNTS
 
 UNITS = {"K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 """First letters of units of memory, in bytes."""
+SHELLS = ("bash", "zsh", "fish")
+"""Shells that the command line can be completed in."""
 
 if TYPE_CHECKING:
     _Commands = argparse._SubParsersAction["_Parser"]
@@ -22,16 +26,46 @@ class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line, like all others, and that takes no options cut short."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(allow_abbrev=False, **options)
+        layout = argparse.RawDescriptionHelpFormatter
+        super().__init__(allow_abbrev=False, formatter_class=layout, **options)
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
+class _Version(argparse.Action):
+    """Prints the version, which is looked up only then."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> NoReturn:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            print(f"harness {version('mpm-warp')}")
+        except PackageNotFoundError:
+            print("harness, of a source tree that is not installed")
+        parser.exit()
+
+
 def make_parser() -> argparse.ArgumentParser:
     """The parser; the attribute `command` of what it parses is the name of the command."""
-    parser = _Parser(prog="harness", description="Parametric studies of the material point method.")
+    parser = _Parser(
+        prog="harness",
+        description="Parametric studies of the material point method.",
+        epilog="first steps:\n"
+        "  harness run adhesion_factor    the main job, in some seconds\n"
+        "  harness new my_study           a study of your own, to be edited and run\n"
+        "  harness help COMMAND           options and examples of a command",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
+
+    _add_definitions(commands)
 
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
     _add_study(run)
@@ -71,7 +105,16 @@ def make_parser() -> argparse.ArgumentParser:
     )
 
     status = commands.add_parser("status", help="list how the cases of a study stand")
-    _add_study(status)
+    status.add_argument(
+        "study",
+        nargs="?",
+        metavar="STUDY",
+        help="name of a study, a TOML file, or a result; none, or a scene: all results",
+    )
+    _add_settings(status)
+    status.add_argument(
+        "--traceback", action="store_true", help="print where in the program failed cases failed"
+    )
 
     collect = commands.add_parser("collect", help="write the dataset of what is done of a study")
     _add_study(collect)
@@ -84,16 +127,6 @@ def make_parser() -> argparse.ArgumentParser:
     rerun.add_argument("file", type=Path, metavar="FILE", help="of a case, or result of a study")
     rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
     _add_execution(rerun)
-
-    commands.add_parser("list", help="list studies and scenes")
-
-    describe = commands.add_parser("describe", help="list the parameters of a scene")
-    describe.add_argument("scene", metavar="SCENE")
-
-    commands.add_parser("schema", help="print a JSON schema of studies, for editors")
-
-    plan = commands.add_parser("plan", help="list the kernels and arrays of a scene")
-    plan.add_argument("scene", metavar="SCENE")
 
     verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
     verify.add_argument(
@@ -109,11 +142,56 @@ def make_parser() -> argparse.ArgumentParser:
     _add_device(bench)
 
     _add_results(commands)
+
+    about = commands.add_parser("help", help="print the commands, or the options of one")
+    about.add_argument("about", nargs="?", metavar="COMMAND", choices=tuple(HELP))
+
+    completion = commands.add_parser("completion", help="let a shell complete by the Tab key")
+    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
+
+    for name, command in commands.choices.items():
+        command.description = textwrap.fill(HELP[name][0], 80)
+        command.epilog = epilog(name)
     return parser
+
+
+def _add_definitions(commands: _Commands) -> None:
+    """The commands that take or write definitions of studies."""
+    new = commands.add_parser("new", help="write a study of your own, to be edited and run")
+    new.add_argument("name", metavar="NAME", help="of the study; its file is NAME.toml")
+    new.add_argument(
+        "--scene", default="cone_penetration", metavar="SCENE", help="default: cone_penetration"
+    )
+
+    commands.add_parser("list", help="list studies and scenes")
+
+    describe = commands.add_parser("describe", help="describe a scene, or a study")
+    _add_subject(describe)
+
+    commands.add_parser("schema", help="print a JSON schema of studies, for editors")
+
+    plan = commands.add_parser("plan", help="say what a scene or a study takes, before it runs")
+    _add_subject(plan)
+    _add_set(plan)
+
+
+def options_of(parser: argparse.ArgumentParser, command: str) -> list[str]:
+    """The options of a command, as ``--out``."""
+    (commands,) = (it for it in parser._actions if isinstance(it.choices, dict))
+    assert isinstance(commands.choices, dict)
+    return [
+        option
+        for action in commands.choices[command]._actions
+        for option in action.option_strings
+        if option.startswith("--")
+    ]
 
 
 def _add_results(commands: _Commands) -> None:
     """The commands that take results of studies."""
+    references = commands.add_parser("references", help="list what results are compared with")
+    references.add_argument("id", nargs="?", metavar="ID", help="name of one; default: all")
+
     compare = commands.add_parser("compare", help="compare a result with the references")
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     compare.add_argument(
@@ -157,16 +235,26 @@ def _add_study(command: argparse.ArgumentParser) -> None:
     _add_settings(command)
 
 
+def _add_subject(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "subject", metavar="NAME", help="of a scene or a study, or the TOML file of a study"
+    )
+
+
 def _add_settings(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
     )
+    _add_set(command)
+
+
+def _add_set(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="set a parameter; a list, as in KEY=[1,2], varies it; repeatable",
+        help="set a parameter; a list, as in 'KEY=[1, 2]', varies it; repeatable",
     )
 
 

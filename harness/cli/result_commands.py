@@ -10,10 +10,10 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.study_files import read_study
 from harness.cli.exit_codes import DONE, INCOMPLETE
-from harness.compare.cone_factor_table import cone_factor_table
 from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.recommend import recommend, results_in
+from harness.compare.result_table import result_table
 from harness.compare.tolerances import has_tolerances, misses
 from harness.errors import HarnessError, tell
 from harness.pictures.own_files import NotOwnFileError, check_replaceable
@@ -29,7 +29,7 @@ def compare(options: argparse.Namespace) -> int:
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
     try:
-        print(cone_factor_table(dataset))
+        print(result_table(dataset))
     except NothingToCompareError as error:
         if not has_tolerances(dataset):
             raise HarnessError(f"{options.file}: {error}") from None
@@ -57,7 +57,7 @@ def list_misses(dataset: xr.Dataset) -> int:
 def show(dataset: xr.Dataset, folder: Path) -> None:
     """Print the table and draw the pictures, as far as the scene has what they show."""
     try:
-        print(cone_factor_table(dataset))
+        print(result_table(dataset))
     except NothingToCompareError as error:
         tell(str(error))
     try:

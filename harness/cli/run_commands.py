@@ -24,6 +24,7 @@ from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
 from harness.study.study import Study, load_study
+from harness.study.unusual_values import tell_of_unusual_values
 
 
 def run(options: argparse.Namespace) -> int:
@@ -40,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
         )
     study = load_study(options.study, options.set)
     _ = study.cases  # what is wrong with them is told before anything is started
+    tell_of_unusual_values(study)
     runner = (
         on_this_machine(
             study,

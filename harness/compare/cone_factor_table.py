@@ -3,36 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import Role, over_cases, stated, uncertainty_of, varied_names
+from harness.archive.conventions import Role, over_cases, stated, uncertainty_of
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
     exact_shear,
     stored_references,
 )
+from harness.compare.experience import experience_notes
+from harness.compare.text_table import (
+    MISSING,
+    Column,
+    heading,
+    number,
+    parameter_columns,
+    run_columns,
+    table_lines,
+)
 from harness.references.cone_factors import ENVELOPE, ConeFactor, envelope, envelope_applies
 
 RESOLUTION = "cells_per_radius"
 """The parameter that refines the mesh: its finest two values tell the discretisation's share."""
-
-MISSING = "-"
-
-
-@dataclass(frozen=True)
-class _Column:
-    """One column of the table: a heading of two lines and a text for each case."""
-
-    heading: tuple[str, str]
-    texts: list[str]
-
-    @property
-    def width(self) -> int:
-        return max(len(text) for text in (*self.heading, *self.texts))
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:
@@ -44,39 +39,22 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
     cone_factor_of(dataset)
     references = stored_references(dataset)
     columns = [
-        *_parameter_columns(dataset),
+        *parameter_columns(dataset),
         *_cone_factor_columns(dataset),
         *(_reference_column(dataset, reference) for reference in references),
         _envelope_column(dataset),
-        *_run_columns(dataset),
+        *run_columns(dataset),
     ]
-    rows = [
-        [column.heading[0] for column in columns],
-        [column.heading[1] for column in columns],
-        ["-" * column.width for column in columns],
-        *zip(*(column.texts for column in columns), strict=True),
-    ]
-    lines = ["  ".join(_justified(row, columns)).rstrip() for row in rows]
-    return "\n".join([*lines, "", *_resolution_notes(dataset), *_notes(references)])
+    notes = [*_resolution_notes(dataset), *_notes(references), *experience_notes(dataset)]
+    return "\n".join([*table_lines(columns), "", *notes])
 
 
-def _justified(row: Iterable[str], columns: Iterable[_Column]) -> list[str]:
-    return [text.rjust(column.width) for text, column in zip(row, columns, strict=True)]
-
-
-def _parameter_columns(dataset: xr.Dataset) -> list[_Column]:
-    return [
-        _Column(_heading(name), [_text(value) for value in over_cases(dataset, name)])
-        for name in varied_names(dataset)
-    ]
-
-
-def _cone_factor_columns(dataset: xr.Dataset) -> list[_Column]:
+def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
     factors = zip(over_cases(dataset, "cone_factor"), uncertainty_of(dataset), strict=True)
     parts = [
-        _Column(("cone", "factor"), [_stated(value, half) for value, half in factors]),
+        Column(("cone", "factor"), [_stated(value, half) for value, half in factors]),
         *(
-            _Column(heading, [_number(value, ".3g") for value in over_cases(dataset, name)])
+            Column(heading, [number(value, ".3g") for value in over_cases(dataset, name)])
             for name, heading in (
                 ("cone_factor_simulated", ("as", "simulated")),
                 ("cone_factor_normal", ("normal", "part")),
@@ -98,12 +76,12 @@ def _cone_factor_columns(dataset: xr.Dataset) -> list[_Column]:
     ]
     return [
         *parts,
-        _Column(("shear", "part"), [_number(value, ".3f") for value in over_cases(dataset, shear)]),
-        _Column(("exact", "shear"), statics),
+        Column(("shear", "part"), [number(value, ".3f") for value in over_cases(dataset, shear)]),
+        Column(("exact", "shear"), statics),
     ]
 
 
-def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> _Column:
+def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
     texts = [
         _bracketed(_with_deviation(value, deviation), inside)
         for value, deviation, inside in zip(
@@ -113,10 +91,10 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> _Column:
             strict=True,
         )
     ]
-    return _Column(_heading(reference.id), texts)
+    return Column(heading(reference.id), texts)
 
 
-def _envelope_column(dataset: xr.Dataset) -> _Column:
+def _envelope_column(dataset: xr.Dataset) -> Column:
     conditions = conditions_of(dataset)
     bounds = (over_cases(dataset, bound) for bound in envelope(conditions))
     inside = over_cases(dataset, envelope_applies(conditions))
@@ -126,16 +104,7 @@ def _envelope_column(dataset: xr.Dataset) -> _Column:
             over_cases(dataset, "cone_factor"), *bounds, inside, strict=True
         )
     ]
-    return _Column(("in the", "envelope"), texts)
-
-
-def _run_columns(dataset: xr.Dataset) -> list[_Column]:
-    columns = []
-    if "run_time" in dataset:
-        seconds = over_cases(dataset, "run_time")
-        columns.append(_Column(("run time", "[s]"), [_number(value, ".1f") for value in seconds]))
-    status = over_cases(dataset, "status")
-    return [*columns, _Column(("", "status"), [_text(value) for value in status])]
+    return Column(("in the", "envelope"), texts)
 
 
 def _resolution_notes(dataset: xr.Dataset) -> list[str]:
@@ -163,27 +132,13 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
     ]
 
 
-def _heading(name: str) -> tuple[str, str]:
-    """A name on two lines, to keep its column narrow."""
-    head, _, tail = name.rpartition("_")
-    return head, tail
-
-
-def _text(value: object) -> str:
-    return _number(value, "g") if isinstance(value, float) else str(value)
-
-
-def _number(value: float, form: str) -> str:
-    return format(value, form) if np.isfinite(value) else MISSING
-
-
 def _stated(value: float, half_width: float) -> str:
     return stated(value, half_width) if np.isfinite(value) else MISSING
 
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
     percent = f"{deviation:+z.1%}" if np.isfinite(deviation) else MISSING
-    return f"{_number(value, f'.{digits}f')} {percent:>6}"
+    return f"{number(value, f'.{digits}f')} {percent:>6}"
 
 
 def _bracketed(text: str, inside: bool) -> str:

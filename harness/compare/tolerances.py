@@ -7,7 +7,14 @@ from collections.abc import Mapping
 
 import xarray as xr
 
-from harness.archive.conventions import TOLERANCES, Role, case_dims, labels_of, over_cases
+from harness.archive.conventions import (
+    COMPLETED,
+    TOLERANCES,
+    Role,
+    case_dims,
+    labels_of,
+    over_cases,
+)
 from harness.compare.cone_factors import conditions_of
 from harness.references.cone_factors import cone_factor_reference
 from mpm_warp.parameters import did_you_mean
@@ -44,6 +51,7 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
         known = [str(it) for it in dataset.data_vars if dataset[it].dtype.kind in "iuf"]
         return [f"{name}: is neither a reference nor a result here{did_you_mean(name, known)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
+    size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
     held = over_cases(dataset, applies)
     if not held.any():
         return [f"{name}: applies to no case"]

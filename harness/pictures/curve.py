@@ -11,6 +11,7 @@ from harness.archive.conventions import Role, over_cases, with_role
 from harness.compare.cone_factors import NothingToCompareError, conditions_of
 from harness.pictures.caption import write_caption
 from harness.pictures.convergence import shows_convergence
+from harness.pictures.experience_band import draw_experience
 from harness.pictures.literature import draw_literature
 from harness.pictures.map import shows_map
 from harness.pictures.plot_parts import (
@@ -61,6 +62,8 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
     assert studied is not None, "the dataset has no headline"
     name, other = _axis_and_series(studied)
     figure, axes = empty_figure()
+    if studied.headline == COMPARED:
+        draw_experience(axes, dataset)
     along = _values(studied, name)
     groups = studied.groups(other)
     shown = chosen(len(groups), MOST_LABELS)

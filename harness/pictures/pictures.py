@@ -12,6 +12,7 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
+from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
@@ -81,5 +82,9 @@ def draw(dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)) -> 
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """The pictures that are meant for a study's result, by name; the main one first."""
-    return {name: figure(dataset) for name, (shows, figure) in PICTURES.items() if shows(dataset)}
+    """The pictures that are meant for a study's result, by name; the main one first.
+
+    A failed case has no curve there.
+    """
+    sound = without_incomplete_curves(dataset)
+    return {name: figure(sound) for name, (shows, figure) in PICTURES.items() if shows(sound)}

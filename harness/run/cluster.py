@@ -13,7 +13,7 @@ from distributed.comm.addressing import get_address_host_port
 from distributed.security import Security
 
 from harness.archive.case_files import Outcome, is_complete, write_case
-from harness.archive.conventions import COMPLETED, CRASHED
+from harness.archive.conventions import COMPLETED, CRASHED, FAILED
 from harness.archive.provenance import provenance
 from harness.errors import HarnessError, in_one_line
 from harness.run.pool import Watcher
@@ -114,5 +114,5 @@ def _loss(error: BaseException) -> Result:
         times = error.allowed_failures + 1
         outcome = Outcome(CRASHED, f"each of {times} workers that ran the case died")
     else:
-        outcome = Outcome("failed", f"on the cluster: {in_one_line(error)}")
+        outcome = Outcome(FAILED, f"on the cluster: {in_one_line(error)}")
     return Result(outcome, xr.Dataset())

@@ -13,15 +13,17 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
 from harness.archive.collection import collect
-from harness.archive.conventions import COMPLETED, UNTIMED, over_cases
+from harness.archive.conventions import COMPLETED, TRACEBACK, UNTIMED, over_cases
+from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import study_file, write_study
 from harness.compare.cone_factors import NothingToCompareError, with_references
+from harness.compare.experience import with_experience
 from harness.compare.finest_error import with_finest_error
 from harness.compare.tolerances import with_tolerances
 from harness.errors import tell
-from harness.study.cases import Case
 from harness.study.study import Study
+from harness.terminal import coloured
 
 
 def check_begun(study: Study, out: Path) -> None:
@@ -39,7 +41,7 @@ def check_begun(study: Study, out: Path) -> None:
 
 
 def collect_and_write(study: Study, out: Path) -> xr.Dataset:
-    """Collect a study, compare it with its references, and write its dataset.
+    """Collect a study, compare it with its references and experience, and write its dataset.
 
     Raises:
         ArchiveError: the dataset cannot be written.
@@ -52,6 +54,7 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
         dataset = with_references(dataset, study.references)
     except NothingToCompareError as error:
         tell(str(error))
+    dataset = with_experience(dataset, study.experience)
     write_study(study_file(out, study), dataset)
     return dataset
 
@@ -74,9 +77,13 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
     sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
     return [
-        Outcome(str(status), seconds=time, sources=str(digest))
-        for status, time, digest in zip(
-            over_cases(dataset, "status"), seconds, sources, strict=True
+        Outcome(str(status), str(message), seconds=time, sources=str(digest))
+        for status, message, time, digest in zip(
+            over_cases(dataset, "status"),
+            over_cases(dataset, "message"),
+            seconds,
+            sources,
+            strict=True,
         )
     ]
 
@@ -106,14 +113,25 @@ def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
         )
 
 
-def status_rows(cases: Sequence[Case], outcomes: Sequence[Outcome]) -> list[str]:
-    """A line a case, and one of all."""
-    rows = [f"{'case':16}  {'status':9}  {'time':>9}  parameters"]
-    for case, outcome in zip(cases, outcomes, strict=True):
+def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -> list[str]:
+    """A line a case, of which key and label are given, and one of all."""
+    rows = [f"{'case':16}  {'status':10}  {'time':>9}  parameters"]
+    for (key, label), outcome in zip(cases, outcomes, strict=True):
         time = f"{outcome.seconds:.1f} s" if outcome.seconds else ""
         why = f": {outcome.message}" if outcome.message else ""
-        rows.append(f"{case.key}  {outcome.status:9}  {time:>9}  {case.label}{why}")
+        status = coloured(f"{outcome.status:10}", is_good=outcome.status == COMPLETED)
+        rows.append(f"{key}  {status}  {time:>9}  {label}{why}")
     return [*rows, summary(outcomes)]
+
+
+def tracebacks(study: Study, out: Path) -> list[str]:
+    """Where in the program the failed cases of a study failed, as far as their files say."""
+    lines = []
+    for case in study.cases:
+        path = case_file(case_folder(out, study), case)
+        if path.exists() and (text := read_attributes(path).get(TRACEBACK)):
+            lines += ["", f"{case.key}  {case.label}", str(text).rstrip()]
+    return lines or ["no case has failed by an error of the program"]
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:

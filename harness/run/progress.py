@@ -8,7 +8,12 @@ from typing import TextIO
 from tqdm import tqdm
 
 from harness.archive.case_files import Outcome
+from harness.archive.conventions import COMPLETED
 from harness.study.cases import Case
+from harness.terminal import coloured
+
+NOTICED = 0.05
+"""Seconds to start or to compile that are told, at least."""
 
 
 class Display(AbstractContextManager["Display"]):
@@ -32,7 +37,7 @@ class Display(AbstractContextManager["Display"]):
             leave=False,
             miniters=0,
             smoothing=0,  # the time left follows from the mean speed so far
-            bar_format="{bar:24} {desc}{remaining} left",
+            bar_format="{bar:24} {desc}after {elapsed}, {remaining} left",
         )
 
     def __exit__(self, *_: object) -> None:
@@ -47,8 +52,9 @@ class Display(AbstractContextManager["Display"]):
         """A case has ended, well or not."""
         self.done += 1
         self.running.pop(case.key, None)
-        told = ", ".join(filter(None, (outcome.status, outcome.headline, outcome.message)))
-        line = f"[{self.done}/{self.total}] {case.label}: {told}, {outcome.seconds:.1f} s"
+        status = coloured(outcome.status, is_good=outcome.status == COMPLETED, stream=self.stream)
+        told = ", ".join(filter(None, (status, outcome.headline, outcome.message)))
+        line = f"[{self.done}/{self.total}] {case.label}: {told}, {_times(outcome)}"
         self._update()
         tqdm.write(line, file=self.stream)
         self.stream.flush()
@@ -58,6 +64,21 @@ class Display(AbstractContextManager["Display"]):
         told = [f"{self.done}/{self.total} cases"]
         if self.running:
             mean = sum(self.running.values()) / len(self.running)
-            told.append(f"{len(self.running)} running, at {mean:.0%}")
+            # Nothing is computed before all is imported, set up and compiled.
+            told.append(
+                f"{len(self.running)} {f'running, at {mean:.0%}' if mean else 'setting up'}"
+            )
         self.bar.set_description_str(", ".join([*told, ""]), refresh=False)
         self.bar.update(self.done + sum(self.running.values()) - self.bar.n)
+
+
+def _times(outcome: Outcome) -> str:
+    """The time that a case computed, and apart from it those to start and to compile."""
+    start, compiling = outcome.start_seconds, outcome.compile_seconds
+    apart = [
+        f"{seconds:.1f} s to {what}"
+        for seconds, what in ((start, "start"), (compiling, "compile"))
+        if seconds >= NOTICED
+    ]
+    computing = f"{outcome.seconds - start - compiling:.1f} s"
+    return f"{computing} ({', '.join(apart)})" if apart else computing

@@ -7,6 +7,7 @@ import math
 import signal
 import sys
 import time
+import traceback
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
@@ -19,7 +20,9 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, write_case
 from harness.archive.conventions import (
     COMPLETED,
+    FAILED,
     MISSING,
+    TRACEBACK,
     UNFINISHED,
     Role,
     spoken,
@@ -87,7 +90,9 @@ def compute(
         status = getattr(error, "status", "")
         # What a scene has a status for speaks for itself; anything else needs the name of its type.
         message = " ".join(str(error).split()) if status else in_one_line(error)
-        status = status or "failed"
+        if not status:
+            status = FAILED
+            dataset = dataset.assign_attrs({TRACEBACK: traceback.format_exc()})
     headline = ", ".join(
         f"{spoken(name)} {stated(dataset[name].item(), _half_width(dataset))}"
         for name in _headlines(dataset)
@@ -98,7 +103,17 @@ def compute(
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
         provenance(), device=execution.device, cases_together=execution.case_count
     )
-    return Result(Outcome(status, message, headline, measurement.seconds(idle_time)), dataset)
+    seconds = measurement.seconds(idle_time)
+    compiling, running = (float(dataset.get(it, 0.0)) for it in ("compile_time", "run_time"))
+    outcome = Outcome(
+        status,
+        message,
+        headline,
+        seconds,
+        start_seconds=seconds - compiling - running if running and not repeats else 0.0,
+        compile_seconds=compiling,
+    )
+    return Result(outcome, dataset)
 
 
 def run_case(

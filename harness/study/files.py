@@ -12,6 +12,8 @@ from harness.study.designs import EITHER_FIXED_OR_VARIED
 from harness.study.tables import StudyError, Table
 from mpm_warp.parameters import nearest_name
 
+STUDY_NAME = r"\w[\w.-]*"
+"""What the name of a study looks like, as a pattern."""
 LARGEST_FILE = 1_000_000
 """Bytes that a definition may have; what is larger is not a study but a mistake."""
 LONGEST_LINEAGE = 8
@@ -51,13 +53,10 @@ def find_study(study: str, beside: Path | None = None) -> Path:
         raise StudyError(f"{study}: {getattr(error, 'strerror', error)}") from None
     if not found:
         problem = "no such study" if is_name else "not a file" if path.exists() else "no such file"
-        meant = (
-            f"; a file here is called {path.name}"
-            if is_name and (here / path.name).is_file()
-            else ""
-        )
-        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}{meant}")
-    if path.suffix != ".toml" or not re.fullmatch(r"\w[\w.-]*", path.stem):
+        if is_name and (here / path.name).is_file():
+            raise StudyError(f"{study}: {problem}; a file here is called {path.name}")
+        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}")
+    if path.suffix != ".toml" or not re.fullmatch(STUDY_NAME, path.stem):
         raise StudyError(
             f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"
         )
@@ -84,7 +83,23 @@ def read_toml(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise StudyError(f"{path}: not valid TOML: nested too deeply") from None
     except ValueError as error:  # not only TOMLDecodeError: an integer may have too many digits
-        raise StudyError(f"{path}: not valid TOML: {error}") from None
+        raise StudyError(f"{path}: not valid TOML: {error}{_remedy(content, error)}") from None
+
+
+def _remedy(content: bytes, error: ValueError) -> str:
+    """What is wrong in the line that an error of TOML names, where it is a slip of beginners."""
+    place = re.search(r"at line (\d+)", str(error))
+    if place is None:
+        return ""
+    line = content.decode().splitlines()[int(place[1]) - 1].partition("#")[0].strip()
+    key, equals, value = (part.strip() for part in line.partition("="))
+    if equals and re.fullmatch(r"[A-Za-z][\w -]*", value):
+        return f'; a text needs quotes: {key} = "{value}"'
+    if equals and re.fullmatch(r"[-+]?\d+,\d+", value):
+        return f"; a number has a point: {key} = {value.replace(',', '.')}"
+    if re.fullmatch(r"[\w.-]+\s*:.*", line):
+        return "; a key and its value are parted by ="
+    return ""
 
 
 def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:

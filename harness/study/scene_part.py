@@ -18,7 +18,7 @@ from harness.study.designs import (
 )
 from harness.study.expressions import Expression, ExpressionError
 from harness.study.tables import Assignments, StudyError, Table, shown
-from mpm_warp.parameters import Parameter, Value, nearest_name, parameters_of
+from mpm_warp.parameters import Parameter, Value, nearest_parameter, parameters_of
 from mpm_warp.scenes import CatalogueScene
 
 LARGEST_STUDY = 100_000
@@ -188,7 +188,7 @@ def _expression(
         raise StudyError(f"{where}: {error}") from None
     for name in sorted(expression.names):
         if name not in known:
-            raise StudyError(f"{where}: unknown parameter {name!r}{nearest_name(name, known)}")
+            raise StudyError(f"{where}: unknown parameter {name!r}{nearest_parameter(name, known)}")
         if name in later:
             raise StudyError(f"{where}: {name} is derived itself, and not before")
     return expression

@@ -29,13 +29,20 @@ from pathlib import Path
 from typing import Any
 
 from harness.references.cone_factors import COMPARED, NEEDED, reference_ids
+from harness.references.experience import experience_ids
 from harness.study.cases import Case, cases_of
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
-from harness.study.files import find_study, joined, lineage
+from harness.study.files import find_study, joined, lineage, study_names
 from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart, read_part
 from harness.study.tables import Assignments, StudyError, Table, parse_setting, shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.parameters import did_you_mean, known_names, nearest_name, parameters_of
+from mpm_warp.parameters import (
+    Parameter,
+    did_you_mean,
+    known_names,
+    nearest_name,
+    parameters_of,
+)
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000
@@ -63,6 +70,7 @@ class Study:
         parts: one for each scene.
         design: how the varied values are combined.
         references: literature references to compare with.
+        experience: bands of factors measured in the field, to set beside the result.
         tolerances: largest deviation from a reference, or largest size of a result, by name.
         timing_repeats: times to run each case again, alone on the machine, to measure its run
             time; 0 where a study does not ask for it.
@@ -74,6 +82,7 @@ class Study:
     parts: tuple[ScenePart, ...]
     design: Design
     references: tuple[str, ...]
+    experience: tuple[str, ...]
     tolerances: Mapping[str, float]
     timing_repeats: int
     source: Path
@@ -104,6 +113,11 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     Raises:
         StudyError: the file is missing or not a study, or a setting is malformed.
     """
+    if study in scene_names() and study not in study_names():
+        raise StudyError(
+            f"{study}: is a scene; a study says what to vary in it: `harness new my_study "
+            f"--scene {study}` writes one, `harness run my_study.toml` runs it"
+        )
     path = find_study(study)
     assignments = dict(parse_setting(setting) for setting in settings)
     *bases, (_, own) = lineage(path)
@@ -112,6 +126,28 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         values = _standing_on(values, its_own)
         _read(base, values, {})  # what is wrong there is to be told of that file
     return _read(path, _standing_on(values, own), assignments)
+
+
+def is_scene(subject: str) -> bool:
+    """Whether what is named is a scene; otherwise it is a study, or should be the file of one.
+
+    Raises:
+        StudyError: it is neither; the nearest name is given.
+    """
+    known = (*scene_names(), *study_names())
+    if subject not in known and "." not in subject and "/" not in subject:
+        raise StudyError(f"{subject}: neither a scene nor a study{nearest_name(subject, known)}")
+    return subject in scene_names()
+
+
+def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
+    """A study of one scene as it is, with settings; it has no file, and no results.
+
+    Raises:
+        StudyError: there is no such scene, or a setting is malformed.
+    """
+    assignments = dict(parse_setting(setting) for setting in settings)
+    return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
 
 
 def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -136,14 +172,16 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
     compare = document.table("compare")
-    compare.allow("references", "tolerance")
-    references = _references(compare, parts)
+    compare.allow("references", "experience", "tolerance")
+    references = _ids(compare, "references", "reference", reference_ids(), parts)
+    experience = _ids(compare, "experience", "band of experience", experience_ids(), parts)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
         references=references,
+        experience=experience,
         tolerances=_tolerances(compare.table("tolerance"), references, parts),
         timing_repeats=_timing_repeats(document),
         source=path,
@@ -207,18 +245,27 @@ def _timing_repeats(document: Table) -> int:
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
 
 
-def _references(table: Table, parts: Sequence[ScenePart]) -> tuple[str, ...]:
-    ids = table.list("references")
-    for reference in ids:
-        if not isinstance(reference, str) or reference not in reference_ids():
-            nearest = nearest_name(shown(reference), reference_ids())
-            raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
+def _ids(
+    table: Table, key: str, noun: str, known: Sequence[str], parts: Sequence[ScenePart]
+) -> tuple[str, ...]:
+    """What a study is compared with, under one key: each known, and named once."""
+    ids = table.list(key)
+    for given in ids:
+        if not isinstance(given, str) or given not in known:
+            raise table.refuse(
+                key, f"unknown {noun} {shown(given)}{nearest_name(shown(given), known)}"
+            )
     if len(set(ids)) < len(ids):
-        raise table.refuse("references", "names a reference twice")
-    if ids and not any(it.parameters.keys() >= set(NEEDED) for it in parts):
+        raise table.refuse(key, f"names a {noun} twice")
+    if ids and not any(takes_references(it.parameters) for it in parts):
         needed = " and ".join(NEEDED)
-        raise table.refuse("references", f"no scene here has the {needed} that they depend on")
+        raise table.refuse(key, f"no scene here has the {needed} that cone factors depend on")
     return tuple(ids)
+
+
+def takes_references(parameters: Mapping[str, Parameter]) -> bool:
+    """Whether a scene with these parameters has what the cone factors of the literature need."""
+    return parameters.keys() >= set(NEEDED)
 
 
 def _tolerances(
@@ -229,6 +276,8 @@ def _tolerances(
     verified = {name for it in parts for check in it.scene.verifications for name in check.bounds}
     known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
+        if name in experience_ids():
+            raise table.refuse(name, "is a band of experience, from which no result deviates")
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
         if name not in known and (near := did_you_mean(name, known, MISSPELT)):

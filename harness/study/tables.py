@@ -12,7 +12,7 @@ from typing import Any
 
 from harness.errors import HarnessError
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name
+from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
 
@@ -119,7 +119,8 @@ class Assignments(Table):
     def definition(self, key: str) -> Parameter:
         """The parameter called `key`."""
         if key not in self.known:
-            raise self.refuse(key, f"unknown parameter {key!r}{nearest_name(key, self.known)}")
+            nearest = nearest_parameter(key, self.known)
+            raise self.refuse(key, f"unknown parameter {key!r}{nearest}")
         return self.known[key]
 
     def value(self, key: str) -> Value:
@@ -135,7 +136,8 @@ class Assignments(Table):
         self.definition(key)
         values = self.values[key]
         if not isinstance(values, list) or not values:
-            raise self.refuse(key, "must be a list of one value or more, or a range")
+            remedy = "; one value belongs under [fixed]" if isinstance(values, Value) else ""
+            raise self.refuse(key, f"must be a list of one value or more, or a range{remedy}")
         checked = tuple(self._checked(key, value) for value in values)
         if len(set(checked)) < len(checked):
             twice = next(value for value in checked if checked.count(value) > 1)
@@ -151,7 +153,9 @@ class Assignments(Table):
         try:
             checked = definition.checked(value)
         except ParameterError as error:
-            raise StudyError(f"{self.where} {error}") from None
+            unit = "" if definition.unit == "1" else f", in {definition.unit}"
+            what = "" if definition.choices else f"; it is the {definition.meaning}{unit}"
+            raise StudyError(f"{self.where} {error}{what}") from None
         assert checked is not None  # only None itself is checked to None
         return checked
 
@@ -164,7 +168,7 @@ def parse_setting(setting: str) -> tuple[str, Any]:
     """
     key, equals, text = (part.strip() for part in setting.partition("="))
     if not (key and equals and text):
-        raise StudyError(f"--set {setting}: must be key=value")
+        raise StudyError(f"--set {setting}: must be key=value, without blanks around the =")
     if re.fullmatch(r"[A-Za-z_]\w*", text) and text not in ("true", "false", "inf", "nan"):
         return key, text
     try:
@@ -172,8 +176,19 @@ def parse_setting(setting: str) -> tuple[str, Any]:
     except (ValueError, RecursionError):
         parsed = {}
     if parsed.keys() != {"value"}:
-        raise StudyError(f"--set {setting}: {text} is not a TOML value: a number, a text or a list")
+        raise StudyError(f"--set {setting}: {text} is not a TOML value: {_meant(key, text)}")
     return key, parsed["value"]
+
+
+def _meant(key: str, text: str) -> str:
+    """What may be meant by the text of a setting that is no value."""
+    if number := re.fullmatch(r"([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([A-Za-z%°][\w/%°]*)", text):
+        return f"give the number alone, in the unit of the parameter instead of {number[2]}"
+    if re.fullmatch(r"\d[\d.]*(,\s*[\d.]+)+", text):
+        return f"several values stand in brackets: '{key}=[{text}]'"
+    if re.fullmatch(r"[A-Za-z][\w .-]*", text):
+        return f"a text of more than one word needs two kinds of quotes: '{key}=\"{text}\"'"
+    return "a number, a text or a list"
 
 
 def shown(value: object) -> str:

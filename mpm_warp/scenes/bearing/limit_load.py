@@ -52,26 +52,31 @@ class LoadCurve:
         return curves("displacement", axis, resistance=(self.load, "1", "load over area and su"))
 
     def limit_beside(self, exact: float, source: str) -> dict[str, xr.Variable]:
-        """The limit beside the exact one, over area and su, which comes from a source."""
-        error = abs(self.limit / exact - 1)
+        """The limit over area and su, and the exact one with the error where one is known.
+
+        Args:
+            exact: the exact limit over area and su; not a number where none is known.
+            source: where it comes from.
+        """
         plateau = (
             f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes "
             f"there by at most {PLATEAU_CHANGE:.0%}; else not a number"
         )
+        computed = labelled(
+            role="headline",
+            bearing_capacity=(self.limit, "1", "limit load over area and su", plateau),
+        )
+        if math.isnan(exact):
+            return computed
+        error = (
+            abs(self.limit / exact - 1),
+            "1",
+            "error of the limit load",
+            "relative error of the plateau",
+        )
         return (
-            labelled(
-                role="error",
-                error=(
-                    error,
-                    "1",
-                    "error of the limit load",
-                    "relative error of the plateau; not a number where no exact load is known",
-                ),
-            )
-            | labelled(
-                role="headline",
-                bearing_capacity=(self.limit, "1", "limit load over area and su", plateau),
-            )
+            labelled(role="error", error=error)
+            | computed
             | labelled(
                 bearing_capacity_exact=(exact, "1", "limit load over area and su, exact", source),
             )

@@ -28,7 +28,7 @@ def test_a_result_that_is_none_is_one_line(
 
 def test_describe_of_an_unknown_scene_is_one_line(refusal: Callable[[list[str]], str]) -> None:
     line = refusal(["describe", "cone_penetratoin"])
-    assert line.endswith("unknown scene 'cone_penetratoin'; did you mean 'cone_penetration'?")
+    assert line.endswith("neither a scene nor a study; did you mean 'cone_penetration'?")
 
 
 def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> None:

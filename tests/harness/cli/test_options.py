@@ -17,7 +17,6 @@ from harness.run import pool
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "mesh_size", "--fres"], "unrecognized arguments: --fres"),
         (["report", "a.nc", "-o", "b.nc"], "'b.nc' is not allowed: must end in .html"),
         (["run", "mesh_size", "--case-timeout=nan"], "must be a number > 0"),
         (["compare", "a.nc", "b.nc", "--tolerance=-1"], "must be a number >= 0"),

@@ -39,8 +39,17 @@ def test_the_bar_shows_cases_done_running_and_time_left(
         clock[0] += 60  # half of four cases are done after a minute
         display.advanced(third, 0.25)
     shown = stream.getvalue().split("\r")
+    line = "1/4 cases, 2 running, at 50%, after 01:00, 01:00 left"
     bar = "█" * 12 + " " * 12
-    assert any(it.startswith(f"{bar} 1/4 cases, 2 running, at 50%, 01:00 left") for it in shown)
+    assert any(it.startswith(f"{bar} {line}") for it in shown)
+
+
+def test_a_case_that_computes_nothing_yet_is_being_set_up(small: Study) -> None:
+    stream = Terminal()
+    with Display(3, stream) as display:
+        display.advanced(small.cases[0], 0.0)
+        display.bar.refresh()
+    assert "0/3 cases, 1 setting up, after" in stream.getvalue()
 
 
 def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
@@ -51,9 +60,41 @@ def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
     assert re.search(r"\r +\r$", stream.getvalue())
 
 
-def test_lines_of_cases_stand_above_the_bar(small: Study) -> None:
+def test_lines_of_cases_stand_above_the_bar(small: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
     stream = Terminal()
     with Display(3, stream) as display:
         display.finished(small.cases[0], Outcome("completed", seconds=2.0))
         assert "\r[1/3] adhesion_factor=0.0: completed, 2.0 s\n" in stream.getvalue()
         assert "1/3 cases" in stream.getvalue().rpartition("\n")[2]
+
+
+def test_times_to_start_and_to_compile_are_told_apart(small: Study) -> None:
+    stream = io.StringIO()
+    outcome = Outcome("completed", seconds=9.0, start_seconds=2.0, compile_seconds=4.5)
+    with Display(1, stream) as display:
+        display.finished(small.cases[0], outcome)
+    assert stream.getvalue().endswith("completed, 2.5 s (2.0 s to start, 4.5 s to compile)\n")
+
+
+@pytest.mark.parametrize(("status", "code"), [("completed", 32), ("diverged", 31)])
+def test_a_terminal_has_the_status_in_colour(
+    status: str, code: int, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    stream = Terminal()
+    with Display(1, stream) as display:
+        display.finished(small.cases[0], Outcome(status))
+    assert f"\033[{code}m{status}\033[0m" in stream.getvalue()
+
+
+@pytest.mark.parametrize(("name", "value"), [("NO_COLOR", "1"), ("TERM", "dumb")])
+def test_colour_is_left_out_where_it_is_not_wanted(
+    name: str, value: str, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(name, value)
+    stream = Terminal()
+    with Display(1, stream) as display:
+        display.finished(small.cases[0], Outcome("completed"))
+    assert "\033[3" not in stream.getvalue()

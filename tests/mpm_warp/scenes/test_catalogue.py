@@ -14,7 +14,7 @@ import xarray as xr
 
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import Value, parameter, parameters_of
-from mpm_warp.results import ROLES, variable
+from mpm_warp.results import ROLES, SHARED_NAMES, variable
 from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
@@ -72,6 +72,8 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
         assert _role(values) in {None, *ROLES}
         if _role(values) == "exact":
             assert result[values.attrs["exact_of"]].dims == values.dims
+    shared = {key for key in parameters_of(type(scene)) if f"{key}_parameter" in result}
+    assert shared == {key for key in parameters_of(type(scene)) if key in SHARED_NAMES}
     for key in parameters_of(type(scene)):
         stored = result[f"{key}_parameter" if _role(result[key]) != "parameter" else key]
         assert _role(stored.variable) == "parameter"

@@ -1,0 +1,76 @@
+"""Symbols and words of the field for parameters, so that who gives one is told what to give."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+MEANT: dict[tuple[str, ...], dict[str, str]] = {
+    ("ir", "rigidity"): {"rigidity_index": "G / su"},
+    ("g", "gmod", "shear_modulus", "stiffness"): {
+        "shear_modulus": "in Pa",
+        "rigidity_index": "G / su",
+    },
+    ("e", "eu", "youngs_modulus"): {
+        "shear_modulus": "E / (2 (1 + nu)), in Pa",
+        "rigidity_index": "G / su with G = E / (2 (1 + nu))",
+    },
+    ("su", "cu", "c", "strength", "undrained_strength", "shear_strength", "cohesion"): {
+        "undrained_shear_strength": "in Pa"
+    },
+    ("alpha", "a", "roughness", "adhesion"): {
+        "adhesion_factor": "adhesion over su, 0 smooth to 1 rough",
+        "adhesion": "in Pa",
+    },
+    ("delta", "k0", "anisotropy"): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
+    ("mu", "friction"): {
+        "friction_coefficient": "tan of the angle of friction",
+        "friction": "tan of the angle of friction",
+    },
+    ("nu", "poisson", "poisson_ratio"): {"poissons_ratio": ""},
+    ("rho", "mass_density"): {"density": "in kg/m3"},
+    ("gamma", "unit_weight"): {"density": "unit weight over 9.81 m/s2, in kg/m3"},
+    ("sigma_v0", "sigma_v", "sigma_0", "sigma0", "p0", "total_stress", "overburden"): {
+        "in_situ_stress": "in Pa"
+    },
+    ("r", "radius"): {"cone_radius": "in m", "interface_radius": "in m"},
+    ("d", "diameter", "cone_diameter"): {"cone_radius": "half the diameter, in m"},
+    ("area", "cone_area"): {"cone_radius": "sqrt(area / pi), in m"},
+    ("angle", "cone_angle", "apex", "beta"): {"apex_angle": "in degrees", "slope": "in degrees"},
+    ("depth", "travel", "distance"): {
+        "penetration": "over the cone radius",
+        "displacement": "over the radius, times G / su",
+        "travel": "over the length",
+    },
+    ("v", "speed", "velocity", "rate", "penetration_rate"): {
+        "speed_ratio": "speed over that of shear waves, sqrt(G / density)"
+    },
+    ("h", "dx", "mesh", "mesh_size", "cell_size", "resolution", "cells"): {
+        "cells_per_radius": "radius over cell size",
+        "cells_per_length": "length over cell size",
+        "cells_per_side": "side over cell size",
+        "cell_count": "length over cell size",
+    },
+    ("ppc", "particles", "points_per_cell"): {"particles_per_cell": ""},
+    ("dt", "time_step"): {"time_step_fraction": "time step over the critical one"},
+    ("model", "criterion", "yield_criterion", "constitutive_model"): {"material": ""},
+}
+"""Words in small letters, the parameters that they may mean, and what the value of each is."""
+RESULTS = ("nc", "nkt", "qc", "qt", "qnet", "fs", "cone_factor", "bearing_capacity")
+"""Words for what a run computes, which nobody can give."""
+
+
+def what_to_give(word: str, known: Container[str]) -> str:
+    """A phrase that says which parameter a word of the field stands for; "" where none does.
+
+    Args:
+        word: what was given, in capitals or small letters.
+        known: names of the parameters that the scene has.
+    """
+    small = word.lower()
+    if small in RESULTS:
+        return "; it is a result, not a parameter"
+    meanings = next((them for words, them in MEANT.items() if small in words), {})
+    for name, value in meanings.items():
+        if name in known:
+            return f"; give {name!r}" + (f", {value}" if value else "")
+    return ""

@@ -1,0 +1,104 @@
+"""`harness new`, and what is told of studies: `describe`, `plan`, `status`."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.cli.main import main
+from harness.study.files import read_toml
+from harness.study.study import load_study
+from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("scene", scene_names())
+def test_a_new_study_is_sound_and_explains_every_parameter(scene: str) -> None:
+    assert main(["new", "mine", "--scene", scene]) == 0
+    study = load_study("mine.toml")
+    assert len(study.cases) > 1
+    text = Path("mine.toml").read_text()
+    assert max(map(len, text.splitlines())) <= 100
+    for name in parameters_of(scene_class(scene)):
+        assert f"{name} = " in text
+
+
+def test_defaults_that_are_uncommented_are_the_scenes_own() -> None:
+    main(["new", "mine"])
+    lines = Path("mine.toml").read_text().splitlines()
+    assert "#in_situ_stress = 400000.0" in lines
+    given = [line[1:] if re.match(r"#\w+ = [^.\[]", line) else line for line in lines]
+    Path("edited.toml").write_text("\n".join(given))
+    fixed = read_toml(Path("edited.toml"))["fixed"]
+    derived = {"rigidity_index", "shaft_adhesion_factor", "approach_speed_ratio"}
+    assert fixed.keys() == parameters_of(scene_class("cone_penetration")).keys() - derived
+    edited, mine = (load_study(f"{name}.toml") for name in ("edited", "mine"))
+    assert [case.key for case in edited.cases] == [case.key for case in mine.cases]
+
+
+def test_a_new_study_runs_as_it_stands(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "mine", "--scene", "material_point"]) == 0
+    assert main(["run", "mine.toml", "--set", "step_count=10"]) in (0, 1)
+    assert main(["status", "results/mine.nc"]) in (0, 1)
+    assert main(["status", "material_point"]) == 0
+    out = capsys.readouterr().out
+    assert "rigidity_index=100.0" in out
+    assert "results/mine.nc  material_point: 2 cases: 2 completed" in out
+
+
+def test_a_study_is_described_and_planned(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["describe", "stability_random"]) == 0
+    described = capsys.readouterr().out
+    assert "varied       undrained_shear_strength = 1 to 1e+07 Pa" in described
+    assert "excluded     cells_per_radius**3 * penetration > 300" in described
+    assert "a Latin hypercube" in described
+    assert main(["plan", "adhesion_factor", "--set", "adhesion_factor=[0, 1]"]) == 0
+    heading, *rows, total = capsys.readouterr().out.splitlines()
+    assert heading.split() == ["points", "memory", "steps", "<", "time", "<", "case"]
+    assert [row.split()[-1] for row in rows] == ["adhesion_factor=0.0", "adhesion_factor=1.0"]
+    assert total.startswith("2 cases, ")
+
+
+def test_a_plan_takes_settings(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plan", "elastic_column_wave", "--set", "cell_count=4"]) == 0
+    coarse = capsys.readouterr().out
+    assert "kernels of a step" in coarse
+    assert main(["plan", "elastic_column_wave", "--set", "cell_count=8"]) == 0
+    assert capsys.readouterr().out != coarse
+
+
+@pytest.mark.parametrize(
+    ("setting", "warning"),
+    [
+        ("undrained_shear_strength=35", "= 35 is in Pa; if 35 kPa is meant, give 35000"),
+        ("cone_radius=17.85", "= 17.85 is in m; if 17.85 mm is meant, give 0.01785"),
+        ("density=17", "= 17 is in kg m-3; if 17 kN/m3 is meant, give 1732.93"),
+        ("in_situ_stress=[200, 400]", "= 200 is in Pa; if 200 kPa is meant, give 200000"),
+    ],
+)
+def test_a_value_in_what_looks_like_another_unit_is_told(
+    setting: str, warning: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plan", "mesh_size", "--set", "cells_per_radius=1", "--set", setting]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == f"harness: {setting.partition('=')[0]} {warning}"
+
+
+@pytest.mark.parametrize(
+    "setting",
+    ["undrained_shear_strength=[1, 1e3, 1e7]", "in_situ_stress=0", "cone_radius=0.0252"],
+)
+def test_a_value_that_is_meant_is_not_told(
+    setting: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plan", "mesh_size", "--set", "cells_per_radius=1", "--set", setting]) == 0
+    assert capsys.readouterr().err == ""

@@ -1,0 +1,77 @@
+"""The mistakes of a newcomer: each is answered in one line that says what to do."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+FILES = {
+    "text.toml": 'title = "t"\nscene = cone_penetration\n',
+    "comma.toml": 'title = "t"\nscene = "cone_penetration"\n[fixed]\nadhesion_factor = 0,5\n',
+    "colon.toml": 'title = "t"\nscene: "cone_penetration"\n',
+    "list.toml": 'title = "t"\nscene = "cone_penetration"\n[fixed]\nadhesion_factor = [0, 1]\n',
+    "single.toml": 'title = "t"\nscene = "cone_penetration"\n[vary]\nadhesion_factor = 0.5\n',
+    "derived.toml": 'title = "t"\nscene = "cone_penetration"\n[derived]\ndensity = "su / G"\n',
+}
+MISTAKES = {
+    "run cone_penetration": "is a scene; a study says what to vary in it: `harness new my_study "
+    "--scene cone_penetration` writes one, `harness run my_study.toml` runs it",
+    "run adhesion_facotr": "no such study; did you mean 'adhesion_factor'?",
+    "rnu adhesion_factor": "rnu: is no command; did you mean 'run'?",
+    "adhesion_factor": "is no command, but a study: run it by `harness run adhesion_factor`",
+    "run text": "text: no such study; a file here is called text.toml",
+    "run text.toml": 'a text needs quotes: scene = "cone_penetration"',
+    "run comma.toml": "a number has a point: adhesion_factor = 0.5",
+    "run colon.toml": "a key and its value are parted by =",
+    "run list.toml": "is a list; what varies belongs under [vary]",
+    "run single.toml": "must be a list of one value or more, or a range; one value belongs under",
+    "run derived.toml": "give 'rigidity_index', G / su",
+    "run mesh_size --set G=2e6": "unknown parameter 'G'; give 'rigidity_index', G / su",
+    "run mesh_size --set shear_modulus=2e6": "give 'rigidity_index', G / su",
+    "run mesh_size --set su=35e3": "unknown parameter 'su'; give 'undrained_shear_strength', in Pa",
+    "run mesh_size --set alpha=0.5": "give 'adhesion_factor', adhesion over su, 0 smooth to 1",
+    "run mesh_size --set Ir=100": "unknown parameter 'Ir'; give 'rigidity_index', G / su",
+    "run mesh_size --set Nc=10": "unknown parameter 'Nc'; it is a result, not a parameter",
+    "run mesh_size --set undrained_shear_strength=35kPa": "give the number alone, in the unit of "
+    "the parameter instead of kPa",
+    "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 200; it is the greatest "
+    "penetration over cone radius",
+    "run mesh_size --set adhesion_factor=[0, 1]": "the shell has cut the value at a blank; put "
+    "quotes around it: --set 'adhesion_factor=[0, 1]'",
+    "run mesh_size --set=adhesion_factor=[0, 1]": "--set 'adhesion_factor=[0, 1]'",
+    "run mesh_size --set adhesion_factor=[0,": "a bracket is opened and not closed",
+    "run mesh_size --set adhesion_factor=0,1": "brackets: 'adhesion_factor=[0,1]'",
+    "run mesh_size --set material=von mises": "mises; what has blanks in it needs quotes",
+    "run mesh_size --set material=von-mises": "two kinds of quotes: 'material=\"von-mises\"'",
+    "run mesh_size rigidity_index=50": "a parameter is changed by --set rigidity_index=50",
+    "run mesh_size --set rigidity_index": "must be key=value",
+    "run mesh_size --fres": "unrecognized arguments: --fres; did you mean '--fresh'?",
+    "describe cone_penetratoin": "neither a scene nor a study; did you mean 'cone_penetration'?",
+    "plan adhesion_facotr": "neither a scene nor a study; did you mean 'adhesion_factor'?",
+    "new adhesion_factor": "is a study that ships; their results would mix: another name",
+    "new text": "text.toml: is there already; edit it, or take another name",
+    "new a/b": "is no name of a study: letters, digits, '_', '-' and '.'",
+    "new mine --scene mesh_size": "--scene mesh_size: is a study; its scene is cone_penetration",
+    "new mine --scene cone_bering": "unknown scene 'cone_bering'; did you mean 'cone_bearing'?",
+    "status": "results: has no results; `harness run STUDY` makes them",
+    "status strip_footing": "results: has no results of strip_footing",
+    "compare text.toml": "cannot be read",
+    "results/mesh_size.nc": "is no command, but a result: show it by `harness compare",
+}
+"""Command lines as a shell hands them on, and what the answer ends with or holds."""
+
+
+@pytest.mark.parametrize("line", MISTAKES)
+def test_a_mistake_is_answered_by_what_to_do(
+    line: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    refusal: Callable[[list[str]], str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        Path(name).write_text(text)
+    assert MISTAKES[line] in refusal(shlex.split(line))
