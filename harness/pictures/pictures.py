@@ -86,5 +86,5 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
 
     A failed case has no curve there.
     """
-    sound = without_incomplete_curves(dataset)
+    sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
     return {name: figure(sound) for name, (shows, figure) in PICTURES.items() if shows(sound)}
