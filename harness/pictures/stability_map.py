@@ -141,13 +141,18 @@ def _draw_shares(axes: Axes, it: Shares) -> None:
         axes.set_xticks(places, [it.text(part) for part in places.tolist()])
     else:
         edges = [*it.bounds[:, 0], it.bounds[-1, 1]]
-        axes.set_xticks(np.arange(len(edges)) - 0.5, [f"{edge:.3g}" for edge in edges])
+        axes.set_xticks(np.arange(len(edges)) - 0.5, [_short(edge) for edge in edges])
     axes.set_xlim(-0.5, places.size - 0.5)
     axes.set_ylim(0, 1)
     axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
     least = int(np.argmin(it.completed))
     range_text = f"{it.completed.min():.0%} to {it.completed.max():.0%} complete"
     _write_beside(axes, [range_text, f"least at {it.text(least)}: {it.failures(least)}"])
+
+
+def _short(number: float) -> str:
+    """Three digits of a number, without an exponent where it is not long."""
+    return f"{float(f'{number:.3g}'):g}"
 
 
 def _rows(all_values: Sequence[Values]) -> tuple[Figure, list[Axes]]:

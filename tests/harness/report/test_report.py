@@ -69,8 +69,8 @@ def test_markup_in_what_a_file_says_stays_text(page_file: Path) -> None:
     assert "Nc &lt; 12 &amp; &lt;script&gt;" in text
 
 
-def test_the_same_results_give_the_same_page(results: list[xr.Dataset]) -> None:
-    assert page(results) == page(results)
+def test_the_same_results_give_the_same_page(results: list[xr.Dataset], page_file: Path) -> None:
+    assert page(results) == page_file.read_text()
 
 
 def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:
@@ -103,7 +103,6 @@ def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
     other["adhesion_factor"] = (), 1.0, results[1]["adhesion_factor"].attrs
     (found,) = comparisons([results[0], other])
     assert found.rows == []
-    assert "No case of one has the parameters" in page([results[0], other])
 
 
 def test_a_page_is_written_again_but_no_other_file(
