@@ -58,7 +58,7 @@ def make_soil_plan(
         material,
         particles_per_side=scene.particles_per_side,
         spare_fraction=0.0 if window is None else window.spare_fraction,
-        stress=None if scene.surroundings is None else scene.surroundings.stress_at_rest,
+        stress=scene.stress_at_rest,
     )
     if window is not None:
         window.add_motion(plan)

@@ -15,6 +15,11 @@ from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
+PORE_PRESSURE_IS = (
+    "change of mean total stress: an elastic, perfectly plastic undrained clay has no other part"
+)
+"""What the excess pore pressure of results is."""
+
 
 class Sampler(Protocol):
     """Takes down what it watches of a run."""
@@ -150,6 +155,17 @@ def transferred_energy(simulation: Simulation) -> float:
         KeyError: the scene has no energy audit.
     """
     return AUDIT_INTERVAL * float(simulation.array("transfer.energy").sum())
+
+
+def excess_pore_pressure(simulation: Simulation) -> Floats:
+    """Excess pore pressure in the cells of a scene [Pa], compression positive, shape [cell_count].
+
+    It is the change of mean total stress, here in the last step. The effective mean stress of an
+    elastic, perfectly plastic undrained clay stays.
+    """
+    change = simulation.array("cell.stress") - soil_scene(simulation).stress_at_rest
+    pressure: Floats = -change[:, [0, 1, 3]].mean(axis=1)
+    return pressure
 
 
 def _merged(samplers: Sequence[Sampler]) -> xr.Dataset:

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from mpm_warp.arguments import FROM_ONE, POSITIVE, check_kind, check_number, check_whole
+from mpm_warp.arguments import (
+    FROM_ONE,
+    POSITIVE,
+    check_array,
+    check_kind,
+    check_number,
+    check_whole,
+)
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.far_field import FarField
@@ -45,12 +52,15 @@ class Scene:
         particles_per_side: particles along each side of a cell, >= 1.
         time_step_fraction: time step over the critical one, dimensionless, > 0.
         bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
+        stress_at_rest: stress (rr, zz, rz, tt) of the soil at the start [Pa], shape [4]; none by
+            default. It rests where it has no shear, its radial part is the hoop part, and what
+            bounds the grid holds it: fixed nodes, or the surroundings, which start with it.
         forces: parts that act on nodes before all others, in this order: loads, gravity, damping,
             or a user's own.
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
         surroundings: the ground around a window that travels with a body, or none; it takes the
-            place of a far field, and the soil starts with its stress at rest.
+            place of a far field.
         contact: contact with a rigid body, or none.
         moving_wall: inner wall that moves and takes the grid along, or none; it is a cylinder or a
             sphere, and there is no window then.
@@ -72,6 +82,7 @@ class Scene:
     particles_per_side: int
     time_step_fraction: float
     bulk_viscosity: float | None = None
+    stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4))
     forces: tuple[NodeAction, ...] = ()
     fixed: Fixed | None = None
     far_field: FarField | None = None
@@ -89,6 +100,7 @@ class Scene:
         check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
         if self.bulk_viscosity is not None:
             check_number("bulk_viscosity", self.bulk_viscosity, POSITIVE)
+        check_array("stress_at_rest", self.stress_at_rest, (4,))
         for name, kind in REQUIRED.items():
             check_kind(name, getattr(self, name), kind)
         for name, kind in OPTIONAL.items():

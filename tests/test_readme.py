@@ -25,6 +25,7 @@ PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
 OF_NO_COST = ("list", "describe", "schema")
 SHORT = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
 """Settings of a cone test by which its result has the same names and dims at next to no cost."""
+SET_SHORT = [f"--set={setting}" for setting in SHORT]
 
 
 def blocks(page: Path, language: str = "python") -> list[str]:
@@ -53,8 +54,7 @@ def run(script: str, folder: Path) -> str:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the results of the main job, coarse and short."""
     made = tmp_path_factory.mktemp("reader")
-    settings = [f"--set={setting}" for setting in SHORT]
-    assert main(["run", "adhesion_factor", *settings, f"--out={made / 'results'}"]) == 0
+    assert main(["run", "adhesion_factor", *SET_SHORT, f"--out={made / 'results'}"]) == 0
     return made
 
 
@@ -97,6 +97,8 @@ def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None
 def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
     if page not in (README, OF_HARNESS):
         for block in blocks(page):
+            for name in re.findall(r'"results/(\w+)\.nc"', block):
+                assert main(["run", name, *SET_SHORT, f"--out={tmp_path / 'results'}"]) == 0
             run(block, tmp_path)
 
 

@@ -145,7 +145,7 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
         variables = result.drop_vars(with_role(result, Role.PARAMETER)).reset_coords()
         others = {
             name: f"{result.attrs['scene']}_{name}"
-            for name, array in variables.data_vars.items()
+            for name, array in variables.variables.items()
             if dims.setdefault(name, array.dims) != array.dims
         }
         own.append(variables.rename(others))

@@ -14,6 +14,7 @@ harness, which knows no other names of results than those below.
 ``measured``     a time, a speed or an amount of memory: it differs from run to run
 ``parameter``    an input of the scene
 ``reference``    a value from the literature; ``deviation``: the result's relative deviation from it
+``experience``   a band of values from the field, over the dim `bound`: the least and the greatest
 ===============  ===================================================================================
 
 The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
@@ -55,6 +56,7 @@ class Role(StrEnum):
     EXACT, ERROR = "exact", "error"
     MEASURED, PARAMETER = "measured", "parameter"
     REFERENCE, DEVIATION = "reference", "deviation"
+    EXPERIENCE = "experience"
 
 
 CASE = "case"

@@ -189,6 +189,9 @@ def options_of(parser: argparse.ArgumentParser, command: str) -> list[str]:
 
 def _add_results(commands: _Commands) -> None:
     """The commands that take results of studies."""
+    references = commands.add_parser("references", help="list what results are compared with")
+    references.add_argument("id", nargs="?", metavar="ID", help="name of one; default: all")
+
     compare = commands.add_parser("compare", help="compare a result with the references")
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     compare.add_argument(
@@ -204,6 +207,14 @@ def _add_results(commands: _Commands) -> None:
     plot = commands.add_parser("plot", help="draw the pictures of a result")
     plot.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     plot.add_argument("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
+    plot.add_argument(
+        "--format",
+        nargs="+",
+        choices=("png", "pdf", "svg"),
+        default=["png"],
+        metavar="FORMAT",
+        help="png, the default, pdf or svg; several are allowed",
+    )
 
     report = commands.add_parser("report", help="write one page of HTML on results")
     report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")

@@ -89,6 +89,13 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
         "Measure the speed of the simulator on this machine and print it as tables.",
         ("bench", "bench --set physics=cone --set 'size=[3000, 20000]'"),
     ),
+    "references": (
+        (
+            "List the cone factors of the literature and the bands of experience that a study can "
+            "be compared with: formula, range, source, how known. With ID: one in full."
+        ),
+        ("references", "references lu_2004"),
+    ),
     "compare": (
         (
             "Print a result beside references or exact solutions. Or set two results side by side"

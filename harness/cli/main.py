@@ -32,6 +32,7 @@ COMMANDS = {
     "plot": "result_commands.plot",
     "report": "result_commands.report",
     "recommend": "result_commands.show_recommendation",
+    "references": "reference_commands.references",
     "help": "help_commands.show_help",
     "completion": "completion.completion",
 }

@@ -16,8 +16,9 @@ from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
 from harness.compare.tolerances import has_tolerances, misses
 from harness.errors import HarnessError, tell
+from harness.pictures.own_files import NotOwnFileError, check_replaceable
 from harness.pictures.pictures import NothingToDrawError, draw
-from harness.pictures.report import write_report
+from harness.report.report import write_report
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -61,7 +62,7 @@ def show(dataset: xr.Dataset, folder: Path) -> None:
         tell(str(error))
     try:
         print(*draw(dataset, folder), sep="\n")
-    except (NothingToCompareError, NothingToDrawError) as error:
+    except (NotOwnFileError, NothingToDrawError) as error:
         tell(str(error))
 
 
@@ -71,7 +72,7 @@ def plot(options: argparse.Namespace) -> int:
     folder = options.out or options.file.parent
     prepare(folder)
     try:
-        pictures = draw(dataset, folder)
+        pictures = draw(dataset, folder, options.format)
     except NothingToDrawError as error:
         raise HarnessError(f"{options.file}: {error}") from None
     print(*pictures, sep="\n")
@@ -80,6 +81,7 @@ def plot(options: argparse.Namespace) -> int:
 
 def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
+    check_replaceable(options.out)  # before all is drawn
     write_report([read_study(file) for file in options.file], options.out)
     print(options.out)
     return DONE

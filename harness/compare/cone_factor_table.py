@@ -14,6 +14,7 @@ from harness.compare.cone_factors import (
     exact_shear,
     stored_references,
 )
+from harness.compare.experience import experience_notes
 from harness.compare.text_table import (
     MISSING,
     Column,
@@ -44,7 +45,7 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
         _envelope_column(dataset),
         *run_columns(dataset),
     ]
-    notes = [*_resolution_notes(dataset), *_notes(references)]
+    notes = [*_resolution_notes(dataset), *_notes(references), *experience_notes(dataset)]
     return "\n".join([*table_lines(columns), "", *notes])
 
 

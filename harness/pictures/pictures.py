@@ -6,36 +6,44 @@ file of its own, which says for which results it is meant.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
-from harness.pictures.cone_factor_plot import cone_factor_figure, shows_cone_factor
-from harness.pictures.plot_parts import png
-from harness.pictures.resistance_plot import resistance_figure, shows_resistance
+from harness.pictures.convergence import convergence_figure, shows_convergence
+from harness.pictures.curve import curve_figure, shows_curve
+from harness.pictures.effects import effects_figure, shows_effects
+from harness.pictures.map import map_figure, shows_map
+from harness.pictures.own_files import check_replaceable, write_own
+from harness.pictures.plot_parts import image
+from harness.pictures.resistance import resistance_figure, shows_resistance
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_figure
+from harness.pictures.tornado import shows_tornado, tornado_figure
 from harness.pictures.work_precision import shows_work_precision, study_figure
 
 PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], Figure]]] = {
-    "cone_factor": (shows_cone_factor, cone_factor_figure),
-    "resistance": (shows_resistance, resistance_figure),
+    "curve": (shows_curve, curve_figure),
+    "map": (shows_map, map_figure),
+    "tornado": (shows_tornado, tornado_figure),
+    "convergence": (shows_convergence, convergence_figure),
+    "effects": (shows_effects, effects_figure),
     "work_precision": (shows_work_precision, study_figure),
+    "resistance": (shows_resistance, resistance_figure),
     "stability": (shows_stability, stability_figure),
 }
-"""By name: whether a picture is meant for a result, and the picture."""
+"""By name: whether a picture is meant for a result, and the picture; the main ones first."""
 
 
 class NothingToDrawError(HarnessError):
     """The dataset has no variable that a picture shows; the message is one line."""
 
 
-def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
+def draw(dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)) -> list[Path]:
     """Write the pictures of a study's result.
 
     Each file is written whole or not at all.
@@ -43,33 +51,40 @@ def draw(dataset: xr.Dataset, folder: Path) -> list[Path]:
     Args:
         dataset: result of a study; the attribute ``study`` names the files.
         folder: where the pictures go; made where it does not exist.
+        forms: formats, of :data:`harness.pictures.plot_parts.FORMATS`.
 
     Returns:
-        Paths of the pictures, `<study>_<name>.png`, as far as they are meant for the result.
+        Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result.
 
     Raises:
         NothingToDrawError: none is.
-        NothingToCompareError: it holds cone factors, but not their parameters.
+        NotOwnFileError: a file is in the way that was not written by this program; then no
+            picture is written.
         ArchiveError: a file cannot be written.
     """
     shown = figures(dataset)
     if not shown:
         raise NothingToDrawError(
-            "nothing to draw: the dataset has neither cone_factor nor penetration_resistance, nor "
-            "an error and a run_time, nor a map of its stability"
+            "nothing to draw: the dataset has no headline that varies, no penetration_resistance, "
+            "no error over settings of the method, and no map of its stability"
         )
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{dataset.attrs['study']}_{name}.png" for name in shown]
-    for path, figure in zip(paths, shown.values(), strict=True):
-        write_whole(png(figure), path)
-    return paths
+    paths = {
+        folder / f"{dataset.attrs['study']}_{name}.{form}": (figure, form)
+        for name, figure in shown.items()
+        for form in forms
+    }
+    for path in paths:
+        check_replaceable(path)
+    for path, (figure, form) in paths.items():
+        write_own(image(figure, form), path)
+    return list(paths)
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """The pictures that are meant for a study's result, by name; a failed case has no curve there.
+    """The pictures that are meant for a study's result, by name; the main one first.
 
-    Raises:
-        NothingToCompareError: it holds cone factors, but not their parameters.
+    A failed case has no curve there.
     """
-    sound = without_incomplete_curves(dataset)
+    sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
     return {name: figure(sound) for name, (shows, figure) in PICTURES.items() if shows(sound)}

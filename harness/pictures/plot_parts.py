@@ -1,56 +1,120 @@
-"""What the pictures of results have in common: axes, series, labels, and the image itself."""
+"""What pictures have in common: style, axes, series, labels, and the image itself."""
 
 from __future__ import annotations
 
 import io
-import itertools
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
-import xarray as xr
-from matplotlib import colormaps
+import numpy as np
+from matplotlib import colormaps, style
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
+from matplotlib.colors import ListedColormap, to_hex
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
-SIZE = (6.4, 4.2)
-MARKERS = "osD^v<>pX*"
+from harness.pictures.own_files import MAKER
+from harness.pictures.values import Floats
+
+STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
+"""Decorator of whatever makes a figure or its image: the style of all pictures."""
+FORMATS = ("png", "pdf", "svg")
+_MADE_BY = {
+    "png": {"Software": MAKER},
+    "pdf": {"Creator": MAKER, "CreationDate": None},
+    "svg": {"Creator": MAKER, "Date": None},
+}
+
+MARKERS = "osD^v<>p"
+"""Of series, which differ in grey too."""
+MOST_LABELS = 8
+"""Curves, or points, that a picture labels."""
 FAILED = "#B00020"
 """Colour of cases that failed."""
+SHADES = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.85, 256)))
+"""Colours of a scale, by luminance; the lightest can still be seen on paper."""
+INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
+"""Colours of one series alone, of a second and a third: they differ in grey."""
 
 
-def png(figure: Figure) -> bytes:
-    """The image of a figure, cut to what is drawn."""
-    image = io.BytesIO()
-    figure.savefig(image, format="png", bbox_inches="tight")
-    return image.getvalue()
+@STYLED
+def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
+    """The image of a figure, the same bytes each time.
+
+    Args:
+        figure: the figure.
+        form: one of `FORMATS`.
+        dpi: points of a PNG an inch; None: those of the style.
+    """
+    content = io.BytesIO()
+    figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
+    return content.getvalue()
 
 
+@STYLED
 def empty_figure() -> tuple[Figure, Axes]:
     """A figure with one pair of axes."""
-    figure = Figure(figsize=SIZE, dpi=200)
-    axes = figure.add_subplot()
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(color="0.9", lw=0.6)
-    axes.set_axisbelow(True)
-    return figure, axes
-
-
-def series_of(dataset: xr.Dataset, dims: Iterable[Hashable]) -> list[tuple[str, xr.Dataset]]:
-    """One dataset for each combination of values along `dims`, and what to call it."""
-    indices = itertools.product(*([(dim, i) for i in range(dataset.sizes[dim])] for dim in dims))
-    ones = ((index, dataset.isel(dict(index))) for index in indices)
-    return [
-        (", ".join(_named_value(one, dim) for dim, _ in index) or "computed", one)
-        for index, one in ones
-    ]
+    figure = Figure()
+    return figure, figure.add_subplot()
 
 
 def series_colour(index: int, count: int) -> str:
-    """Colour of one of so many series; black where it is alone."""
+    """Colour of one of so many series, by luminance; black where it is alone."""
     if count == 1:
-        return "black"
-    return to_hex(colormaps["viridis"](0.75 * index / (count - 1)))
+        return INK
+    return shade(index / (count - 1))
+
+
+def shade(fraction: float) -> str:
+    """Colour of a number on the scale `SHADES`, from 0 to 1."""
+    return to_hex(SHADES(fraction))
+
+
+def draw_series(
+    axes: Axes,
+    x: ArrayLike,
+    y: ArrayLike,
+    half_width: ArrayLike | None = None,
+    **look: object,
+) -> None:
+    """Draw computed values with markers, and their half widths as error bars where they are known.
+
+    Args:
+        axes: where to.
+        x: of the points.
+        y: of the points; those that are not a number are left out.
+        half_width: of y, in its unit.
+        look: as of `matplotlib.axes.Axes.errorbar`.
+    """
+    axes.errorbar(np.asarray(x), np.asarray(y), yerr=half_width, **look)  # type: ignore[arg-type]
+
+
+def mark_failures(axes: Axes, positions: Floats, label: str = "not completed") -> None:
+    """Mark cases without a value on the horizontal axis, instead of leaving them out."""
+    if positions.size:
+        heights = np.full(positions.shape, 0.03)
+        axes.plot(
+            positions,
+            heights,
+            "x",
+            color=FAILED,
+            transform=axes.get_xaxis_transform(),
+            label=once(axes, label),
+            clip_on=False,
+        )
+
+
+def once(axes: Axes, label: str) -> str:
+    """`label` if the legend does not have it yet, else none."""
+    return "" if label in axes.get_legend_handles_labels()[1] else label
+
+
+def chosen(count: int, most: int) -> list[int]:
+    """Up to `most` of `count` places, evenly spread, the first and the last among them."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(place) for place in np.linspace(0, count - 1, most).tolist()})
 
 
 @dataclass(frozen=True)
@@ -63,7 +127,7 @@ class CurveEnd:
     colour: str
 
 
-def label_ends(axes: Axes, ends: Iterable[CurveEnd]) -> None:
+def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
     """Write each curve's label right of the axes, spread where they would overlap."""
     low, high = axes.get_ylim()
     ordered = sorted(ends, key=lambda end: end.y)
@@ -73,43 +137,45 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd]) -> None:
         axes.annotate(
             end.label,
             xy=(end.x, end.y),
-            xytext=(1.04, place),
+            xytext=(1.03, place),
             textcoords="axes fraction",
             color=end.colour,
-            fontsize=8,
+            fontsize=size,
             va="center",
             arrowprops=leader,
         )
 
 
 def _spread(heights: Sequence[float]) -> list[float]:
-    """Ascending `heights` within 0 to 1, pushed apart to a readable distance."""
-    gap = min(0.05, 1 / max(len(heights), 1))
+    """Ascending `heights`, pushed apart to a readable distance and kept within 0 to 1."""
+    gap = min(0.06, 1 / max(len(heights), 1))
     places = list(heights)
     for _ in range(200):
         for i in range(len(places) - 1):
             overlap = max(0.0, gap - (places[i + 1] - places[i]))
             places[i] -= overlap / 2
             places[i + 1] += overlap / 2
+        if places:
+            places[0] = max(places[0], 0.0)
+            places[-1] = min(places[-1], 1.0)
     return places
 
 
-def axis_label(variable: xr.DataArray) -> str:
-    """Long name and unit for an axis."""
-    unit = variable.attrs.get("units", "1")
-    name = variable.attrs.get("long_name", str(variable.name).replace("_", " "))
-    return f"{name} [{'-' if unit == '1' else unit}]"
-
-
-def fixed_note(dataset: xr.Dataset) -> str:
-    """The parameters that matter most, where the study keeps them fixed."""
-    names = ("rigidity_index", "adhesion_factor", "material", "poissons_ratio")
-    return ", ".join(
-        _named_value(dataset, name) for name in names if name in dataset and not dataset[name].dims
-    )
-
-
-def _named_value(dataset: xr.Dataset, name: Hashable) -> str:
-    value = dataset[name].item()
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{str(name).replace('_', ' ')} {text}"
+def legend_above(figure: Figure, axes: Axes, title: str = "") -> None:
+    """A legend above the axes, no wider than the page."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not handles:
+        return
+    for columns in range(min(len(handles), 4), 0, -1):
+        for before in figure.legends:
+            before.remove()
+        legend = figure.legend(
+            handles,
+            labels,
+            title=title or None,
+            loc="outside upper left",
+            ncols=columns,
+            alignment="left",
+        )
+        if legend.get_window_extent().width <= 0.98 * figure.bbox.width:
+            break

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from harness.archive.conventions import (
     COMPLETED,
@@ -17,57 +15,8 @@ from harness.archive.conventions import (
     spoken,
     varied_names,
 )
+from harness.pictures.values import Floats, Texts
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
-
-Floats = NDArray[np.float64]
-Texts = NDArray[np.str_]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Values:
-    """A parameter's values in the cases that were run.
-
-    Attributes:
-        name: of the parameter.
-        unit: SI unit, "1" for a dimensionless number.
-        numbers: the value of each case, or its place among the categories.
-        categories: the values in words, in the order of the study, where they are no numbers or
-            the scene derives one of them; else none.
-    """
-
-    name: str
-    unit: str
-    numbers: Floats
-    categories: tuple[str, ...] = ()
-
-    @classmethod
-    def of(cls, dataset: xr.Dataset, name: str) -> Values:
-        """The values that a dataset has along its cases."""
-        values, unit = dataset[name].values, str(dataset[name].attrs.get("units", "1"))
-        if values.dtype.kind in "iuf" and np.isfinite(values).all():
-            return cls(name=name, unit=unit, numbers=values.astype(float))
-        texts = [_category(value) for value in values.tolist()]
-        categories = tuple(dict.fromkeys(texts))
-        numbers = np.array([float(categories.index(text)) for text in texts])
-        return cls(name=name, unit=unit, numbers=numbers, categories=categories)
-
-    @property
-    def label(self) -> str:
-        """Name and unit."""
-        name = spoken(self.name)
-        return name if self.unit == "1" else f"{name} [{self.unit}]"
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether the numbers, zero aside, span a decade or more."""
-        positive = self.numbers[self.numbers > 0.0]
-        if positive.size == 0 or self.numbers.min() < 0.0:
-            return False
-        return bool(positive.max() >= 10.0 * positive.min())
-
-    def text(self, number: float) -> str:
-        """A value in words."""
-        return self.categories[int(number)] if self.categories else f"{number:.6g}"
 
 
 def shows_stability(dataset: xr.Dataset) -> bool:
@@ -111,9 +60,3 @@ def short_reason(message: str) -> str:
     text = re.sub(r"^\w+: ", "", message)
     text = re.sub(r" (at|is) \[[^]]*\]( m)?", "", text)
     return re.split(r", at |, more than |; |: ", text)[0]
-
-
-def _category(value: object) -> str:
-    if isinstance(value, float):
-        return "derived" if np.isnan(value) else f"{value:.6g}"
-    return str(value) or "derived"

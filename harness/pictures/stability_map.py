@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
+from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -15,12 +15,14 @@ from matplotlib.colors import Normalize, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT, UNFINISHED
-from harness.pictures.stability import Values, limit_label
+from harness.pictures.caption import write_caption
+from harness.pictures.plot_parts import SHADES, STYLED
+from harness.pictures.stability import limit_label
 from harness.pictures.stability_shares import SHARE_HEADING, Shares, share_row, shares
 from harness.pictures.stability_strips import STRIP_HEADING, Strip, strip_row, strips
+from harness.pictures.values import Values
 from harness.study.designs import ONE_AT_A_TIME
 
 STATUSES = {
@@ -36,13 +38,17 @@ STATUSES = {
 """Marker and colour of each status, in Okabe and Ito's colours."""
 OTHER = ("*", "black")
 """Those of any other status."""
-WIDTH, STRIP_HEIGHT = 6.4, 0.62
-BESIDE = 64
+STRIP_HEIGHT, LEGEND_HEIGHT, SCALE_HEIGHT = 0.62, 0.45, 0.6
+"""Inches of a strip, of the legend above, and of the scale of colours and the caption each."""
+LEFT, RIGHT = 0.18, 0.6
+"""Where strips begin and end, of the page's width: names stand before them, words behind."""
+BESIDE = 46
 """Letters of a line beside a strip."""
-LIMIT_COLOURS = colormaps["viridis"]
+LIMIT_COLOURS = SHADES
 """Of a result's size over its limit, 0 to 1."""
 
 
+@STYLED
 def stability_figure(dataset: xr.Dataset) -> Figure:
     """A strip for each parameter: of single cases, or of the shares of random ones.
 
@@ -50,8 +56,13 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
         dataset: result for which :func:`harness.pictures.stability.shows_stability` holds.
     """
     if dataset.attrs["design"] == ONE_AT_A_TIME:
-        return _figure_of_strips(strips(dataset), limit_label(dataset))
-    return _figure_of_shares(shares(dataset), limit_label(dataset))
+        figure = _figure_of_strips(strips(dataset), limit_label(dataset))
+        told = "One parameter at a time differs from the default."
+    else:
+        figure = _figure_of_shares(shares(dataset), limit_label(dataset))
+        told = "Each range is cut into parts of equally many cases; bars are shares of a part."
+    write_caption(figure, dataset, told)
+    return figure
 
 
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
@@ -72,7 +83,8 @@ def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
     handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
     _legend(figure, handles)
     if is_scaled:
-        axes = figure.add_axes((0.0, -0.7 / len(rows), 1.0, 0.12 / len(rows)))
+        height = figure.get_figheight()
+        axes = figure.add_axes((LEFT, 0.85 / height, RIGHT - LEFT, 0.08 / height))
         scale = ScalarMappable(Normalize(0.0, 1.0), LIMIT_COLOURS)
         figure.colorbar(scale, cax=axes, orientation="horizontal")
         axes.set_xlabel(f"{limit}, of completed cases", fontsize=7)
@@ -98,7 +110,7 @@ def _draw_strip(axes: Axes, strip: Strip) -> None:
         if np.isfinite(share):
             colour = to_hex(LIMIT_COLOURS(share))
         axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
-    _scale(axes, strip.values)
+    strip.values.dress(axes, room=6)
     axes.set_ylim(-1, 1)
     axes.set_yticks([])
     sides = [f"{name}: {strip.margin(side)}" for side, name in ((-1, "below"), (1, "above"))]
@@ -125,8 +137,11 @@ def _draw_shares(axes: Axes, it: Shares) -> None:
         axes.bar(places, height, 0.9, base, color=_look(status)[1], gid=status)
         base += height
     axes.hlines(it.limit_share, places - 0.45, places + 0.45, color="black", lw=2)
-    parts = zip(places.tolist(), it.case_count.tolist(), strict=True)
-    axes.set_xticks(places, [f"{it.text(part)} ({count})" for part, count in parts])
+    if np.array_equal(it.bounds[:, 0], it.bounds[:, 1]):
+        axes.set_xticks(places, [it.text(part) for part in places.tolist()])
+    else:
+        edges = [*it.bounds[:, 0], it.bounds[-1, 1]]
+        axes.set_xticks(np.arange(len(edges)) - 0.5, [f"{edge:.3g}" for edge in edges])
     axes.set_xlim(-0.5, places.size - 0.5)
     axes.set_ylim(0, 1)
     axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
@@ -138,45 +153,27 @@ def _draw_shares(axes: Axes, it: Shares) -> None:
 def _rows(all_values: Sequence[Values]) -> tuple[Figure, list[Axes]]:
     """Axes one below the other, each with a parameter's name."""
     count = len(all_values)
-    figure = Figure(figsize=(WIDTH, STRIP_HEIGHT * count), dpi=200)
+    height = STRIP_HEIGHT * count + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
+    with rc_context({"figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(Figure().get_figwidth(), height))
     rows = list(figure.subplots(count, 1, squeeze=False)[:, 0])
-    figure.subplots_adjust(left=0, right=1, bottom=0, top=1, hspace=1.0)
+    top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
+    figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
     for axes, values in zip(rows, all_values, strict=True):
         axes.spines[["top", "right", "left"]].set_visible(False)
-        label = textwrap.fill(values.label, 22)
+        label = textwrap.fill(values.label, 17)
         axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
         axes.tick_params(axis="x", labelsize=6, pad=1)
     return figure, rows
 
 
-def _scale(axes: Axes, values: Values) -> None:
-    """Dress the axis of a strip."""
-    if values.categories:
-        axes.set_xticks(range(len(values.categories)), values.categories)
-        axes.margins(x=0.2)
-        return
-    if values.logarithmic:
-        # Linear between zero, if it is there, and the smallest other value.
-        smallest = values.numbers[values.numbers > 0.0].min()
-        if values.numbers.min() > 0.0:
-            few = values.numbers.max() < 1000.0 * smallest
-            axes.set_xscale("log")
-            axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
-        else:
-            axes.set_xscale("symlog", linthresh=smallest)
-        axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-
-
 def _write_beside(axes: Axes, lines: Iterable[str]) -> None:
     text = "\n".join(textwrap.fill(line, BESIDE, max_lines=2) for line in lines)
-    axes.text(1.02, 0.5, text, transform=axes.transAxes, va="center", fontsize=7)
+    axes.text(1.03, 0.5, text, transform=axes.transAxes, va="center", fontsize=6)
 
 
 def _legend(figure: Figure, handles: Sequence[Artist]) -> None:
-    figure.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncols=5, fontsize=7, frameon=False
-    )
+    figure.legend(handles=handles, loc="upper left", ncols=5, fontsize=7)
 
 
 def _look(status: str) -> tuple[str, str]:

@@ -11,7 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from harness.archive.conventions import COMPLETED, MISSING, varied_names
-from harness.pictures.stability import Floats, Texts, Values, outcomes
+from harness.pictures.stability import outcomes
+from harness.pictures.values import Floats, Texts, Values
 
 PART_COUNT = 5
 """Parts of equally many cases that the range of a parameter is cut into."""

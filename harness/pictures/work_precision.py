@@ -6,18 +6,36 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from harness.archive.atomic_files import write_whole
-from harness.archive.conventions import COMPLETED, over_cases, scenes_of, spoken, varied_names
-from harness.compare.finest_error import error_name
-from harness.pictures.plot_parts import FAILED, MARKERS, empty_figure, png
-from mpm_warp.scenes import scene_class, scene_names
+from harness.archive.conventions import COMPLETED, over_cases, scenes_of
+from harness.compare.finest_error import FLOOR, error_name
+from harness.pictures.caption import write_caption
+from harness.pictures.plot_parts import (
+    FAILED,
+    INK,
+    MARKERS,
+    MOST_LABELS,
+    STYLED,
+    chosen,
+    empty_figure,
+    image,
+    legend_above,
+    once,
+    series_colour,
+)
+from harness.pictures.problems import problem_names, problems_of, setting_of, settings_key
+from harness.pictures.symbols import plain
+from harness.pictures.values import Floats
 
-MOST_LABELS = 12
-"""Settings on the Pareto front that find room in a picture."""
+FRONT = "front: no other is faster and better"
+LEGEND_LINE = 0.15
+"""Inches of a line of a legend."""
+LABEL_GAP = 0.06
+"""Least distance of two labels, of the range of errors."""
 
 
 def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
@@ -30,55 +48,76 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
     Raises:
         ArchiveError: it cannot be written.
     """
-    write_whole(png(work_precision_figure(dataset)), path)
+    write_whole(image(work_precision_figure(dataset)), path)
 
 
+@STYLED
 def work_precision_figure(dataset: xr.Dataset) -> Figure:
-    """Both axes logarithmic; runs that failed are left out."""
+    """Errors of checks against their run times; runs that failed are left out."""
     figure, axes = empty_figure()
     checks = dataset["check"].values
-    for index, (check, colour) in enumerate(zip(checks, _colours(checks.size), strict=True)):
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * checks.size / 2)
+    for index, check in enumerate(checks):
         curve = dataset.isel(check=index)
-        marker = MARKERS[index % len(MARKERS)]
+        marker, colour = MARKERS[index % len(MARKERS)], series_colour(index, checks.size)
         axes.loglog(
-            curve["run_time"], curve["error"], marker=marker, color=colour, label=str(check)
+            curve["run_time"], curve["error"], marker=marker, color=colour, label=plain(check)
         )
-    _dress(axes, "error against the exact solution")
+    _dress(figure, axes, "error against the exact solution")
     return figure
 
 
 def shows_work_precision(dataset: xr.Dataset) -> bool:
-    """Whether a study's result holds errors and run times."""
-    return error_name(dataset) is not None and "run_time" in dataset
+    """Whether a result holds errors and run times of several settings for one problem."""
+    if error_name(dataset) is None or "run_time" not in dataset or "status" not in dataset:
+        return False
+    return bool(problems_of(dataset))
 
 
+@STYLED
 def study_figure(dataset: xr.Dataset) -> Figure:
     """Error against run time of a study's cases, and the front of those that no other beats.
 
-    Each scene of several has a front of its own. A case that did not complete has no error: it
-    stands on the upper edge, at the time it took.
+    Each problem, a scene with one soil, has a front of its own: another is not easier or harder to
+    compute, but another. A case that did not complete has no error: it stands on the upper edge, at
+    the time it took.
+
+    Args:
+        dataset: result for which :func:`shows_work_precision` holds.
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
-    errors, seconds = over_cases(dataset, name), over_cases(dataset, "run_time")
-    figure, axes = empty_figure()
+    errors = over_cases(dataset, name).astype(float)
+    seconds = over_cases(dataset, "run_time").astype(float)
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
-    axes.loglog(seconds[sound], errors[sound], "o", color="0.45", ms=4, label="cases")
-    scenes = np.array(scenes_of(dataset))
-    names = list(dict.fromkeys(scenes.tolist()))
-    for scene, colour in zip(names, _colours(len(names)), strict=True):
-        own = scenes == scene
-        front = _pareto(seconds, errors, np.flatnonzero(sound & own))
-        method = scene_class(scene).method if scene in scene_names() else ()
-        columns = {it: over_cases(dataset, it) for it in varied_names(dataset) if it in method}
-        varied = {it: column for it, column in columns.items() if len({*column[own].tolist()}) > 1}
-        label = f"{scene}, Pareto front: {' / '.join(map(spoken, varied))}".removesuffix(": ")
-        axes.loglog(seconds[front], errors[front], "o-", color=colour, label=label)
-        for case in front[:MOST_LABELS] if varied else ():
-            values = (column[case] for column in varied.values())
-            text = " / ".join(f"{value:g}" if np.isreal(value) else str(value) for value in values)
+    problems = problems_of(dataset)
+    names = problem_names(problems)
+    figure, axes = empty_figure()
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    budget = MOST_LABELS
+    for rank, (problem, its_name) in enumerate(zip(problems, names, strict=True)):
+        own = problem.cases[sound[problem.cases]]
+        front = _pareto(seconds, errors, own)
+        beaten = np.setdiff1d(own, front)
+        if beaten.size:
+            label = once(axes, "beaten by another")
+            axes.plot(seconds[beaten], errors[beaten], "o", color="0.6", ms=3.5, label=label)
+        colour, marker = series_colour(rank, len(problems)), MARKERS[rank % len(MARKERS)]
+        told = its_name if len(problems) <= MOST_LABELS else ""
+        label = told or once(axes, FRONT)
+        axes.plot(seconds[front], errors[front], f"{marker}-", color=colour, label=label, zorder=3)
+        apart = _apart(front, errors, np.ptp(np.log(errors[sound])))
+        share = min(len(apart), budget // (len(problems) - rank))
+        budget -= share
+        for case in apart[chosen(len(apart), share)]:
             place = (float(seconds[case]), float(errors[case]))
+            text = setting_of(dataset, problem, int(case))
             axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
+    floor = over_cases(dataset, FLOOR).astype(float)
+    if np.isfinite(floor).any():
+        told = "uncertainty of the reference"
+        axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=told)
     failed = over_cases(dataset, "status") != COMPLETED
     if "case_time" in dataset and failed.any():
         axes.plot(
@@ -88,23 +127,37 @@ def study_figure(dataset: xr.Dataset) -> Figure:
             color=FAILED,
             transform=axes.get_xaxis_transform(),
             clip_on=False,
-            label="failed",
+            label="not completed",
         )
-    _dress(axes, dataset[name].attrs.get("long_name", name) if len(names) == 1 else name)
+    several = len(set(scenes_of(dataset))) > 1
+    _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
+    key = settings_key(dataset, problems)
+    told = "Run times of cases side by side are not to be compared."
+    write_caption(figure, dataset, key, told)
     return figure
 
 
-def _colours(count: int) -> np.ndarray:
-    return colormaps["viridis"](np.linspace(0.0, 0.85, count))
+def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:
+    """The points of a front whose labels do not meet, the best among them."""
+    kept: list[int] = []
+    for case in front[::-1]:
+        if not kept or np.log(errors[case] / errors[kept[-1]]) > LABEL_GAP * log_range:
+            kept.append(int(case))
+    return np.array(kept[::-1], dtype=int)
 
 
-def _dress(axes: Axes, meaning: str) -> None:
+def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
     axes.set_xlabel("run time [s]")
-    axes.set_ylabel(f"{meaning} [-]")
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=7, frameon=False)
+    axes.set_ylabel(f"{plain(meaning)} [-]")
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        # Over less than two decades there would be a tick or none.
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100.0 * low else (1,)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
+    legend_above(figure, axes)
 
 
-def _pareto(seconds: np.ndarray, errors: np.ndarray, cases: np.ndarray) -> np.ndarray:
+def _pareto(seconds: Floats, errors: Floats, cases: np.ndarray) -> np.ndarray:
     """The cases that no other is both faster and better than, the fastest first."""
     ordered = cases[np.lexsort((errors[cases], seconds[cases]))]
     best = np.minimum.accumulate(errors[ordered]) if ordered.size else errors[ordered]

@@ -18,6 +18,7 @@ from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import study_file, write_study
 from harness.compare.cone_factors import NothingToCompareError, with_references
+from harness.compare.experience import with_experience
 from harness.compare.finest_error import with_finest_error
 from harness.compare.tolerances import with_tolerances
 from harness.errors import tell
@@ -40,7 +41,7 @@ def check_begun(study: Study, out: Path) -> None:
 
 
 def collect_and_write(study: Study, out: Path) -> xr.Dataset:
-    """Collect a study, compare it with its references, and write its dataset.
+    """Collect a study, compare it with its references and experience, and write its dataset.
 
     Raises:
         ArchiveError: the dataset cannot be written.
@@ -53,6 +54,7 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
         dataset = with_references(dataset, study.references)
     except NothingToCompareError as error:
         tell(str(error))
+    dataset = with_experience(dataset, study.experience)
     write_study(study_file(out, study), dataset)
     return dataset
 

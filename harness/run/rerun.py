@@ -145,13 +145,15 @@ def _parameters_of_cell(
 
 def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
     """A case of a collected dataset as its own file had it: no padding, each number in its type."""
-    variables = {}
+    scene, variables = cell.attrs["scene"], {}
+    of_scene = {name: f"{scene}_{name}" for name in again.variables}
+    stored = {name: own if own in cell.variables else name for name, own in of_scene.items()}
     for name, array in again.variables.items():
-        of_scene = f"{cell.attrs['scene']}_{name}"
-        stored = of_scene if of_scene in cell.variables else name
-        if stored in cell.variables:
-            places = {dim: again[dim] for dim in array.dims if dim in cell.indexes}
-            variables[name] = cell[stored].sel(places).variable.astype(array.dtype)
+        if stored[name] in cell.variables:
+            dims = {dim: stored.get(dim, dim) for dim in array.dims}
+            places = {dim: again[own].values for own, dim in dims.items() if dim in cell.indexes}
+            values = cell[stored[name]].sel(places).values
+            variables[name] = xr.Variable(array.dims, values).astype(array.dtype)
     return xr.Dataset(variables)
 
 

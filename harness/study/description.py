@@ -42,6 +42,8 @@ def study_rows(study: Study) -> list[str]:
         rows += [f"{title:12} {text}" for title, text in _of_part(part)]
     if study.references:
         rows.append(f"{'references':12} {', '.join(study.references)}")
+    if study.experience:
+        rows.append(f"{'experience':12} {', '.join(study.experience)}")
     rows += [f"{'tolerance':12} {name} = {limit:g}" for name, limit in study.tolerances.items()]
     if study.timing_repeats:
         rows.append(f"{'timing':12} {study.timing_repeats} warm runs a case")

@@ -6,9 +6,11 @@ at once, such as the sum of cases, is left to the harness.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from harness.references.cone_factors import reference_ids
+from harness.references.experience import experience_ids
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
 from harness.study.scene_part import LARGEST_STUDY
@@ -25,7 +27,8 @@ def study_schema() -> Schema:
     """The schema of a study's definition."""
     texts = {"type": "array", "items": _expression("condition on cases that are not run")}
     line = {"type": "string", "pattern": "\\S"}
-    references = {"type": "array", "items": {"enum": list(reference_ids())}, "uniqueItems": True}
+    references = _ids(reference_ids(), "cone factors of the literature")
+    experience = _ids(experience_ids(), "bands of factors measured in the field")
     tolerance = {
         "type": "object",
         "description": "largest deviation from a reference, or size of a result",
@@ -50,7 +53,9 @@ def study_schema() -> Schema:
             {name: _of_scene(name) for name in scene_names()},
             description="what holds for one scene of several",
         ),
-        "compare": _table({"references": references, "tolerance": tolerance}),
+        "compare": _table(
+            {"references": references, "experience": experience, "tolerance": tolerance}
+        ),
         "timing": _table({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
     }
     return {
@@ -111,6 +116,11 @@ def _variation(parameter: Parameter) -> Schema:
 
 def _integer(meaning: str, least: int, most: int) -> Schema:
     return {"type": "integer", "description": meaning, "minimum": least, "maximum": most}
+
+
+def _ids(known: Sequence[str], meaning: str) -> Schema:
+    items = {"enum": list(known)}
+    return {"type": "array", "items": items, "uniqueItems": True, "description": meaning}
 
 
 def _expression(meaning: str) -> Schema:

@@ -29,6 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.references.cone_factors import COMPARED, NEEDED, reference_ids
+from harness.references.experience import experience_ids
 from harness.study.cases import Case, cases_of
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.study.files import find_study, joined, lineage, study_names
@@ -69,6 +70,7 @@ class Study:
         parts: one for each scene.
         design: how the varied values are combined.
         references: literature references to compare with.
+        experience: bands of factors measured in the field, to set beside the result.
         tolerances: largest deviation from a reference, or largest size of a result, by name.
         timing_repeats: times to run each case again, alone on the machine, to measure its run
             time; 0 where a study does not ask for it.
@@ -80,6 +82,7 @@ class Study:
     parts: tuple[ScenePart, ...]
     design: Design
     references: tuple[str, ...]
+    experience: tuple[str, ...]
     tolerances: Mapping[str, float]
     timing_repeats: int
     source: Path
@@ -169,14 +172,16 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
     compare = document.table("compare")
-    compare.allow("references", "tolerance")
-    references = _references(compare, parts)
+    compare.allow("references", "experience", "tolerance")
+    references = _ids(compare, "references", "reference", reference_ids(), parts)
+    experience = _ids(compare, "experience", "band of experience", experience_ids(), parts)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
         references=references,
+        experience=experience,
         tolerances=_tolerances(compare.table("tolerance"), references, parts),
         timing_repeats=_timing_repeats(document),
         source=path,
@@ -240,17 +245,21 @@ def _timing_repeats(document: Table) -> int:
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
 
 
-def _references(table: Table, parts: Sequence[ScenePart]) -> tuple[str, ...]:
-    ids = table.list("references")
-    for reference in ids:
-        if not isinstance(reference, str) or reference not in reference_ids():
-            nearest = nearest_name(shown(reference), reference_ids())
-            raise table.refuse("references", f"unknown reference {shown(reference)}{nearest}")
+def _ids(
+    table: Table, key: str, noun: str, known: Sequence[str], parts: Sequence[ScenePart]
+) -> tuple[str, ...]:
+    """What a study is compared with, under one key: each known, and named once."""
+    ids = table.list(key)
+    for given in ids:
+        if not isinstance(given, str) or given not in known:
+            raise table.refuse(
+                key, f"unknown {noun} {shown(given)}{nearest_name(shown(given), known)}"
+            )
     if len(set(ids)) < len(ids):
-        raise table.refuse("references", "names a reference twice")
+        raise table.refuse(key, f"names a {noun} twice")
     if ids and not any(takes_references(it.parameters) for it in parts):
         needed = " and ".join(NEEDED)
-        raise table.refuse("references", f"no scene here has the {needed} that they depend on")
+        raise table.refuse(key, f"no scene here has the {needed} that cone factors depend on")
     return tuple(ids)
 
 
@@ -267,6 +276,8 @@ def _tolerances(
     verified = {name for it in parts for check in it.scene.verifications for name in check.bounds}
     known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
+        if name in experience_ids():
+            raise table.refuse(name, "is a band of experience, from which no result deviates")
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
         if name not in known and (near := did_you_mean(name, known, MISSPELT)):

@@ -65,6 +65,7 @@ class Inflow:
     ) -> None:
         plan, rows = run.plan, setting.grid.rows
         self._run = run
+        self._setting = setting
         self._window = window
         self._ground = ground
         self._launches = [
@@ -116,7 +117,7 @@ class Inflow:
             speed, travel = self._run.array("window.motion")[1:]
             flow = self._ground.source.velocity(position)
             self._run.assign("layer.velocity", speed * flow)
-            self._run.assign("layer.stress", self._ground.stress(position, travel))
+            self._run.assign("layer.stress", self._ground.stress(self._setting, position, travel))
         for launch in self._launches:
             self._run.launch(launch)
         self._layer_count += 1
@@ -125,7 +126,11 @@ class Inflow:
             # The springs at the side belong to the soil there.
             springs = self._run.array("far_field.displacement").copy()
             springs[1:] = springs[:-1]
-            springs[0] = 0.0 if self._ground is None else self._ground.entering_spring(self.travel)
+            springs[0] = (
+                0.0
+                if self._ground is None
+                else self._ground.entering_spring(self._setting, self.travel)
+            )
             self._run.assign("far_field.displacement", springs)
 
     @property

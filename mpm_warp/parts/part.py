@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
 
@@ -23,6 +23,10 @@ class Setting(Protocol):
     @property
     def material(self) -> Material:
         """The soil's constitutive model."""
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress (rr, zz, rz, tt) of the soil at the start [Pa], shape [4]."""
 
     @property
     def particles_per_side(self) -> int:

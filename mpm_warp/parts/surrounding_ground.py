@@ -35,8 +35,6 @@ class SurroundingGround:
 
     Attributes:
         source: what the body is from afar.
-        stress_at_rest: stress (rr, zz, rz, tt) of the soil before the body comes [Pa], shape [4];
-            uniform and without shear.
         ends: flat indices of the nodes of bottom and top whose velocity is given, shape
             [end_count].
         free: 1 where the velocity of such a node is free after all, 0 where it is given, shape
@@ -53,7 +51,6 @@ class SurroundingGround:
     """
 
     source: TravellingSource
-    stress_at_rest: Floats
     ends: Integers
     free: Floats
     end_positions: Floats
@@ -65,7 +62,6 @@ class SurroundingGround:
 
     def __post_init__(self) -> None:
         count = np.size(self.side)
-        check_array("surroundings: stress_at_rest", self.stress_at_rest, (4,))
         check_array("surroundings: side_areas", self.side_areas, (count,), POSITIVE)
         check_array("surroundings: spring", self.spring, (count, 2), POSITIVE)
         check_array("surroundings: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
@@ -77,9 +73,7 @@ class SurroundingGround:
             raise SceneError("surroundings: free must be 0 or 1")
 
     @classmethod
-    def around(
-        cls, grid: Grid, material: Material, source: TravellingSource, stress_at_rest: Floats
-    ) -> Self:
+    def around(cls, grid: Grid, material: Material, source: TravellingSource) -> Self:
         """The ground around all of a grid whose inner side is the axis and the body.
 
         Along the side it is that of an endless cylinder, 2 G / r along r and G / r along z for each
@@ -94,7 +88,6 @@ class SurroundingGround:
         ends = np.flatnonzero(free.min(axis=-1) == 0.0)
         return cls(
             source=source,
-            stress_at_rest=stress_at_rest,
             ends=ends,
             free=free[ends],
             end_positions=grid.node_positions[ends],
@@ -110,19 +103,20 @@ class SurroundingGround:
         for name, nodes in (("ends", self.ends), ("side", self.side)):
             check_nodes(f"surroundings: {name}", nodes, setting.grid.node_count)
 
-    def stress(self, position: Floats, travel: float) -> Floats:
+    def stress(self, setting: Setting, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) of elastic ground when the body has gone so far [Pa], [..., 4].
 
         Args:
+            setting: the soil, and its stress before the body comes.
             position: (r, z) in the grid [m], shape [..., 2].
             travel: of the body [m], >= 0.
         """
-        stress: Floats = self.stress_at_rest + self.source.stress_since(position, travel)
+        stress: Floats = setting.stress_at_rest + self.source.stress_since(position, travel)
         return stress
 
-    def entering_spring(self, travel: float) -> Floats:
+    def entering_spring(self, setting: Setting, travel: float) -> Floats:
         """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
-        stress = self.stress(self.side_positions[:1], travel)
+        stress = self.stress(setting, self.side_positions[:1], travel)
         displacement: Floats = -(self.side_areas[0] * stress[0, [0, 2]]) / self.spring[0]
         return displacement
 
@@ -137,7 +131,7 @@ class SurroundingGround:
         precision, nodes = plan.precision, (setting.grid.node_count,)
         side_flow = self.source.velocity(self.side_positions)
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
-        at_rest = -(self.side_areas[:, None] * self.stress_at_rest[[0, 2]]) / self.spring
+        at_rest = -(self.side_areas[:, None] * setting.stress_at_rest[[0, 2]]) / self.spring
         plan.add_array("far_field.nodes", "int", self.side, nodes)
         plan.add_array("far_field.spring", "vec2", self.spring)
         plan.add_array("far_field.dashpot", "vec2", self.dashpot)

@@ -188,6 +188,7 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             "material": [None, "tresca"],
             "particles_per_side": [0, -2, 2.0, 1.5, True, NAN],
             "time_step_fraction": [0.0, INF],
+            "stress_at_rest": [np.zeros(3), np.array([0.0, NAN, 0.0, 0.0])],
             "forces": [[Gravity(9.81)], (9.81,)],
             "fixed": [SIDE],
             "contact": [FarField(**FAR)],

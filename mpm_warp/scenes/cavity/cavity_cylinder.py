@@ -8,17 +8,24 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Grid
+from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
+from mpm_warp.parameters import parameter
 from mpm_warp.parts.far_field import FarField
 from mpm_warp.parts.fixed import Fixed
 from mpm_warp.scenes.catalogue import Verification
-from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
+from mpm_warp.scenes.cavity.common import RADIUS, STRENGTH, Cavity, verifications
 
 
 @dataclass(frozen=True, kw_only=True)
 class CavityCylinder(Cavity):
-    """One row of cells between smooth ends, around a cylinder whose wall moves outward."""
+    """One row of cells between smooth ends, around a cylinder whose wall moves outward.
+
+    The axis is vertical. The pressure is that over the horizontal stress before. While the vertical
+    stress stays between the others it does not matter to soil of Tresca, which is so for any stress
+    anisotropy that is allowed.
+    """
 
     summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
     version: ClassVar[int] = 5
@@ -26,6 +33,30 @@ class CavityCylinder(Cavity):
     exponent: ClassVar[int] = 2
     factor: ClassVar[float] = 1.0
     von_mises_strength: ClassVar[float] = 1.0
+
+    stress_anisotropy: float = parameter(
+        0.0,
+        unit="1",
+        meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
+        "over 2 su; of Tresca soil alone",
+        minimum=-0.5,
+        maximum=0.5,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.stress_anisotropy != 0.0 and self.material != "tresca":
+            raise ParameterError(
+                "stress_anisotropy",
+                f"stress_anisotropy = {self.stress_anisotropy:g} must be 0 where material is "
+                f"{self.material}: there is no exact pressure",
+            )
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """See `Cavity`: the vertical stress differs from the horizontal one."""
+        over_horizontal = 2.0 * self.stress_anisotropy * STRENGTH
+        return np.array([0.0, -over_horizontal, 0.0, 0.0])
 
     def grid(self) -> Grid:
         """One row of cells, to twice the radius of the plastic zone."""

@@ -21,6 +21,7 @@ from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
 from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
 
@@ -28,6 +29,8 @@ RADIUS = 1.0
 STRENGTH = 1e3
 DENSITY = 1700.0
 SAMPLE_COUNT = 150
+LARGEST_PORE_PRESSURE_ERROR = 0.02
+"""Of the profile of excess pore pressure in verifications, over that at the wall."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,10 +127,16 @@ class Cavity(CatalogueScene):
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=0.85,
             bulk_viscosity=0.2,
+            stress_at_rest=self.stress_at_rest,
             fixed=self.fixed(grid),
             far_field=self.far_field(grid, material),
             moving_wall=MovingWall(speed=speed, ramp_travel=0.3 * RADIUS),
         )
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress (rr, zz, rz, tt) of the soil before, over that across the wall [Pa], shape [4]."""
+        return np.zeros(4)
 
     def exact(self, expansion: Floats) -> Floats:
         """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
@@ -137,6 +146,24 @@ class Cavity(CatalogueScene):
         elastic = index * _dilogarithm(np.minimum(strain, yielding))
         pressure: Floats = elastic + np.log(np.maximum(strain / yielding, 1.0))
         return self.factor * self._strength * pressure
+
+    def exact_pore_pressure(self, distance: Floats, *, expansion: float) -> Floats:
+        """Excess pore pressure at distances from the middle [Pa], shape [n].
+
+        Soil at a distance r that was at r0 bears the radial stress of a cavity that has expanded
+        from r0 to r, p say; r^m - r0^m is the same everywhere. The mean stress is less than that by
+        k times the shear stress, G m ln(r/r0) up to the strength. So in the plastic zone around a
+        cavity that has expanded far, (p - p0)/su = k (ln Ir - m ln(r/a)).
+
+        Args:
+            distance: over the radius a of the cavity, >= 1, shape [n].
+            expansion: a/a0, > 1.
+        """
+        m, index = self.exponent, self.rigidity_index / self._strength
+        local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
+        shear = np.minimum(index * m * np.log(local), 1.0)
+        pressure: Floats = self.exact(local) - self.factor * self._strength * shear
+        return STRENGTH * pressure
 
     @property
     def limit(self) -> float:
@@ -165,7 +192,10 @@ class Cavity(CatalogueScene):
             role="headline",
         )
         shape = self.shape(soil_scene(simulation).grid, curve.on_rows)
-        return recorded.assign(error=error).assign(shape)
+        profile = pore_pressure_profile(
+            simulation, radius_at_start=RADIUS, exact=self.exact_pore_pressure
+        )
+        return recorded.assign(error=error).assign(shape).merge(profile)
 
     def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
         """How well the cavity keeps its shape, from the forces on the wall's nodes at the end.
@@ -229,7 +259,7 @@ def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[V
         Verification(
             resolution="cells_per_radius",
             resolutions=resolutions,
-            bounds={"error": largest_error},
+            bounds={"error": largest_error, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
             settings={"rigidity_index": rigidity_index, "material": material},
         )
         for rigidity_index, material in ((50.0, "tresca"), (500.0, "tresca"), (50.0, "von_mises"))

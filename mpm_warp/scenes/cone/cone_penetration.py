@@ -26,6 +26,7 @@ from mpm_warp.scenes.cone.known_error import known_error
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.soundness import (
     check_bound,
     check_energy,
@@ -83,9 +84,8 @@ class ConePenetration(ConeTest):
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=0.2,
             fixed=Fixed.axis(grid),
-            surroundings=SurroundingGround.around(
-                grid, material, self._source, self._stress_at_rest
-            ),
+            stress_at_rest=self._stress_at_rest,
+            surroundings=SurroundingGround.around(grid, material, self._source),
             contact=PenetrometerContact.of(
                 self._penetrometer,
                 grid,
@@ -200,11 +200,13 @@ class ConePenetration(ConeTest):
         window = soil_scene(simulation).window
         assert window is not None
         assert self.penetration is not None
+        slowing = slowing_penetration(window, self.cone_radius)
+        pressures = PorePressureCurves(simulation, penetrometer=self._penetrometer, slowing=slowing)
         curves = PenetrationCurves(
             simulation,
             radius=self.cone_radius,
             unsteady=unsteady_penetration(window, self.cone_radius, self.rigidity_index),
-            slowing=slowing_penetration(window, self.cone_radius),
+            slowing=slowing,
             tolerance=self.steady_tolerance,
         )
         spacing = SAMPLE_SPACING * self.cone_radius
@@ -213,11 +215,13 @@ class ConePenetration(ConeTest):
             simulation,
             [sample * spacing for sample in range(1, sample_count + 1)],
             simulation.travel_to,
-            [curves],
+            [curves, pressures],
             progress,
             is_over=curves.is_steady,
         )
-        results = recorded.assign(steady_values(recorded, self.undrained_shear_strength)).assign(
+        strength = self.undrained_shear_strength
+        steady = steady_values(recorded, strength) | pore_pressure_factors(recorded, strength)
+        results = recorded.assign(steady).assign(
             energy_error=energy_error(transferred_energy(simulation) / curves.work),
             step_count_bound=variable(
                 self.step_count_bound(simulation.plan),

@@ -97,7 +97,7 @@ class ConeTest(CatalogueScene):
         unit="1",
         meaning="greatest penetration over cone radius (default: approach + 10, more below Ir 100)",
         minimum=1,
-        maximum=300,
+        maximum=700,
     )
     approach: float | None = parameter(
         None,
@@ -106,7 +106,7 @@ class ConeTest(CatalogueScene):
         "radius (default: domain_above + 1); ends 5.5 before the greatest at the latest, more "
         "below Ir 100; 3 or less: none",
         minimum=0,
-        maximum=200,
+        maximum=600,
     )
     approach_speed_ratio: float | None = parameter(
         None,

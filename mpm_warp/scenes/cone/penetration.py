@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import curves, labelled
+from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import ContactForces, soil_scene
+from mpm_warp.scenes.cone.measuring_places import SLEEVE_LENGTH, sleeve_mean
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact, PenetrometerForces
 from mpm_warp.simulation import Simulation
 
@@ -19,6 +20,8 @@ SAMPLE_SPACING = 0.1
 """Penetration between two samples of the curves, in cone radii."""
 STEADY_SAMPLES = 20
 """Samples whose mean is the steady value: two radii."""
+Slowing = tuple[float, float]
+"""Begin and end of the penetration in which the penetrometer slows down, over its radius."""
 
 
 class PenetrationCurves:
@@ -40,7 +43,7 @@ class PenetrationCurves:
         radius: float,
         unsteady: float,
         tolerance: float,
-        slowing: tuple[float, float] | None = None,
+        slowing: Slowing | None = None,
     ) -> None:
         contact = soil_scene(simulation).contact
         assert isinstance(contact, PenetrometerContact)
@@ -95,9 +98,7 @@ class PenetrationCurves:
         return is_steady(resistance, STEADY_SAMPLES, self._tolerance)
 
     def dataset(self) -> xr.Dataset:
-        """Resistance, its shear part, friction of the shaft and contact over penetration."""
-        # Each sample is a mean over the travel since the one before; it stands in the middle.
-        penetration = (np.arange(len(self._moved)) + 0.5) * SAMPLE_SPACING
+        """Resistance, its shear part, friction of shaft and sleeve, and contact."""
         base_area = 0.5 * self._radius**2
         normal, shear, shaft, share = (
             np.array(
@@ -109,15 +110,13 @@ class PenetrationCurves:
             .reshape(-1, 4)
             .T
         )
-        resistance = (normal + shear) / base_area
-        if self._slowing is not None:
-            begin, end = self._slowing
-            resistance[(penetration > begin) & (penetration < end)] = np.nan
+        sleeve = self._sleeve_friction
+        sleeve_area = 2.0 * math.pi * SLEEVE_LENGTH * self._radius**2
         return curves(
             "penetration",
-            (penetration, "1", "penetration over cone radius"),
+            penetration_axis(len(self._moved)),
             penetration_resistance=(
-                resistance,
+                without_slowing((normal + shear) / base_area, self._slowing),
                 "Pa",
                 "net cone resistance",
                 "not a number where the penetrometer slows down at the end of its approach",
@@ -132,8 +131,39 @@ class PenetrationCurves:
                 "Pa",
                 "mean shear stress on the shaft",
             ),
+            sleeve_friction=(
+                sleeve,
+                "Pa",
+                "mean sleeve friction",
+                "mean shear stress on a standard sleeve; not a number if it ends above the window",
+            ),
+            sleeve_force=(sleeve * sleeve_area, "N", "total sleeve friction"),
             contact_share=(share, "1", "share of cone and shaft in contact"),
         )
+
+    @property
+    def _sleeve_friction(self) -> Floats:
+        """Mean shear stress on the sleeve in each sample [Pa], shape [sample_count]."""
+        heights = soil_scene(self._simulation).grid.node_positions[self._contact.nodes, 1]
+        above_shoulder = heights / self._radius - 1.0 / math.tan(self._contact.half_angle)
+        stresses = map(self._contact.shaft_shear_stress, self._nodal_forces)
+        return np.array([sleeve_mean(above_shoulder, it) for it in stresses])
+
+
+def penetration_axis(count: int) -> Quantity:
+    """The axis of curves of so many samples, each of which stands in its middle."""
+    middles = (np.arange(count) + 0.5) * SAMPLE_SPACING
+    return middles, "1", "penetration over cone radius"
+
+
+def without_slowing(values: Floats, slowing: Slowing | None) -> Floats:
+    """A curve that is not a number where the penetrometer slows down, shape [sample_count]."""
+    if slowing is None:
+        return values
+    penetration = (np.arange(len(values)) + 0.5) * SAMPLE_SPACING
+    slowed = (penetration > slowing[0]) & (penetration < slowing[1])
+    given: Floats = np.where(slowed, np.nan, values)
+    return given
 
 
 def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
@@ -153,40 +183,55 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
     return abs(last - before) < tolerance * abs(last)
 
 
+def steady_mean(curve: xr.DataArray) -> tuple[float, str]:
+    """Mean of a curve over its last two radii or its last half, and over what it is in words."""
+    last = _last_part(curve)
+    return float(last.mean()), f"over the last {len(last) * SAMPLE_SPACING:g} radii"
+
+
+def _last_part(curve: xr.DataArray) -> Floats:
+    count = min(STEADY_SAMPLES, len(curve) // 2)
+    last: Floats = curve.values[-count:]
+    return last
+
+
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """The cone factor and its shear part, over the last two radii of the curves or their last half.
+    """What the curves come to at the end, each as a `steady_mean`.
 
     Args:
         recorded: the curves of `PenetrationCurves`.
         strength: undrained shear strength su [Pa].
     """
-    count = recorded.sizes["penetration"]
-    mean_count = min(STEADY_SAMPLES, count // 2)
-    last = slice(-mean_count, None)
-    over = f"over the last {mean_count * SAMPLE_SPACING:g} radii"
-    resistance = recorded.penetration_resistance.values[last]
-    shear = recorded.penetration_resistance_shear.values[last]
+    resistance, over = steady_mean(recorded.penetration_resistance)
+    shear, _ = steady_mean(recorded.penetration_resistance_shear)
+    sleeve, _ = steady_mean(recorded.sleeve_friction)
     return labelled(
         cone_factor_simulated=(
-            resistance.mean() / strength,
+            resistance / strength,
             "1",
             "cone factor, as simulated",
             f"mean resistance {over}, over su: before any correction",
         ),
         cone_factor_shear=(
-            shear.mean() / strength,
+            shear / strength,
             "1",
             "cone factor, shear part",
             f"what the shear traction on the face adds to Nc, mean {over}",
         ),
         cone_factor_variation=(
-            np.ptp(resistance) / resistance.mean(),
+            np.ptp(_last_part(recorded.penetration_resistance)) / resistance,
             "1",
             "variation of the cone factor",
             f"range {over} of penetration, over the mean",
         ),
+        sleeve_friction_factor=(
+            sleeve / strength,
+            "1",
+            "sleeve friction factor",
+            f"mean sleeve friction over su, mean {over}",
+        ),
         penetration_reached=(
-            count * SAMPLE_SPACING,
+            recorded.sizes["penetration"] * SAMPLE_SPACING,
             "1",
             "penetration reached over cone radius",
             "where the resistance was steady, or the greatest penetration",

@@ -179,10 +179,8 @@ class PenetrometerContact(SurfaceContact):
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
-        limits = self._adhesive_limits if self.friction == 0.0 else self._shear_limits(normal)
-        on_face = shear * np.divide(
-            limits[0], limits.sum(axis=0), out=np.zeros_like(shear), where=limits[0] > 0.0
-        )
+        limits = self._limits(normal)
+        on_face = _shear_on_face(shear, limits)
         face_shear = float(on_face.sum())
         tip_shear = float(limits[0, 0] * on_face[1] / limits[0, 1]) if limits[0, 1] > 0.0 else 0.0
         upward_from_tip = tip_shear * math.cos(self.half_angle)
@@ -193,6 +191,22 @@ class PenetrometerContact(SurfaceContact):
             shaft_shear=float(shear.sum()) - face_shear,
             contact_share=self.share_in_touch(normal),
         )
+
+    def shaft_shear_stress(self, nodal: Floats) -> Floats:
+        """Shear stress on the shaft at its nodes, from below, 0 on the face [Pa], [node_count].
+
+        Args:
+            nodal: as in `forces`.
+        """
+        shear = nodal[:, 1]
+        on_shaft = shear - _shear_on_face(shear, self._limits(nodal[:, 0]))
+        stress: Floats = np.divide(
+            on_shaft, self.shaft_areas, out=np.zeros_like(shear), where=self.shaft_areas > 0.0
+        )
+        return stress
+
+    def _limits(self, normal: Floats) -> Floats:
+        return self._adhesive_limits if self.friction == 0.0 else self._shear_limits(normal)
 
     @cached_property
     def _face_part(self) -> Floats:
@@ -215,3 +229,10 @@ class PenetrometerContact(SurfaceContact):
         on_face = (self.face_adhesion + rubbing) * self.face_areas
         on_shaft = (self.shaft_adhesion + rubbing) * self.shaft_areas
         return np.stack([on_face, on_shaft])
+
+
+def _shear_on_face(shear: Floats, limits: Floats) -> Floats:
+    """Part of the nodes' shear forces that acts on the face [N], [node_count]."""
+    part = np.divide(limits[0], limits.sum(axis=0), out=np.zeros_like(shear), where=limits[0] > 0.0)
+    on_face: Floats = shear * part
+    return on_face

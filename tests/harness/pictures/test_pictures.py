@@ -1,217 +1,203 @@
-"""The pictures: what is drawn, on which axes, under which labels."""
+"""All pictures: which is meant for which study, what a page has room for, and the files."""
+
+from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import LineCollection
+from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 from harness.archive.atomic_files import ArchiveError
-from harness.compare.cone_factors import with_references
-from harness.pictures.cone_factor_plot import cone_factor_figure
-from harness.pictures.pictures import NothingToDrawError, draw
-from harness.pictures.resistance_plot import resistance_figure
+from harness.archive.study_files import write_study
+from harness.cli.main import main
+from harness.pictures.own_files import NotOwnFileError
+from harness.pictures.pictures import NothingToDrawError, draw, figures
+from harness.pictures.plot_parts import MOST_LABELS, SHADES, image
 
-REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
-LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
-ENVELOPE = "envelope of the literature (no confidence interval)"
-STRENGTH = 20e3
+from .conftest import MADE, drawn, result
 
-
-def result(**varied: Sequence[object]) -> xr.Dataset:
-    """A study's result with invented numbers; `varied` are its dims."""
-    fixed = {"rigidity_index": 100.0, "adhesion_factor": 0.5, "material": "tresca"}
-    dataset = xr.Dataset(
-        {name: value for name, value in fixed.items() if name not in varied},
-        coords={name: (name, values) for name, values in varied.items()},
-        attrs={"study": "demo"},
-    )
-    shape = tuple(len(values) for values in varied.values())
-    factor = 11 + 0.1 * np.arange(np.prod(shape, dtype=int)).reshape(shape)
-    dataset["undrained_shear_strength"] = STRENGTH
-    dataset["cone_factor"] = tuple(varied), factor, {"units": "1", "long_name": "cone factor"}
-    dataset["status"] = tuple(varied), np.full(shape, "completed")
-    depth = xr.DataArray(np.arange(1.0, 19.0), dims="penetration")
-    dataset["penetration_resistance"] = dataset.cone_factor * STRENGTH * depth / 18
-    dataset = dataset.assign_coords(penetration=depth)
-    dataset["penetration"].attrs = {"units": "1", "long_name": "penetration over cone radius"}
-    return with_references(dataset, REFERENCES)
+PAGE_WIDTH = 6.5
+MadeUp = tuple[xr.Dataset, dict[str, Figure]]
+MAIN = {
+    "one parameter": "curve",
+    "two parameters": "map",
+    "a text and many values": "curve",
+    "one at a time": "tornado",
+    "at random": "effects",
+    "a mesh": "convergence",
+}
 
 
-def legend(figure: Figure) -> list[str]:
-    shown = figure.axes[0].get_legend()
-    return [] if shown is None else [text.get_text() for text in shown.get_texts()]
+@pytest.mark.parametrize("kind", MADE)
+def test_the_main_picture_fits_the_design(kind: str) -> None:
+    assert next(iter(drawn(kind)[1])) == MAIN[kind]
 
 
-def written(figure: Figure) -> list[str]:
-    """What is written beside the curves."""
-    return [text.get_text() for text in figure.axes[0].texts]
+def words(figure: Figure) -> Iterator[tuple[str, Bbox]]:
+    """All that is written, and where, once it is laid out; not what is written aslant."""
+    drawn: list[Text] = []
+    draw_text = Text.draw
 
+    def note(text: Text, renderer: RendererBase) -> None:
+        drawn.append(text)
+        draw_text(text, renderer)
 
-def points(figure: Figure) -> list[Line2D]:
-    """The computed series: lines with a marker that are no failures."""
-    return [line for line in figure.axes[0].lines if line.get_marker() not in ("None", "x")]
-
-
-def curves(figure: Figure) -> list[Line2D]:
-    return [line for line in figure.axes[0].lines if line.get_marker() == "None"]
-
-
-def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
-    dataset = result(adhesion_factor=[1.0, 0.0, 0.5])
-    figure = cone_factor_figure(dataset)
-    (computed,) = points(figure)
-    assert computed.get_xdata().tolist() == [0.0, 0.5, 1.0]
-    assert computed.get_ydata().tolist() == pytest.approx([11.1, 11.2, 11.0])
-    assert legend(figure) == [ENVELOPE, "computed"]
-    assert set(written(figure)) == LABELS
-    lu = curves(figure)[0]
-    # check values of the formula, given to two decimals
-    assert lu.get_ydata()[[0, -1]] == pytest.approx([10.77, 12.07], abs=0.005)
-    (band,) = figure.axes[0].collections
-    # the envelope at adhesion factor 0 and 1
-    bounds = band.get_paths()[0].get_extents()
-    assert (bounds.ymin, bounds.ymax) == pytest.approx((9.54, 12.07), abs=0.005)
-
-
-def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
-    figure = cone_factor_figure(result(apex_angle=[45.0, 60.0, 90.0]))
-    (bar,) = [it for it in figure.axes[0].collections if isinstance(it, LineCollection)]
-    ((begin, end),) = bar.get_segments()
-    assert begin[0] == end[0] == 60.0
-    assert begin[1] < end[1]
-
-
-def test_each_reference_has_a_colour_of_its_own() -> None:
-    colours = [line.get_color() for line in curves(cone_factor_figure(result()))]
-    assert len(set(colours)) == len(REFERENCES)
-
-
-def test_rigidity_index_has_a_logarithmic_axis_and_dashes_outside_the_validity() -> None:
-    figure = cone_factor_figure(result(rigidity_index=[25.0, 100.0, 500.0]))
-    axes = figure.axes[0]
-    assert axes.get_xscale() == "log"
     figure.draw_without_rendering()
-    assert [text.get_text() for text in axes.get_xticklabels()] == ["25", "100", "500"]
-    solid, dashed = (curves(figure)[i] for i in (0, 1))
-    assert not solid.is_dashed()
-    assert dashed.is_dashed()
-    valid = np.isfinite(solid.get_ydata())
-    assert solid.get_xdata()[valid].min() == pytest.approx(50, rel=0.01)
-    assert np.isfinite(dashed.get_ydata()).all()
-    assert legend(figure).count("outside its validity") == 1
+    with patch.object(Text, "draw", note):
+        figure.draw_without_rendering()
+    for text in drawn:
+        box = Text.get_window_extent(text)  # of an annotation: without its leader
+        if text.get_visible() and text.get_text() and text.get_rotation() in (0.0, 90.0):
+            yield text.get_text(), box
 
 
-@pytest.mark.parametrize(
-    ("varied", "scale"),
-    [
-        ({"cells_per_radius": [2.0, 4.0, 8.0]}, "linear"),
-        ({"density": [100.0, 1500.0]}, "log"),
-        ({"rigidity_index": [100.0, 200.0]}, "log"),
-    ],
-)
-def test_scale_of_the_axis(varied: dict[str, list[float]], scale: str) -> None:
-    assert cone_factor_figure(result(**varied)).axes[0].get_xscale() == scale
+def test_nothing_overlaps_and_nothing_is_wider_than_the_page(made_up: MadeUp) -> None:
+    for name, figure in made_up[1].items():
+        assert figure.get_figwidth() == PAGE_WIDTH
+        written = list(words(figure))
+        for text, box in written:
+            inside = box.x0 >= -1 and box.x1 <= figure.bbox.width + 1
+            assert inside, (name, text)
+            assert box.y0 >= -1, (name, text)
+            assert box.y1 <= figure.bbox.height + 1, (name, text)
+        for (one, first), (other, second) in combinations(written, 2):
+            # Boxes of letters have a margin: they may touch.
+            shrunk = first.padded(-0.1 * min(first.height, first.width))
+            assert not shrunk.overlaps(second), (name, one, other)
 
 
-def test_text_parameter_has_a_categorical_axis() -> None:
-    figure = cone_factor_figure(result(material=["tresca", "von_mises"]))
-    labels = [text.get_text() for text in figure.axes[0].get_xticklabels()]
-    assert labels == ["tresca", "von_mises"]
-    (computed,) = points(figure)
-    assert computed.get_linestyle() == "None"
+def test_no_picture_labels_more_than_eight_curves(made_up: MadeUp) -> None:
+    for name, figure in made_up[1].items():
+        # A tornado has a label at each end of a bar, a map on its contours.
+        for axes in figure.axes[1:] if name in ("map", "tornado") else figure.axes:
+            assert len(axes.texts) <= MOST_LABELS
+        for legend in figure.legends:
+            # Beside the curves it tells what the band is, and what is outside its validity.
+            assert len(legend.get_texts()) <= MOST_LABELS + 2
 
 
-def test_second_parameter_makes_series_beside_shared_curves() -> None:
-    varied = {"material": ["tresca", "von_mises"], "adhesion_factor": [0.0, 1.0]}
-    figure = cone_factor_figure(result(**varied))
-    assert legend(figure) == [ENVELOPE, "material tresca", "material von_mises"]
-    assert len({line.get_marker() for line in points(figure)}) == 2
-    assert len(curves(figure)) == len(REFERENCES)
+def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
+    for figure in made_up[1].values():
+        caption = " ".join(figure.get_supxlabel().split())
+        assert caption.startswith("A demonstration.")
+        assert "Fixed: " in caption
+        for name, written in (
+            ("rigidity_index", r"$I_{\mathrm{r}}$ = 100"),
+            ("adhesion_factor", "$α$ = 0.5"),
+        ):
+            assert (written in caption) == (made_up[0][name].ndim == 0)
 
 
-def test_labels_beside_the_axes_are_clear_of_the_legend() -> None:
-    many = {"rigidity_index": [25.0, 100.0, 500.0], "adhesion_factor": [0.0, 0.25, 0.5, 0.75, 1.0]}
-    figure = cone_factor_figure(result(**many))
-    figure.draw_without_rendering()
-    axes = figure.axes[0]
-    box = axes.get_legend().get_window_extent()
-    labels = [Text.get_window_extent(label) for label in axes.texts]  # without their leaders
-    assert max(label.y1 for label in labels) > box.y0  # they rise as high
-    assert not any(label.overlaps(box) for label in labels)
+def test_a_title_with_dollars_is_no_mathematics() -> None:
+    dataset = result({"adhesion_factor": [0.0, 1.0]}).assign_attrs(title="costs $5 and $x_$")
+    assert image(figures(dataset)["curve"])
 
 
-def test_curves_that_depend_on_the_series_take_its_colour() -> None:
-    figure = cone_factor_figure(result(adhesion_factor=[0.0, 1.0], rigidity_index=[50.0, 300.0]))
-    assert len(curves(figure)) == 2 * len(REFERENCES)
-    colours = {line.get_color() for line in curves(figure)}
-    assert colours == {line.get_color() for line in points(figure)}
-
-
-def test_single_case_is_a_point_over_the_adhesion_factor() -> None:
-    (computed,) = points(cone_factor_figure(result()))
-    assert (computed.get_xdata().tolist(), computed.get_ydata().tolist()) == ([0.5], [11.0])
-
-
-def test_failed_case_is_marked_on_the_axis() -> None:
-    dataset = result(adhesion_factor=[0.0, 0.5, 1.0])
-    dataset["cone_factor"][1] = np.nan
-    figure = cone_factor_figure(dataset)
-    (mark,) = (line for line in figure.axes[0].lines if line.get_marker() == "x")
-    assert mark.get_xdata().tolist() == [0.5]
-    assert "failed" in legend(figure)
-
-
-def test_labels_of_curves_do_not_overlap() -> None:
-    dataset = result(adhesion_factor=[0.0, 1.0], rigidity_index=[50.0, 51.0, 52.0])
-    heights = sorted(text.xyann[1] for text in cone_factor_figure(dataset).axes[0].texts)
-    assert len(heights) == 9
-    # the relaxation that spreads them leaves a few thousandths of the distance
-    assert np.diff(heights).min() > 0.99 * 0.05
-
-
-def test_resistance_is_over_the_strength_with_a_label_for_each_case() -> None:
-    dataset = result(adhesion_factor=[0.0, 0.5, 1.0])
-    dataset["penetration_resistance"][2] = np.nan
-    figure = resistance_figure(dataset)
-    axes = figure.axes[0]
-    assert [line.get_ydata()[-1] for line in axes.lines] == pytest.approx([11.0, 11.1])
-    assert written(figure) == ["adhesion factor 0", "adhesion factor 0.5"]
-    assert "failed: adhesion factor 1" in axes.get_title(loc="left")
-    assert axes.get_xlabel() == "penetration over cone radius [-]"
+def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:
+    red, green, blue, _ = SHADES(np.linspace(0.0, 1.0, 9)).T
+    luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    # eight steps between black and white, none less than half the even one
+    assert np.diff(luminance).min() > 0.5 * np.ptp(luminance) / 8
 
 
 def test_pictures_are_written_under_the_name_of_the_study(tmp_path: Path) -> None:
     folder = tmp_path / "pictures"
-    paths = draw(result(adhesion_factor=[0.0, 1.0]), folder)
-    assert [path.name for path in paths] == ["demo_cone_factor.png", "demo_resistance.png"]
+    paths = draw(result({"adhesion_factor": [0.0, 1.0]}), folder)
+    assert [path.name for path in paths] == ["demo_curve.png", "demo_resistance.png"]
     assert sorted(folder.iterdir()) == sorted(paths)
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
+
+
+def test_formats_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "demo.nc"
+    write_study(file, result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance"))
+    command = ["plot", str(file), "--format", "pdf", "svg"]
+    assert main(command) == 0
+    paths = [Path(line) for line in capsys.readouterr().out.splitlines()]
+    assert [path.name for path in paths] == ["demo_curve.pdf", "demo_curve.svg"]
+    first = [path.read_bytes() for path in paths]
+    assert first[0].startswith(b"%PDF")
+    assert b"<svg" in first[1]
+    assert b"href" not in re.sub(rb'xlink:href="#|xmlns:xlink|rdf:resource="http', b"", first[1])
+    assert main(command) == 0  # its own files are written again, with the same bytes
+    assert [path.read_bytes() for path in paths] == first
+
+
+def test_what_another_program_wrote_is_not_overwritten(tmp_path: Path) -> None:
+    dataset = result({"adhesion_factor": [0.0, 1.0]})
+    foreign = tmp_path / "demo_resistance.png"
+    foreign.write_bytes(b"a photograph")
+    with pytest.raises(NotOwnFileError, match=r"demo_resistance\.png: was not written by"):
+        draw(dataset, tmp_path)
+    assert foreign.read_bytes() == b"a photograph"
+    assert list(tmp_path.iterdir()) == [foreign]
 
 
 def test_a_picture_that_cannot_be_finished_leaves_the_earlier_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    earlier = tmp_path / "demo_cone_factor.png"
-    earlier.write_bytes(b"earlier")
+    dataset = result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance")
+    (earlier,) = draw(dataset, tmp_path)
+    before = earlier.read_bytes()
 
     def disk_full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, "no space left")
 
     monkeypatch.setattr(os, "fsync", disk_full)
     with pytest.raises(ArchiveError, match="cannot be written: no space left"):
-        draw(result(), tmp_path)
-    assert earlier.read_bytes() == b"earlier"
+        draw(dataset, tmp_path)
+    assert earlier.read_bytes() == before
     assert list(tmp_path.iterdir()) == [earlier]
 
 
 def test_nothing_to_draw_is_told_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(NothingToDrawError, match="neither cone_factor nor"):
+    with pytest.raises(NothingToDrawError, match="nothing to draw: the dataset has no headline"):
         draw(xr.Dataset(attrs={"study": "demo"}), tmp_path)
+
+
+def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
+    figure = drawn("one at a time")[1]["tornado"]
+    (axes,) = figure.axes
+    rows = [text.get_text().partition(" ")[0] for text in axes.get_yticklabels()]
+    assert rows == ["rigidity", "adhesion", "material", "speed"]
+    widths = [bar.get_width() for bar in axes.patches]
+    # below and above the start of the rigidity index, then of the others as far as there are cases
+    assert widths == pytest.approx([-3.0, 3.0, 0.8, -0.8])
+    assert [text.get_text() for text in axes.texts] == ["25", "500", "1", "von mises"]
+    assert r"Not completed: $v/v_{\mathrm{s}}$ = 0.5." in " ".join(figure.get_supxlabel().split())
+
+
+def test_effects_of_random_cases_are_found_again() -> None:
+    figure = drawn("at random")[1]["effects"]
+    names = [axes.get_xlabel().partition(" ")[0] for axes in figure.axes]
+    assert names == ["rigidity", "adhesion", "material"]
+    line = figure.axes[1].lines[1]  # after the cases
+    slope = np.ptp(line.get_ydata()) / np.ptp(line.get_xdata())
+    assert slope == pytest.approx(1.5, rel=1e-9)  # what was put in is in the span of the fit
+    assert "the fit explains 100% of the variance" in " ".join(figure.get_supxlabel().split())
+
+
+def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None:
+    figure = drawn("two parameters")[1]["map"]
+    left, right = figure.axes[:2]
+    assert left.get_xscale() == "log"
+    figure.draw_without_rendering()
+    assert [it.get_text() for it in left.get_xticklabels()] == ["25", "50", "100", "500"]
+    assert [it.get_text() for it in left.get_yticklabels()] == ["0", "0.25", "0.5", "1"]
+    assert [text.get_text() for text in right.texts] == [
+        "$α$ = 0",
+        "$α$ = 0.25",
+        "$α$ = 0.5",
+        "$α$ = 1",
+    ]

@@ -139,7 +139,8 @@ def test_a_folder_that_cannot_be_made_is_one_line(
 def test_run_gives_a_dataset_a_table_and_pictures(
     small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    small_file.write_text(small_file.read_text() + '[compare]\nreferences = ["lu_2004"]\n')
+    compared = '[compare]\nreferences = ["lu_2004"]\nexperience = ["karlsrud_2005"]\n'
+    small_file.write_text(small_file.read_text() + compared)
     out = tmp_path / "out"
     assert main(["run", str(small_file), "--out", str(out)]) == 0
     captured = capsys.readouterr()
@@ -149,12 +150,15 @@ def test_run_gives_a_dataset_a_table_and_pictures(
     with xr.open_dataset(out / "small.nc") as dataset:
         assert dataset.cone_factor.dims == ("adhesion_factor",)
         assert "deviation_lu_2004" in dataset
+        assert dataset.experience_karlsrud_2005.dims == ("bound",)
         assert dataset.attrs["command_line"]
     pictures = sorted(out.glob("*.png"))
     assert pictures
 
     assert main(["compare", str(out / "small.nc")]) == 0
-    assert "lu_2004" in capsys.readouterr().out
+    table = capsys.readouterr().out
+    assert "lu_2004" in table
+    assert "karlsrud_2005 Nkt" in table
     assert main(["plot", str(out / "small.nc"), "--out", str(out / "again")]) == 0
     again = capsys.readouterr().out.splitlines()
     assert [Path(line).name for line in again] == [path.name for path in pictures]

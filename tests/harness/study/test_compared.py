@@ -27,9 +27,25 @@ REFUSED = {
         POINT.replace("material_point", "flying_block") + "tolerance = { momentum_eror = 0.1 }",
         "did you mean 'momentum_error'?",
     ),
+    "experience misspelt": (
+        CONE + 'experience = ["karlsrud_2006"]',
+        "unknown band of experience 'karlsrud_2006'; did you mean 'karlsrud_2005'?",
+    ),
+    "experience twice": (
+        CONE + 'experience = ["karlsrud_2005", "karlsrud_2005"]',
+        "names a band of experience twice",
+    ),
+    "experience of no cone": (
+        POINT + 'experience = ["karlsrud_2005"]',
+        "no scene here has the rigidity_index and adhesion_factor that cone factors depend on",
+    ),
+    "tolerance of a band": (
+        CONE + 'experience = ["karlsrud_2005"]\ntolerance = { karlsrud_2005 = 0.1 }',
+        "is a band of experience, from which no result deviates",
+    ),
     "no scene that has what they depend on": (
         POINT + 'references = ["lu_2004"]',
-        "no scene here has the rigidity_index and adhesion_factor that they depend on",
+        "no scene here has the rigidity_index and adhesion_factor that cone factors depend on",
     ),
 }
 
@@ -53,6 +69,7 @@ def test_what_cannot_be_compared_is_refused_before_the_run(
         CONE + "tolerance = { error = 0.1, error_finest = 0.1, run_time = 1 }",
         POINT + "tolerance = { error = 0.1, stress_exact = 1 }",
         POINT + "references = []",
+        CONE + 'experience = ["karlsrud_2005", "mayne_peuchen_2018"]',
     ],
 )
 def test_results_that_only_a_run_can_tell_of_are_accepted(tmp_path: Path, text: str) -> None:

@@ -252,7 +252,7 @@ def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
     write_study(tmp_path / "s.nc", dataset)
     read = read_study(tmp_path / "s.nc")
     assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
-    assert [path.name for path in draw(read, tmp_path)] == ["s_cone_factor.png"]
+    assert [path.name for path in draw(read, tmp_path)] == ["s_curve.png"]
 
 
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
@@ -265,16 +265,28 @@ def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     assert draw(dataset, tmp_path)
 
 
-def test_results_of_one_name_over_other_dims_are_told_apart(tmp_path: Path) -> None:
+OF_TWO_SCENES = {
+    "other dims": [
+        xr.Dataset({"stress": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]}),
+        xr.Dataset({"stress": (("x", "y"), [[3.0], [4.0]])}, {"x": [0.0, 1.0], "y": [0.0]}),
+    ],
+    "a dim of its own": [
+        xr.Dataset({"displacement": 0.1}),
+        xr.Dataset({"load": ("displacement", [1.0, 2.0])}, {"displacement": [0.0, 1.0]}),
+    ],
+}
+
+
+@pytest.mark.parametrize("difference", OF_TWO_SCENES)
+def test_results_of_one_name_over_other_dims_are_told_apart(
+    tmp_path: Path, difference: str
+) -> None:
+    results = OF_TWO_SCENES[difference]
     text = 'title = "t"\nscene = ["strip_footing", "material_point"]\n'
     made = study(tmp_path, text)
     folder = case_folder(tmp_path, made)
     prepare(folder)
     cases = made.cases
-    results = [
-        xr.Dataset({"stress": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]}),
-        xr.Dataset({"stress": (("x", "y"), [[3.0], [4.0]])}, {"x": [0.0, 1.0], "y": [0.0]}),
-    ]
     for case, result in zip(cases, results, strict=True):
         write_case(folder, case, result, COMPLETED)
     write_study(tmp_path / "s.nc", collect(made, folder))

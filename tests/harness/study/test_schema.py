@@ -33,6 +33,7 @@ INVALID = {
     "range without an end": "[vary]\ndensity = { from = 1 }",
     "unknown key": "scenne = 1",
     "reference": '[compare]\nreferences = ["lu_2005"]',
+    "experience": '[compare]\nexperience = ["lu_2004"]',
     "repeats": "[timing]\nrepeats = 0",
     "misspelt case": "[[case]]\ndensty = 1",
     "unknown scene": "[scenes.cone_penetratoin.fixed]\ndensity = 1",

@@ -80,10 +80,10 @@ def test_side_nodes_that_move_with_the_source_are_pulled_by_its_traction_alone(
 
 
 def test_a_spring_that_enters_holds_the_stress_of_the_soil_beside_it(scene: Scene) -> None:
-    ground = dataclasses.replace(ground_of(scene), stress_at_rest=np.array([4e3, 0.0, 0.0, 4e3]))
-    travel = 2.0 * SHORT.cone_radius
-    stress = ground.stress(ground.side_positions[:1], travel)[0]
-    force = -ground.spring[0] * ground.entering_spring(travel)
+    ground, travel = ground_of(scene), 2.0 * SHORT.cone_radius
+    stressed = dataclasses.replace(scene, stress_at_rest=np.array([4e3, 0.0, 0.0, 4e3]))
+    stress = ground.stress(stressed, ground.side_positions[:1], travel)[0]
+    force = -ground.spring[0] * ground.entering_spring(stressed, travel)
     np.testing.assert_allclose(force, ground.side_areas[0] * stress[[0, 2]], rtol=ROUNDING)
 
 
@@ -114,7 +114,7 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
     ground, (_, speed, travel) = ground_of(scene), simulation.array("window.motion")
     position = simulation.array("layer.position")
     np.testing.assert_allclose(
-        simulation.array("layer.stress"), ground.stress(position, travel), rtol=ROUNDING
+        simulation.array("layer.stress"), ground.stress(scene, position, travel), rtol=ROUNDING
     )
     np.testing.assert_allclose(
         simulation.array("layer.velocity"),

@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
@@ -47,19 +49,97 @@ def test_the_grid_that_followed_the_wall_is_the_grid_around_it() -> None:
     np.testing.assert_allclose(simulation.array("cell.volume"), grid.cell_volumes, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("rigidity_index", "material"), [(50.0, "tresca"), (100.0, "tresca"), (50.0, "von_mises")]
+CELLS = 4
+"""Cells per radius at the wall; they widen by half of that share of the distance from it."""
+
+
+@pytest.fixture(
+    scope="module",
+    params=[(50.0, "tresca"), (100.0, "tresca"), (50.0, "von_mises")],
+    ids=lambda it: f"{it[0]:g}-{it[1]}",
 )
-def test_pressure_follows_the_closed_form(rigidity_index: float, material: str) -> None:
-    cells = 4
-    scene = CavityCylinder(rigidity_index=rigidity_index, material=material, cells_per_radius=cells)
-    result = scene.run()
+def cylinder(request: pytest.FixtureRequest) -> xr.Dataset:
+    """A cylindrical cavity expanded fourfold, in soils of several kinds."""
+    rigidity_index, material = request.param
+    return CavityCylinder(
+        rigidity_index=rigidity_index, material=material, cells_per_radius=CELLS
+    ).run()
+
+
+@pytest.fixture(scope="module")
+def sphere() -> xr.Dataset:
+    """A spherical cavity expanded twofold."""
+    return CavitySphere(cells_per_radius=CELLS, rigidity_index=50.0, expansion=2.0).run()
+
+
+def test_pressure_follows_the_closed_form(cylinder: xr.Dataset) -> None:
     # Beside the wall the stress falls by 2 su per radius: that of half a cell, over the limit.
-    limit = 1.0 + math.log(rigidity_index)
-    assert float(result["error"]) <= 2.0 / (2 * cells) / limit
+    limit = 1.0 + math.log(cylinder.rigidity_index)
+    assert float(cylinder["error"]) <= 2.0 / (2 * CELLS) / limit
     # At the end the cavity is four times as wide, and the half cell with it a quarter as much.
-    last = float(result["cavity_pressure"][-1] - result["cavity_pressure_exact"][-1])
-    assert abs(last) <= 2.0 / (2 * cells) / 4.0
+    last = float(cylinder["cavity_pressure"][-1] - cylinder["cavity_pressure_exact"][-1])
+    assert abs(last) <= 2.0 / (2 * CELLS) / 4.0
+
+
+@pytest.mark.parametrize("expansion", [1.5, 4.0, 100.0])
+@pytest.mark.parametrize(("scene", "m", "k"), [(CavityCylinder, 2, 1.0), (CavitySphere, 3, 4 / 3)])
+def test_closed_form_of_the_pore_pressure(
+    scene: type[CavityCylinder | CavitySphere], m: int, k: float, expansion: float
+) -> None:
+    """Far from the start it is that of a fully expanded cavity; outside nearly none."""
+    index, su = 100.0, 1e3
+    plastic = (index * (1.0 - expansion**-m)) ** (1.0 / m)
+    distance = np.linspace(1.0, 2.0 * plastic, 50)
+    pressure = scene(rigidity_index=index).exact_pore_pressure(distance, expansion=expansion)
+    inside = distance < plastic
+    # What a0 takes from the logarithm, and the first term of a strain that is not small.
+    full = k * su * (math.log(index) - m * np.log(distance[inside]))
+    expected = full + k * su * math.log(1.0 - expansion**-m)
+    np.testing.assert_allclose(pressure[inside], expected, atol=k * su / index)
+    np.testing.assert_allclose(pressure[~inside], 0.0, atol=k * su / index)
+
+
+def test_pore_pressure_is_that_of_the_exact_stress_around_a_cavity() -> None:
+    """In equilibrium the mean stress is p + r/m dp/dr, p being the radial one."""
+    for scene in (CavityCylinder(expansion=2.0), CavitySphere(expansion=2.0)):
+        m, r = scene.exponent, np.linspace(1.0, 20.0, 40_001)
+        local = r / (r**m - 1.0 + 2.0**-m) ** (1.0 / m)
+        radial = scene.exact(local)
+        mean = radial + r / m * np.gradient(radial, r)
+        computed = scene.exact_pore_pressure(r, expansion=2.0) / 1e3
+        # Of second order in the steps, but for the jump of the slope at the yield surface.
+        assert np.median(np.abs(computed - mean)) < 1e-6
+        assert np.abs(computed - mean)[1:-1].max() < 2e-3
+
+
+def test_pore_pressure_around_a_cylinder(cylinder: xr.Dataset) -> None:
+    """The pressure falls by 2 su per ln r; a cell has at most the share 1 / (2 n) of its radius."""
+    half_cell = 2.0 / (2 * 2 * CELLS)
+    assert float(cylinder.pore_pressure_error) <= half_cell / math.log(cylinder.rigidity_index)
+
+
+def test_pore_pressure_around_a_sphere(sphere: xr.Dataset) -> None:
+    """It falls by 4 su per ln r; the soil's compressibility lowers it by 0.018."""
+    half_cell = 4.0 / (2 * 2 * CELLS)
+    assert float(sphere.pore_pressure_error) <= (half_cell + 0.018) / (4 / 3 * math.log(50.0))
+
+
+@pytest.mark.parametrize("anisotropy", [-0.4, 0.4])
+def test_pressure_of_a_cylinder_is_the_same_whatever_the_vertical_stress(
+    anisotropy: float,
+) -> None:
+    """While that stays between the others: p - sigma_h0 = su (1 + ln Ir) in the limit."""
+    small = {"cells_per_radius": 2, "rigidity_index": 20.0, "expansion": 2.0}
+    expected = CavityCylinder(**small).run()
+    result = CavityCylinder(**small, stress_anisotropy=anisotropy).run()
+    for curve in ("cavity_pressure", "excess_pore_pressure"):
+        rounding = 1e-9 * float(np.abs(expected[curve]).max())
+        np.testing.assert_allclose(result[curve], expected[curve], rtol=0.0, atol=rounding)
+
+
+def test_the_vertical_stress_counts_where_soil_is_not_of_tresca() -> None:
+    with pytest.raises(ParameterError, match=r"stress_anisotropy = 0\.2 must be 0 where material"):
+        CavityCylinder(stress_anisotropy=0.2, material="von_mises")
 
 
 def test_around_a_sphere_von_mises_yields_at_less_than_tresca() -> None:
@@ -69,14 +149,12 @@ def test_around_a_sphere_von_mises_yields_at_less_than_tresca() -> None:
     np.testing.assert_allclose(von_mises, math.sqrt(0.75) * weaker, rtol=1e-12)
 
 
-def test_pressure_of_a_spherical_cavity() -> None:
+def test_pressure_of_a_spherical_cavity(sphere: xr.Dataset) -> None:
     """The soil's compressibility lowers the limit by 0.018, half a cell at the wall the rest."""
-    cells, index = 4, 50.0
-    result = CavitySphere(cells_per_radius=cells, rigidity_index=index, expansion=2.0).run()
-    limit = 4 / 3 * (1 + math.log(index))
+    limit = 4 / 3 * (1 + math.log(50.0))
     # The wall cell stands for the soil half a cell away: 4 su times the strain over it.
-    assert float(result.error) <= (0.018 + 4 / (2 * cells) / 4) / limit
-    assert float(result.departure) <= 1 / cells**2
+    assert float(sphere.error) <= (0.018 + 4 / (2 * CELLS) / 4) / limit
+    assert float(sphere.departure) <= 1 / CELLS**2
 
 
 def test_a_cavity_expanded_by_a_few_steps_has_a_sample_a_step() -> None:

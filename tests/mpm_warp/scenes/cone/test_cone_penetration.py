@@ -68,6 +68,23 @@ def test_shaft_friction_is_the_adhesion_once_the_shaft_slips(rough: xr.Dataset) 
     assert float(rough.shaft_friction[-1]) == pytest.approx(adhesion, rel=ROUNDING)
 
 
+def test_sleeve_friction_is_the_adhesion_of_the_shaft_once_it_slips() -> None:
+    """Whatever that of the face; over the area of the sleeve, 15 times that of the cone."""
+    result = run(adhesion_factor=0.2, shaft_adhesion_factor=0.5, penetration=1.0, domain_above=9.0)
+    assert float(result.sleeve_friction_factor) == pytest.approx(0.5, rel=ROUNDING)
+    adhesion = 0.5 * SHORT.undrained_shear_strength
+    np.testing.assert_allclose(result.sleeve_friction[-5:], adhesion, rtol=ROUNDING)
+    sleeve_area = 15.0 * math.pi * SHORT.cone_radius**2
+    np.testing.assert_allclose(result.sleeve_force[-5:], adhesion * sleeve_area, rtol=2e-3)
+
+
+def test_what_is_above_the_window_is_not_measured(rough: xr.Dataset) -> None:
+    """The shaft ends 6 radii above the shoulder; the sleeve would end at 8."""
+    for name in ("sleeve_friction_factor", "pore_pressure_factor_shaft"):
+        assert rough[name].isnull()
+    assert rough.pore_pressure_factor_face > rough.pore_pressure_factor_shoulder > 0.0
+
+
 def test_soil_touches_some_of_face_and_shaft_and_at_most_all(rough: xr.Dataset) -> None:
     assert ((rough.contact_share > 0.0) & (rough.contact_share <= 1.0)).all()
 

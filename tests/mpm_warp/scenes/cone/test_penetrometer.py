@@ -72,6 +72,17 @@ def test_adhesion_gives_the_exact_shear_on_face_and_shaft(
     assert forces.shaft_shear == pytest.approx(mobilised * contact.shaft_area, rel=ROUNDING)
 
 
+@pytest.mark.parametrize("mobilised", [1.0, 0.25])
+def test_shear_stress_on_the_shaft_is_the_share_of_its_own_adhesion(
+    contact: PenetrometerContact, mobilised: float
+) -> None:
+    """At the shoulder too, which belongs to the face with another adhesion as well."""
+    nodal = _uniform_traction(contact, 7.0)
+    nodal[:, 1] *= mobilised
+    expected = np.where(contact.shaft_areas > 0.0, mobilised * 1.0, 0.0)
+    np.testing.assert_allclose(contact.shaft_shear_stress(nodal), expected, rtol=ROUNDING)
+
+
 def test_what_counts_as_shear_at_the_tip_is_taken_from_its_normal_force(
     contact: PenetrometerContact,
 ) -> None:

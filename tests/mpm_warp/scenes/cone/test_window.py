@@ -53,6 +53,7 @@ def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
         cells_per_radius=1, domain_radius=10, domain_above=3, domain_below=3, approach=5,
         penetration=12, steady_tolerance=0,
     )  # fmt: skip
-    curve = cone.run().penetration_resistance
-    slowed = (curve.penetration > 3.0) & (curve.penetration < 5.5)
-    assert (curve.isnull() == slowed).all()
+    result = cone.run()
+    slowed = (result.penetration > 3.0) & (result.penetration < 5.5)
+    for curve in ("penetration_resistance", "excess_pore_pressure_shoulder"):
+        assert (result[curve].isnull() == slowed).all()

@@ -1,0 +1,92 @@
+"""The caption of a picture: what it shows, and what was fixed."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from harness.archive.conventions import is_there, parameter_names
+from harness.pictures.symbols import assigned, plain
+from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+
+LETTERS = 112
+"""Letters of a line of the caption, which is as wide as the page."""
+MOST_FIXED = 14
+"""Parameters that a caption names."""
+SOIL_AND_CONE = (
+    "rigidity_index",
+    "adhesion_factor",
+    "friction_coefficient",
+    "apex_angle",
+    "poissons_ratio",
+    "material",
+)
+"""Parameters that a caption names even where they are the defaults: results depend on them most."""
+
+
+def write_caption(figure: Figure, dataset: xr.Dataset, *sentences: str) -> None:
+    """Write what a picture shows, and what was fixed, below it.
+
+    Args:
+        figure: the picture.
+        dataset: the result that it is of.
+        sentences: what a reader has to know of this picture; empty ones are left out.
+    """
+    title = plain(dataset.attrs.get("title", "")).rstrip(".")
+    parts = [f"{title}." if title else "", *sentences, fixed(dataset)]
+    text = _wrapped(" ".join(filter(None, parts)))
+    figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
+
+
+def fixed(dataset: xr.Dataset) -> str:
+    """The parameters that are the same in all cases, in a sentence.
+
+    Those that matter most are named, and all that differ from the scene's defaults.
+    """
+    names = list(_fixed_names(dataset))
+    shown = [assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED]]
+    scene = plain(dataset.attrs.get("scene", ""))
+    rest = f"all else by the defaults of {scene}" if scene in scene_names() else ""
+    return f"Fixed: {', '.join(filter(None, [*shown, rest]))}." if shown or rest else ""
+
+
+def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
+    """What they are called in the dataset."""
+    scene = str(dataset.attrs.get("scene", ""))
+    definitions = parameters_of(scene_class(scene)) if scene in scene_names() else {}
+    stored = parameter_names(dataset)
+    constant = {
+        name: own
+        for name, own in stored.items()
+        if dataset[own].ndim == 0 and is_there(dataset[own].item())
+    }
+    others = [it for it in constant if _is_chosen(dataset[constant[it]], it, definitions)]
+    main = [name for name in SOIL_AND_CONE if name in constant]
+    yield from (constant[name] for name in dict.fromkeys([*main, *others]))
+
+
+def _is_chosen(value: xr.DataArray, name: str, definitions: Mapping[str, Parameter]) -> bool:
+    """Whether a parameter differs from its default; what the scene derives is no choice."""
+    if name not in definitions or definitions[name].default is None:
+        return False
+    default = definitions[name].default
+    same = np.isclose(value, default) if isinstance(default, float) else value.item() == default
+    return not bool(same)
+
+
+def _wrapped(text: str) -> str:
+    """Lines of a page's width; a symbol is as wide as its few letters."""
+    symbols = re.findall(r"\$[^$]*(?<!\\)\$", text)
+    # Each symbol is wrapped as a word of its own length, then put back.
+    for place, found in enumerate(symbols):
+        text = text.replace(found, f"{chr(0xE000 + place)}--", 1)
+    lines = textwrap.fill(text, LETTERS, break_on_hyphens=False)
+    for place, found in enumerate(symbols):
+        lines = lines.replace(f"{chr(0xE000 + place)}--", found, 1)
+    return lines

@@ -1,0 +1,228 @@
+"""The picture of a mesh, or of another refinement: convergence, its order, and where it leads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+
+from harness.archive.conventions import over_cases
+from harness.pictures.caption import write_caption
+from harness.pictures.plot_parts import (
+    MARKERS,
+    MOST_LABELS,
+    STYLED,
+    draw_series,
+    empty_figure,
+    legend_above,
+    mark_failures,
+    series_colour,
+)
+from harness.pictures.studied import Studied
+from harness.pictures.symbols import assigned, axis_label, number
+from harness.pictures.values import Floats, apart
+from harness.study.study import ERROR
+
+LEAST_POINTS = 3
+"""Values that an order is observed from."""
+ORDERS = np.linspace(0.3, 3.0, 271)
+"""Orders that can be observed: beyond, the values are not yet on their way to a limit."""
+
+
+def _inverse(value: Floats) -> Floats:
+    return 1.0 / value
+
+
+def _itself(value: Floats) -> Floats:
+    return value
+
+
+def _compressibility(value: Floats) -> Floats:
+    return 1.0 - 2.0 * value
+
+
+REFINED_BY: dict[str, tuple[str, Callable[[Floats], Floats]]] = {
+    "cells_per_radius": ("cell width over radius $h/R$", _inverse),
+    "cells_per_length": ("cell width over length $h/L$", _inverse),
+    "cell_count": ("cell width, 1 / cell count", _inverse),
+    "cell_growth": ("cell growth", _itself),
+    "speed_ratio": (r"speed $v/v_\mathrm{s}$", _itself),
+    "time_step_fraction": (r"time step $Δt/Δt_\mathrm{c}$", _itself),
+    "domain_radius": ("cone radius over radius of the grid", _inverse),
+    "domain_above": ("cone radius over extent above", _inverse),
+    "domain_below": ("cone radius over extent below", _inverse),
+    "poissons_ratio_bound": (r"$1 - 2ν_\mathrm{max}$", _compressibility),
+}
+"""By parameter of a method: what goes to zero with refinement, in words, and as a function."""
+
+LIMITS: dict[Callable[[Floats], Floats], str] = {
+    _inverse: "∞",
+    _itself: "0",
+    _compressibility: "0.5",
+}
+"""What the parameter is called where the refinement has no end."""
+
+
+@dataclass(frozen=True)
+class Approach:
+    """How values approach their limit: as ``limit + factor * h**order``."""
+
+    order: float
+    limit: float
+    factor: float
+
+    def at(self, h: Floats) -> Floats:
+        """The value at a refinement."""
+        value: Floats = self.limit + self.factor * h**self.order
+        return value
+
+
+def approach(h: Floats, values: Floats) -> Approach | None:
+    """The order and limit observed from the three finest values; None where there are none.
+
+    Richardson's extrapolation, with an order that the three values tell: so they have to change in
+    one direction, and by less and less. None also where the order is not within `ORDERS`.
+
+    Args:
+        h: what goes to zero with refinement, > 0.
+        values: what was computed there; those that are not a number are left out.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    finest = known[np.argsort(h[known])][:LEAST_POINTS]
+    if finest.size < LEAST_POINTS:
+        return None
+    first, second = np.diff(values[finest])
+    if first * second <= 0.0:
+        return None
+    a, b, c = h[finest]
+    ratios = (c**ORDERS - b**ORDERS) / (b**ORDERS - a**ORDERS)
+    crossing = np.flatnonzero(np.diff(np.sign(ratios - second / first)))
+    if crossing.size == 0:
+        return None
+    place = crossing[0]
+    order = float(np.interp(second / first, ratios[place : place + 2], ORDERS[place : place + 2]))
+    factor = float(first / (b**order - a**order))
+    return Approach(order, float(values[finest[0]] - factor * a**order), factor)
+
+
+def shows_convergence(dataset: xr.Dataset) -> bool:
+    """Whether a result varies a refinement of the method, for not too many cases beside it."""
+    studied = Studied.of(dataset)
+    if studied is None or not studied.is_combined:
+        return False
+    name = _refined(studied)
+    if name is None:
+        return False
+    return len(studied.groups([it for it in studied.varied if it != name])) <= MOST_LABELS
+
+
+def _refined(studied: Studied) -> str | None:
+    """The parameter that refines, the one with most values."""
+    found = [
+        name
+        for name in studied.numbers
+        if name in REFINED_BY
+        and name in studied.method
+        and studied.varied[name].different.size >= LEAST_POINTS
+    ]
+    return max(found, key=lambda it: studied.varied[it].different.size, default=None)
+
+
+@STYLED
+def convergence_figure(dataset: xr.Dataset) -> Figure:
+    """The headline over what goes to zero with refinement, and its limit there.
+
+    An error against an exact solution, whose limit is zero, is drawn on logarithmic axes.
+
+    Args:
+        dataset: result for which :func:`shows_convergence` holds.
+    """
+    studied = Studied.of(dataset)
+    name = None if studied is None else _refined(studied)
+    assert studied is not None, "the dataset has no headline"
+    assert name is not None, "the dataset has no refinement"
+    other = [it for it in studied.varied if it != name]
+    h = REFINED_BY[name][1](studied.varied[name].numbers)
+    is_error = studied.headline == ERROR
+    figure, axes = empty_figure()
+    groups = studied.groups(other)
+    for rank, (key, cases) in enumerate(groups.items()):
+        colour = series_colour(rank, len(groups))
+        ordered = cases[np.argsort(h[cases])]
+        x, y = h[ordered], studied.computed[ordered]
+        label = ", ".join(
+            assigned(dataset, one, studied.varied[one].value(number_))
+            for one, number_ in zip(other, key, strict=True)
+        )
+        observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, colour)
+        label = f"{label or 'computed'}: {observed}"
+        width = None if studied.half_width is None else studied.half_width[ordered]
+        line = "-" if is_error else ""
+        draw_series(axes, x, y, width, color=colour, ls=line, marker=MARKERS[rank], label=label)
+        mark_failures(axes, x[~np.isfinite(y)])
+    if is_error:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    _dress(axes, dataset, name, is_error)
+    axes.set_ylabel(axis_label(dataset, studied.headline))
+    legend_above(figure, axes)
+    write_caption(figure, dataset, _explanation(is_error), _bars(studied))
+    return figure
+
+
+def _bars(studied: Studied) -> str:
+    return "Error bars hold the value with 95 %." if studied.half_width is not None else ""
+
+
+def _explanation(is_error: bool) -> str:
+    if is_error:
+        return "The order is that between the two finest."
+    return (
+        "Order and limit are observed from the three finest values by Richardson's extrapolation; "
+        "the dotted line leads to the limit, the hollow mark. No order: they do not approach a "
+        "limit evenly, and what is left to it is not known."
+    )
+
+
+def _order_of_error(h: Floats, error: Floats) -> str:
+    """The order between the two finest errors, in words; they are sorted by refinement."""
+    known = np.flatnonzero(np.isfinite(error) & (error > 0.0))[:2]
+    if known.size < 2:
+        return "no order"
+    order = np.diff(np.log(error[known])) / np.diff(np.log(h[known]))
+    return f"order {order.item():.2f}"
+
+
+def _draw_limit(axes: Axes, h: Floats, values: Floats, colour: str) -> str:
+    """Draw the way to the limit of values that approach one; what was observed, in words."""
+    found = approach(h, values)
+    if found is None:
+        return "no order"
+    used = np.sort(h[np.isfinite(values)])[:LEAST_POINTS]
+    fine = np.linspace(0.0, used[-1], 200)
+    axes.plot(fine, found.at(fine), ":", lw=1, color=colour)
+    axes.plot([0.0], [found.limit], "o", mfc="white", color=colour, clip_on=False, zorder=5)
+    return f"order {found.order:.2f}, limit {number(found.limit)}"
+
+
+def _dress(axes: Axes, dataset: xr.Dataset, name: str, is_error: bool) -> None:
+    """Ticks at what was computed, called by the parameter's values."""
+    meaning, refinement = REFINED_BY[name]
+    values = np.unique(over_cases(dataset, name).astype(float))
+    places = refinement(values)
+    if not is_error:
+        axes.set_xlim(0.0, 1.06 * places.max())
+    ascending = np.sort(places)
+    ends = ascending if is_error else np.array([0.0, *ascending])
+    shown = apart(ends, "log" if is_error else "linear", room=12)
+    texts = {float(place): number(value) for place, value in zip(places, values, strict=True)}
+    texts[0.0] = LIMITS[refinement]
+    axes.xaxis.set_major_locator(FixedLocator(shown))
+    axes.xaxis.set_major_formatter(FixedFormatter([texts[place] for place in shown]))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xlabel(f"{axis_label(dataset, name)}, spaced by {meaning}")

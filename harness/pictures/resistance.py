@@ -1,0 +1,117 @@
+"""The picture of the penetration resistance: a curve for each case, few of them with a label."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from harness.archive.conventions import case_dims, over_cases
+from harness.pictures.caption import write_caption
+from harness.pictures.plot_parts import (
+    INK,
+    MOST_LABELS,
+    SHADES,
+    STYLED,
+    CurveEnd,
+    empty_figure,
+    label_ends,
+    series_colour,
+    shade,
+)
+from harness.pictures.studied import Studied
+from harness.pictures.symbols import assigned, axis_label
+from harness.pictures.values import Floats
+from harness.study.designs import ONE_AT_A_TIME
+
+RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"
+OVER_STRENGTH = r"net resistance over strength $(q_\mathrm{c} - σ_\mathrm{v0})/s_\mathrm{u}$ [-]"
+LABELLED_CHANGES = 5
+"""Curves of one parameter at a time that have a label: those that differ most from the first."""
+
+
+def shows_resistance(dataset: xr.Dataset) -> bool:
+    """Whether a result holds the resistance over the penetration."""
+    return RESISTANCE in dataset and STRENGTH in dataset and "status" in dataset
+
+
+@STYLED
+def resistance_figure(dataset: xr.Dataset) -> Figure:
+    """Penetration resistance over undrained shear strength, one curve a case.
+
+    Up to eight curves have their values beside them. More have the colour of where they end; of
+    one parameter at a time the first case is black, and those that differ most are labelled.
+    """
+    studied = Studied.of(dataset)
+    curves = _curves(dataset)
+    drawn = [case for case, curve in enumerate(curves) if np.isfinite(curve).any()]
+    figure, axes = empty_figure()
+    x = dataset["penetration"].values
+    last = {case: int(np.flatnonzero(np.isfinite(curves[case]))[-1]) for case in drawn}
+    ends = {case: float(curves[case][place]) for case, place in last.items()}
+    labelled = _labelled(dataset, drawn, ends)
+    few = len(drawn) <= MOST_LABELS
+    low, high = min(ends.values(), default=0.0), max(ends.values(), default=1.0)
+    marks = []
+    for rank, case in enumerate(drawn):
+        colour = (
+            series_colour(rank, len(drawn))
+            if few
+            else shade((ends[case] - low) / ((high - low) or 1.0))
+        )
+        is_start = not few and labelled[:1] == [case]
+        width = 1.3 if few or case in labelled else 0.6
+        axes.plot(x, curves[case], color=INK if is_start else colour, lw=1.8 if is_start else width)
+        if case in labelled:
+            label = _label(dataset, studied, case)
+            marks.append(CurveEnd(x[last[case]], ends[case], label, INK if is_start else colour))
+    axes.set_xlabel(axis_label(dataset, "penetration"))
+    axes.set_ylabel(OVER_STRENGTH)
+    axes.set_xlim(0, float(x.max()))
+    axes.set_ylim(bottom=0)
+    label_ends(axes, marks, size=7)
+    if not few:
+        scale = ScalarMappable(Normalize(low, high), SHADES)
+        bar = figure.colorbar(scale, ax=axes, location="top", aspect=50, pad=0.02)
+        bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
+    failed = len(curves) - len(drawn)
+    write_caption(
+        figure,
+        dataset,
+        f"{len(drawn)} cases." if not few else "",
+        f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
+    )
+    return figure
+
+
+def _curves(dataset: xr.Dataset) -> Floats:
+    """The resistance over the strength, shape [case, penetration]."""
+    resistance = dataset[RESISTANCE].transpose(*case_dims(dataset), "penetration").values
+    flat = resistance.reshape(-1, resistance.shape[-1])
+    curves: Floats = flat / over_cases(dataset, STRENGTH)[:, None]
+    return curves
+
+
+def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> list[int]:
+    """The cases whose curves have a label; where a design starts from one, that is the first."""
+    if len(drawn) <= MOST_LABELS:
+        return drawn
+    if dataset.attrs.get("design") != ONE_AT_A_TIME or drawn[0] != 0:
+        return []
+    others = sorted(drawn[1:], key=lambda case: abs(ends[case] - ends[0]), reverse=True)
+    return [0, *others[:LABELLED_CHANGES]]
+
+
+def _label(dataset: xr.Dataset, studied: Studied | None, case: int) -> str:
+    """What a case is called: the varied values, of one at a time that which differs."""
+    if studied is None or not studied.varied:
+        return ""
+    differs = {name: it for name, it in studied.varied.items() if it.numbers[case] != it.numbers[0]}
+    if studied.design == ONE_AT_A_TIME and not differs:
+        return "start"
+    shown = differs if studied.design == ONE_AT_A_TIME else studied.varied
+    return ", ".join(
+        assigned(dataset, name, it.value(float(it.numbers[case]))) for name, it in shown.items()
+    )

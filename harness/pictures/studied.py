@@ -1,0 +1,125 @@
+"""What a study is about: what its cases vary, and the result that they were run for."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.conventions import (
+    COMPLETED,
+    Role,
+    over_cases,
+    parameter_names,
+    scenes_of,
+    uncertainty_of,
+    varied_names,
+    with_role,
+)
+from harness.pictures.values import Floats, Texts, Values
+from harness.references.cone_factors import COMPARED
+from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
+from mpm_warp.scenes import scene_class, scene_names
+
+
+@dataclass(frozen=True)
+class Studied:
+    """The cases of a result, in their order, whatever dims the result has.
+
+    Attributes:
+        dataset: the result.
+        headline: name of the scalar that the cases were run for.
+    """
+
+    dataset: xr.Dataset
+    headline: str
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Studied | None:
+        """What a result is about; None where its cases share no headline."""
+        if "status" not in dataset:
+            return None
+        dims = set(dataset["status"].dims)
+        found = [it for it in with_role(dataset, Role.HEADLINE) if set(dataset[it].dims) <= dims]
+        if not found and COMPARED in dataset:
+            found = [COMPARED]
+        several = len(set(scenes_of(dataset))) > 1
+        return None if several or len(found) != 1 else cls(dataset, found[0])
+
+    @functools.cached_property
+    def computed(self) -> Floats:
+        """The headline of each case, not a number where it did not complete."""
+        return over_cases(self.dataset, self.headline).astype(float)
+
+    @functools.cached_property
+    def half_width(self) -> Floats | None:
+        """Half width of the headline's 95 % interval, of each case; None where it is not known."""
+        known = uncertainty_of(self.dataset).astype(float)
+        return known if np.isfinite(known).any() else None
+
+    @functools.cached_property
+    def status(self) -> Texts:
+        """How each case ended."""
+        return over_cases(self.dataset, "status").astype(str)
+
+    @property
+    def failed(self) -> np.ndarray:
+        """The cases without a headline."""
+        return np.flatnonzero(~np.isfinite(self.computed) | (self.status != COMPLETED))
+
+    @functools.cached_property
+    def varied(self) -> dict[str, Values]:
+        """The values of each parameter that has more than one, in the order of the study."""
+        names = [name for name in varied_names(self.dataset) if name != "scene"]
+        values = {name: Values.of(self.dataset, name) for name in names}
+        return {name: it for name, it in values.items() if it.different.size > 1}
+
+    @property
+    def numbers(self) -> list[str]:
+        """The varied parameters that are numbers."""
+        return [name for name, it in self.varied.items() if not it.categories]
+
+    @property
+    def design(self) -> str:
+        """How the varied values were combined."""
+        return str(self.dataset.attrs.get("design", ""))
+
+    @property
+    def is_combined(self) -> bool:
+        """Whether values were chosen and combined, not drawn by lot or changed one at a time."""
+        return self.design not in (ONE_AT_A_TIME, LATIN_HYPERCUBE)
+
+    @property
+    def method(self) -> tuple[str, ...]:
+        """The parameters of the method alone, as the dataset calls them."""
+        scene = str(self.dataset.attrs.get("scene", ""))
+        return method_of(self.dataset, scene)
+
+    def case(self, index: int) -> xr.Dataset:
+        """One case, without dims of cases."""
+        dims = self.dataset["status"].dims
+        places = np.unravel_index(index, self.dataset["status"].shape)
+        return self.dataset.isel(dict(zip(dims, map(int, places), strict=True)))
+
+    def groups(self, names: list[str]) -> dict[tuple[float, ...], np.ndarray]:
+        """The cases that agree in these varied parameters, by their values, ascending."""
+        if not names:
+            return {(): np.arange(self.computed.size)}
+        rows = np.array([self.varied[name].numbers for name in names]).T
+        found, member = np.unique(rows, axis=0, return_inverse=True)
+        return {
+            tuple(map(float, row)): np.flatnonzero(member.ravel() == place)
+            for place, row in enumerate(found)
+        }
+
+
+def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:
+    """The parameters of a scene's method, as a dataset calls them; what refines it among them."""
+    if scene not in scene_names():
+        return ()
+    known = scene_class(scene)
+    own = dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)])
+    stored = parameter_names(dataset)
+    return tuple(stored.get(name, name) for name in own)

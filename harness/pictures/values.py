@@ -1,0 +1,155 @@
+"""A parameter's values in the cases of a result, and the axis that shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import (
+    FixedLocator,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    NullLocator,
+    StrMethodFormatter,
+)
+from numpy.typing import NDArray
+
+from harness.archive.conventions import over_cases, spoken
+
+Floats = NDArray[np.float64]
+Texts = NDArray[np.str_]
+
+MOST_SINGLE_TICKS = 24
+"""Values that have a tick each; of more, random ones say, an axis has round ticks."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Values:
+    """A parameter's values in the cases that were run.
+
+    Attributes:
+        name: of the parameter.
+        unit: SI unit, "1" for a dimensionless number.
+        numbers: the value of each case, or its place among the categories.
+        categories: the values in words, in the order of the study, where they are no numbers or
+            the scene derives one of them; else none.
+    """
+
+    name: str
+    unit: str
+    numbers: Floats
+    categories: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset, name: str) -> Values:
+        """The values that the cases of a dataset have."""
+        values, unit = over_cases(dataset, name), str(dataset[name].attrs.get("units", "1"))
+        if values.dtype.kind in "iuf" and np.isfinite(values).all():
+            return cls(name=name, unit=unit, numbers=values.astype(float))
+        texts = [_category(value) for value in values.tolist()]
+        categories = tuple(dict.fromkeys(texts))
+        numbers = np.array([float(categories.index(text)) for text in texts])
+        return cls(name=name, unit=unit, numbers=numbers, categories=categories)
+
+    @property
+    def label(self) -> str:
+        """Name and unit."""
+        name = spoken(self.name)
+        return name if self.unit == "1" else f"{name} [{self.unit}]"
+
+    @property
+    def different(self) -> Floats:
+        """Each number once, ascending."""
+        return np.unique(self.numbers)
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the numbers, zero aside, span a decade or more."""
+        positive = self.numbers[self.numbers > 0.0]
+        if self.categories or positive.size == 0 or self.numbers.min() < 0.0:
+            return False
+        low, high = positive.min(), positive.max()
+        # Of random values the least may be small by chance: half of them lie below the middle then.
+        is_even = positive.size > MOST_SINGLE_TICKS and np.median(positive) > 0.3 * (low + high)
+        return bool(high >= 10.0 * low) and not is_even
+
+    @property
+    def scale(self) -> str:
+        """Scale of the axis, as matplotlib calls it.
+
+        Zero has a place on a logarithmic axis, which is linear from there to the smallest other
+        value, where the others span two decades or more.
+        """
+        if not self.logarithmic:
+            return "linear"
+        if self.numbers.min() > 0.0:
+            return "log"
+        positive = self.numbers[self.numbers > 0.0]
+        return "symlog" if positive.max() >= 100.0 * positive.min() else "linear"
+
+    def text(self, number: float) -> str:
+        """A value in words."""
+        return self.categories[int(number)] if self.categories else f"{number:.6g}"
+
+    def value(self, number: float) -> float | str:
+        """The value that stands for a number: itself, or one of the categories."""
+        return self.categories[int(number)] if self.categories else number
+
+    def dress(self, axes: Axes, room: int, which: str = "x") -> None:
+        """Give an axis its scale, and ticks at the values that were computed.
+
+        Args:
+            axes: the axes, with their limits.
+            room: tick labels for which it has room.
+            which: "x" or "y".
+        """
+        is_x = which == "x"
+        axis = axes.xaxis if is_x else axes.yaxis
+        set_scale = axes.set_xscale if is_x else axes.set_yscale
+        set_margin = axes.set_xmargin if is_x else axes.set_ymargin
+        if self.categories:
+            names = [it.replace("_", " ") for it in self.categories]
+            axis.set_ticks(range(len(names)), names)
+            set_margin(0.2)
+            return
+        if self.scale == "symlog":
+            smallest = self.numbers[self.numbers > 0.0].min()
+            set_scale(self.scale, linthresh=smallest, linscale=0.5)
+        else:
+            set_scale(self.scale)
+        axis.set_minor_formatter(NullFormatter())
+        if self.different.size > MOST_SINGLE_TICKS:
+            wide = self.numbers.max() > 1000.0 * max(self.numbers.min(), 1e-300)
+            automatic = LogLocator(subs=(1,) if wide else (1, 2, 5), numticks=room)
+            axis.set_major_locator(automatic if self.logarithmic else MaxNLocator(room))
+            axis.set_minor_locator(NullLocator())
+        else:
+            axis.set_major_locator(FixedLocator(list(apart(self.different, self.scale, room))))
+            axis.set_minor_locator(FixedLocator(self.different.tolist()))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+
+
+def apart(ascending: Floats, scale: str, room: int) -> Sequence[float]:
+    """The numbers whose labels do not meet on an axis with so much room; the ends among them."""
+    if ascending.size <= 2:
+        return [float(it) for it in ascending]
+    places = ascending
+    if scale != "linear":
+        smallest = ascending[ascending > 0.0].min()
+        places = np.log(np.maximum(ascending, 0.3 * smallest))
+    share = (places - places[0]) / (places[-1] - places[0])
+    kept = [0]
+    for place in range(1, ascending.size - 1):
+        if min(share[place] - share[kept[-1]], 1.0 - share[place]) >= 1.0 / room:
+            kept.append(place)
+    return [float(ascending[place]) for place in (*kept, ascending.size - 1)]
+
+
+def _category(value: object) -> str:
+    if isinstance(value, float):
+        return "derived" if np.isnan(value) else f"{value:.6g}"
+    return str(value) or "derived"

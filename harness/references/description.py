@@ -1,0 +1,130 @@
+"""References and experience as text for a terminal: all of them, or one in full."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Mapping
+
+from harness.references.cone_factors import CONE_FACTORS, ConeFactor, UnknownReferenceError
+from harness.references.experience import BESIDE_COMPRESSION, EXPERIENCE, HOLDS, Experience, Factor
+from mpm_warp.parameters import nearest_name
+
+WIDTH = 80
+"""Columns of a terminal, at least."""
+SYMBOLS = (
+    "Ir = G / su, alpha_c and alpha_s: adhesion factor of the cone's face and of the shaft (alpha: "
+    "both), Delta = (sigma_v0 - sigma_h0) / (2 su)"
+)
+"""What the symbols in the formulas of the references mean."""
+
+
+def all_entries() -> str:
+    """All references, then all experience, four lines or so for each, without a final new line."""
+    lines = [
+        *_wrapped(
+            "REFERENCES: cone factors by analysis, Nc = (qc - sigma_v0) / su, for a 60 degree "
+            "cone. A study names them under [compare] references."
+        ),
+        *_wrapped(SYMBOLS),
+    ]
+    for reference in CONE_FACTORS:
+        lines += ["", reference.id]
+        lines += _indented(
+            reference.formula,
+            f"criterion: {reference.criterion}; valid for: {reference.validity}",
+            reference.source,
+        )
+    lines += ["", *_wrapped(f"how known: {_once(it.how_known for it in CONE_FACTORS)}")]
+    factors = " and ".join(factor.definition for factor in Factor)
+    lines += [
+        "",
+        "",
+        *_wrapped(
+            f"EXPERIENCE: factors measured in the field, {factors}. A study names them under "
+            "[compare] experience. They are bands, no references."
+        ),
+        *_wrapped(f"They hold {HOLDS}."),
+        *_wrapped(f"su: {_once(it.strength for it in EXPERIENCE)}; {BESIDE_COMPRESSION}."),
+    ]
+    for entry in EXPERIENCE:
+        lines += ["", f"{entry.id}: {entry.band}"]
+        lines += _indented(
+            f"{entry.formula}, for {entry.spans}",
+            entry.clays,
+            entry.source,
+            f"how known: {entry.how_known}",
+        )
+    return "\n".join(lines)
+
+
+def one_entry(entry_id: str) -> str:
+    """One reference, or one band of experience, with all that is known of it.
+
+    Raises:
+        UnknownReferenceError: there is none of that id.
+    """
+    entries: list[ConeFactor | Experience] = [*CONE_FACTORS, *EXPERIENCE]
+    known = {it.id: it for it in entries}
+    if entry_id not in known:
+        raise UnknownReferenceError(
+            f"unknown reference {entry_id!r}{nearest_name(entry_id, known)}"
+        )
+    entry = known[entry_id]
+    said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
+    width = max(map(len, said)) + 2
+    lines = [entry.id]
+    for name, text in said.items():
+        lines += textwrap.wrap(
+            text, WIDTH, initial_indent=f"  {name:{width}}", subsequent_indent=" " * (width + 2)
+        )
+    return "\n".join(lines)
+
+
+def _of_reference(entry: ConeFactor) -> Mapping[str, str]:
+    in_envelope = "one of those that form the envelope" if entry.in_envelope else "not part of it"
+    return {
+        "kind": "reference: a cone factor by analysis, Nc = (qc - sigma_v0) / su",
+        "authors": entry.label,
+        "formula": entry.formula,
+        "symbols": SYMBOLS,
+        "criterion": entry.criterion,
+        "method": entry.method,
+        "range": entry.validity,
+        "envelope": in_envelope,
+        "source": entry.source,
+        "how known": entry.how_known,
+    }
+
+
+def _of_experience(entry: Experience) -> Mapping[str, str]:
+    return {
+        "kind": "experience: a band of factors measured in the field, no reference",
+        "authors": entry.label,
+        "factor": entry.factor.definition,
+        "formula": entry.formula,
+        "band": f"{entry.band}, for {entry.spans}",
+        **{f"range of {it.symbol}": it.chosen for it in entry.inputs},
+        "scatter": "reported for su, taken for the factor" if entry.scatter else "not known",
+        "clays": entry.clays,
+        "su": f"{entry.strength}; {BESIDE_COMPRESSION}",
+        "holds": HOLDS,
+        "source": entry.source,
+        "how known": entry.how_known,
+    }
+
+
+def _once(texts: Iterable[str]) -> str:
+    """Different texts, each once."""
+    return "; ".join(dict.fromkeys(texts))
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH)
+
+
+def _indented(*texts: str) -> list[str]:
+    return [
+        line
+        for text in texts
+        for line in textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    ]

@@ -1,0 +1,232 @@
+"""Factors of the cone test that were measured in the field, as bands.
+
+They hold what the ideal cone factor does not (:data:`HOLDS`). So a band is set beside a result and
+is no reference: nothing is said to deviate from it, and no result has to lie in it. A new band is
+one new entry in :data:`EXPERIENCE`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from harness.references.cone_factors import UnknownReferenceError
+from mpm_warp.parameters import nearest_name
+
+HOLDS = (
+    "rate effects, softening, anisotropy of strength and stress, and disturbance of the samples: "
+    "the ideal cone factor has none of them"
+)
+"""What all of it holds beside the cone factor of a perfectly plastic clay."""
+COMPRESSION = "peak in triaxial compression, consolidated anisotropically"
+"""The strength that su means in all entries."""
+BESIDE_COMPRESSION = (
+    "direct shear has 0.6 to 0.9 of the strength in triaxial compression, triaxial extension 0.35 "
+    "to 0.5; the simulation's su is that in pure shear, which direct shear comes nearest to"
+)
+"""How other strengths compare with it."""
+
+
+class Factor(StrEnum):
+    """What was divided by su: u2 is the pore pressure behind the shoulder, u0 that before."""
+
+    RESISTANCE = "Nkt"
+    PORE_PRESSURE = "N_du"
+
+    @property
+    def definition(self) -> str:
+        """The factor as a formula."""
+        over_su = {"Nkt": "(qt - sigma_v0) / su", "N_du": "(u2 - u0) / su"}
+        return f"{self} = {over_su[self]}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Input:
+    """A property of the clay that a formula needs and the simulation does not have.
+
+    Attributes:
+        symbol: its symbol in the formula.
+        low: least value that the band spans.
+        high: greatest value that the band spans.
+        chosen: where this range comes from.
+    """
+
+    symbol: str
+    low: float
+    high: float
+    chosen: str
+
+    @property
+    def span(self) -> str:
+        """The range in words."""
+        return f"{self.symbol} {self.low:g} to {self.high:g}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experience:
+    """One band of factors measured in the field.
+
+    Attributes:
+        id: name in study definitions and in the variables of a result.
+        label: authors and year, for pictures.
+        factor: what the band is of.
+        formula: the formula as text.
+        evaluate: the formula; it takes the inputs in their order and is monotonic in each.
+        inputs: what the formula depends on, and the ranges that the band spans.
+        scatter: scatter about the formula, a share of it; 0 where none is known. It is reported for
+            su, and taken for the factor here.
+        clays: the clays that were tested.
+        strength: the strength that su means.
+        source: where it was published.
+        how_known: where formula and ranges were taken from.
+    """
+
+    id: str
+    label: str
+    factor: Factor
+    formula: str
+    evaluate: Callable[..., float]
+    inputs: tuple[Input, ...]
+    clays: str
+    source: str
+    how_known: str
+    scatter: float = 0.0
+    strength: str = COMPRESSION
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest factor over the ranges of the inputs, the scatter included."""
+        corners = itertools.product(*((it.low, it.high) for it in self.inputs))
+        values = [self.evaluate(*corner) for corner in corners]
+        return min(values) * (1.0 - self.scatter), max(values) * (1.0 + self.scatter)
+
+    @property
+    def band(self) -> str:
+        """Factor and bounds in words."""
+        low, high = self.bounds
+        return f"{self.factor} {low:.1f} to {high:.1f}"
+
+    @property
+    def spans(self) -> str:
+        """Ranges and scatter that the band is made of, in words."""
+        scatter = f", +-{100 * self.scatter:.0f} %" if self.scatter else ""
+        return ", ".join(it.span for it in self.inputs) + scatter
+
+
+_KARLSRUD = "Karlsrud, Lunne, Kort & Strandvik 2005, 16th ICSMGE Osaka, CPTU correlations for clays"
+_KARLSRUD_KNOWN = "formula, scatter and range of OCR at second hand; the abstract was read"
+_MAYNE = (
+    "Mayne & Peuchen 2018, Cone Penetration Testing 2018, Evaluation of CPTU Nkt cone factor for "
+    "undrained strength of clays"
+)
+_BLOCK_SAMPLES = "soft to medium stiff marine clays, 17 sites, block samples of high quality"
+_OVERCONSOLIDATION = Input(
+    symbol="OCR", low=1.2, high=6.3, chosen="of the clays tested, at second hand"
+)
+_PLASTICITY = Input(
+    symbol="Ip", low=10.0, high=50.0, chosen="percent; of the clays tested, by the abstract"
+)
+
+EXPERIENCE: tuple[Experience, ...] = (
+    Experience(
+        id="karlsrud_2005",
+        label="Karlsrud et al. 2005",
+        factor=Factor.RESISTANCE,
+        formula="7.8 + 2.5 log10 OCR + 0.082 Ip",
+        evaluate=lambda ocr, ip: 7.8 + 2.5 * math.log10(ocr) + 0.082 * ip,
+        inputs=(_OVERCONSOLIDATION, _PLASTICITY),
+        scatter=0.30,
+        clays=f"{_BLOCK_SAMPLES}, sensitivity below 15",
+        source=_KARLSRUD,
+        how_known=_KARLSRUD_KNOWN,
+    ),
+    Experience(
+        id="karlsrud_2005_sensitive",
+        label="Karlsrud et al. 2005, sensitive clays",
+        factor=Factor.RESISTANCE,
+        formula="8.5 + 2.5 log10 OCR",
+        evaluate=lambda ocr: 8.5 + 2.5 * math.log10(ocr),
+        inputs=(_OVERCONSOLIDATION,),
+        scatter=0.15,
+        clays=f"{_BLOCK_SAMPLES}, sensitivity above 15",
+        source=_KARLSRUD,
+        how_known=_KARLSRUD_KNOWN,
+    ),
+    Experience(
+        id="mayne_peuchen_2018",
+        label="Mayne & Peuchen 2018",
+        factor=Factor.RESISTANCE,
+        formula="10.5 - 4.6 ln(Bq + 0.1)",
+        evaluate=lambda bq: 10.5 - 4.6 * math.log(bq + 0.1),
+        inputs=(
+            Input(
+                symbol="Bq",
+                low=0.4,
+                high=1.0,
+                chosen="chosen here, for soft to firm clay; Bq = (u2 - u0) / (qt - sigma_v0)",
+            ),
+        ),
+        clays="62 clays, soft to hard and fissured, 407 tests",
+        source=_MAYNE,
+        how_known="formula at second hand, without its scatter; the abstract was read",
+    ),
+    Experience(
+        id="mayne_peuchen_2018_all",
+        label="Mayne & Peuchen 2018, all clays",
+        factor=Factor.RESISTANCE,
+        formula="Nkt as measured",
+        evaluate=lambda measured: measured,
+        inputs=(
+            Input(symbol="Nkt", low=8.0, high=25.0, chosen="of the clays tested, by the abstract"),
+        ),
+        clays="62 clays, soft to hard and fissured, 407 tests",
+        source=_MAYNE,
+        how_known="the abstract was read",
+    ),
+    Experience(
+        id="karlsrud_2005_pore_pressure",
+        label="Karlsrud et al. 2005",
+        factor=Factor.PORE_PRESSURE,
+        formula="6.9 - 4.0 log10 OCR + 0.07 Ip",
+        evaluate=lambda ocr, ip: 6.9 - 4.0 * math.log10(ocr) + 0.07 * ip,
+        inputs=(_OVERCONSOLIDATION, _PLASTICITY),
+        scatter=0.15,
+        clays=f"{_BLOCK_SAMPLES}, sensitivity below 15",
+        source=_KARLSRUD,
+        how_known=f"{_KARLSRUD_KNOWN}; of a scatter of 10 to 15 % the larger is taken",
+    ),
+    Experience(
+        id="karlsrud_2005_pore_pressure_sensitive",
+        label="Karlsrud et al. 2005, sensitive clays",
+        factor=Factor.PORE_PRESSURE,
+        formula="9.8 - 4.5 log10 OCR",
+        evaluate=lambda ocr: 9.8 - 4.5 * math.log10(ocr),
+        inputs=(_OVERCONSOLIDATION,),
+        scatter=0.15,
+        clays=f"{_BLOCK_SAMPLES}, sensitivity above 15",
+        source=_KARLSRUD,
+        how_known=f"{_KARLSRUD_KNOWN}; of a scatter of 10 to 15 % the larger is taken",
+    ),
+)
+
+
+def experience_ids() -> tuple[str, ...]:
+    """Ids of all bands, in the order of the registry."""
+    return tuple(entry.id for entry in EXPERIENCE)
+
+
+def experience_entry(entry_id: str) -> Experience:
+    """The band called `entry_id`.
+
+    Raises:
+        UnknownReferenceError: there is none of that id.
+    """
+    by_id = {entry.id: entry for entry in EXPERIENCE}
+    if entry_id not in by_id:
+        raise UnknownReferenceError(
+            f"unknown band of experience {entry_id!r}{nearest_name(entry_id, by_id)}"
+        )
+    return by_id[entry_id]

@@ -1,0 +1,1 @@
+"""Results of studies as one page of HTML."""

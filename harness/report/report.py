@@ -1,0 +1,145 @@
+"""One page of HTML on results, with all that they hold and nothing to be fetched."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from harness.archive.conventions import COMPLETED, over_cases
+from harness.archive.provenance import OF_CASE
+from harness.compare.cone_factors import stored_references
+from harness.compare.tolerances import misses
+from harness.pictures.own_files import MAKER, write_own
+from harness.pictures.pictures import figures
+from harness.pictures.plot_parts import image
+from harness.pictures.stability import shows_stability
+from harness.pictures.stability_map import stability_rows
+from harness.pictures.studied import Studied
+from harness.references.cone_factors import ConeFactor
+from harness.report import words
+from harness.report.cases import CaseTable, case_table
+from harness.report.comparison import comparisons
+
+PICTURE_DPI, SMALL_DPI = 150, 75
+"""Points an inch of the pictures, and of the small ones of the summary."""
+
+_PAGE = Environment(
+    loader=FileSystemLoader(Path(__file__).parent),
+    autoescape=True,  # what a file says is text, whatever markup is in it
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+).get_template("page.html")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture of a study: its name, and its PNG as a data address."""
+
+    name: str
+    address: str
+
+
+@dataclass(frozen=True)
+class StudySection:
+    """What the page says of one study.
+
+    Attributes:
+        anchor: where the section begins, for links.
+        title: of the study.
+        study: its name.
+        scene: its scenes.
+        summary: the outcome in a line.
+        small: the main picture in small, None where there is none.
+        pictures: all pictures.
+        missed: tolerances that it misses.
+        stability: the stability map in words, its heading first; empty where there is none.
+        table: its cases.
+        references: what its results were compared with.
+        provenance: where it comes from: names and values.
+    """
+
+    anchor: str
+    title: str
+    study: str
+    scene: str
+    summary: str
+    small: Picture | None
+    pictures: list[Picture]
+    missed: list[str]
+    stability: list[tuple[str, ...]]
+    table: CaseTable
+    references: tuple[ConeFactor, ...]
+    provenance: list[tuple[str, str]]
+
+
+def write_report(datasets: Sequence[xr.Dataset], path: Path) -> None:
+    """Write the page, whole or not at all.
+
+    Args:
+        datasets: results of studies.
+        path: the HTML file; an earlier page is replaced.
+
+    Raises:
+        NotOwnFileError: a file is in the way that was not written by this program.
+        ArchiveError: it cannot be written.
+    """
+    write_own(page(datasets).encode(), path)
+
+
+def page(datasets: Sequence[xr.Dataset]) -> str:
+    """The page as text."""
+    sections = [_section(dataset, place) for place, dataset in enumerate(datasets, start=1)]
+    return _PAGE.render(maker=MAKER, sections=sections, comparisons=comparisons(list(datasets)))
+
+
+def _section(dataset: xr.Dataset, place: int) -> StudySection:
+    drawn = figures(dataset)
+    main = next(iter(drawn), None)
+    return StudySection(
+        anchor=f"study-{place}",
+        title=str(dataset.attrs.get("title", dataset.attrs["study"])),
+        study=str(dataset.attrs["study"]),
+        scene=str(dataset.attrs["scene"]).replace(" ", ", "),
+        summary=_summary(dataset),
+        small=None if main is None else _picture(main, image(drawn[main], dpi=SMALL_DPI)),
+        pictures=[_picture(name, image(it, dpi=PICTURE_DPI)) for name, it in drawn.items()],
+        missed=misses(dataset),
+        stability=stability_rows(dataset) if shows_stability(dataset) else [],
+        table=case_table(dataset),
+        references=stored_references(dataset),
+        provenance=list(_provenance(dataset)),
+    )
+
+
+def _summary(dataset: xr.Dataset) -> str:
+    """How many cases there are, how many did not complete, and the range of the headline."""
+    status = over_cases(dataset, "status")
+    lost = int(np.sum(status != COMPLETED))
+    told = [f"{status.size} case{'s' * (status.size > 1)}"]
+    told += [f"{lost} not completed"] if lost else []
+    studied = Studied.of(dataset)
+    if studied is not None and np.isfinite(studied.computed).any():
+        ends = [float(np.nanmin(studied.computed)), float(np.nanmax(studied.computed))]
+        range_text = " to ".join(dict.fromkeys(words.text(end) for end in ends))
+        unit = words.unit(dataset, studied.headline)
+        told.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())
+    return "; ".join(told)
+
+
+def _picture(name: str, png: bytes) -> Picture:
+    data = base64.b64encode(png).decode("ascii")
+    return Picture(name.replace("_", " "), f"data:image/png;base64,{data}")
+
+
+def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:
+    yield from ((str(name), str(value)) for name, value in sorted(dataset.attrs.items()))
+    for name in OF_CASE:
+        if name in dataset:  # not the same for all cases
+            yield name, "; ".join(sorted({*map(str, dataset[name].values.flat)} - {""}))

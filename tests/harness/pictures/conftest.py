@@ -1,0 +1,154 @@
+"""Results that are made up, one for each kind of design."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from harness.archive.conventions import FORMAT_VERSION
+from harness.compare.cone_factors import with_references
+from harness.pictures.pictures import figures
+
+REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
+SOIL = {"rigidity_index": 100.0, "adhesion_factor": 0.5, "friction_coefficient": 0.0}
+STRENGTH = 20e3
+Columns = Mapping[str, Sequence[object]]
+
+
+def result(
+    varied: Columns,
+    factor: Sequence[float] | None = None,
+    design: str = "full",
+    uncertainty: float | None = None,
+) -> xr.Dataset:
+    """A study's result with invented cone factors.
+
+    Args:
+        varied: the values of each parameter: those of a grid, or of each case in other designs.
+        factor: cone factors of the cases, not a number where one failed; default: rising.
+        design: of the study.
+        uncertainty: half width of each cone factor's interval.
+    """
+    full = design == "full"
+    dims = tuple(varied) if full else ("case",)
+    shape = tuple(len(values) for values in varied.values()) if full else ()
+    shape = shape if full else (len(next(iter(varied.values()))),)
+    role = {"role": "parameter", "units": "1"}
+    coords = {
+        name: (name if full else "case", list(values), _labels(name, values))
+        for name, values in varied.items()
+    }
+    fixed = {
+        name: ((), value, role | {"long_name": name.replace("_", " ")})
+        for name, value in SOIL.items()
+        if name not in varied
+    }
+    if "material" not in varied:
+        fixed["material"] = ((), "tresca", {"role": "parameter", "long_name": "material"})
+    made = xr.Dataset(
+        fixed,
+        coords=coords if full else coords | {"case": np.arange(shape[0])},
+        attrs={
+            "study": "demo",
+            "title": "A demonstration",
+            "scene": "cone_penetration",
+            "scene_version": 1,
+            "design": design,
+            "format_version": FORMAT_VERSION,
+        },
+    )
+    count = int(np.prod(shape, dtype=int))
+    values: NDArray[np.float64] = np.reshape(
+        11 + 0.1 * np.arange(count) if factor is None else np.array(factor, dtype=float), shape
+    )
+    labels = {"units": "1", "long_name": "cone factor", "role": "headline"}
+    made["cone_factor"] = dims, values, labels
+    if uncertainty is not None:
+        made["cone_factor_uncertainty"] = dims, np.full(shape, uncertainty), {"role": "uncertainty"}
+    status = np.where(np.isfinite(values), "completed", "diverged")
+    made["status"] = dims, status, {"long_name": "outcome of the case"}
+    made["message"] = dims, np.where(np.isfinite(values), "", "velocity of particle 3")
+    made["case_key"] = dims, np.reshape([f"key {it}" for it in range(count)], shape)
+    made["undrained_shear_strength"] = (
+        (),
+        STRENGTH,
+        {"units": "Pa", "role": "parameter", "long_name": "undrained shear strength"},
+    )
+    made["particle_updates"] = dims, np.reshape(1e6 * (1.0 + np.arange(count)), shape)
+    depth = xr.DataArray(np.arange(1.0, 19.0), dims="penetration")
+    made["penetration_resistance"] = made["cone_factor"] * STRENGTH * depth / 18
+    made = made.assign_coords(penetration=depth)
+    made["penetration"].attrs = {"units": "1", "long_name": "penetration over cone radius"}
+    return with_references(made, REFERENCES)
+
+
+def _labels(name: str, values: Sequence[object]) -> dict[str, str]:
+    labels = {"role": "parameter", "long_name": name.replace("_", " ")}
+    return labels if isinstance(values[0], str) else labels | {"units": "1"}
+
+
+def one_at_a_time() -> xr.Dataset:
+    """A start, and five cases that differ from it in one parameter; one failed."""
+    columns = {
+        "rigidity_index": [100.0, 25.0, 500.0, 100.0, 100.0, 100.0],
+        "adhesion_factor": [0.5, 0.5, 0.5, 1.0, 0.5, 0.5],
+        "material": ["tresca", "tresca", "tresca", "tresca", "von_mises", "tresca"],
+        "speed_ratio": [0.03, 0.03, 0.03, 0.03, 0.03, 0.5],
+    }
+    return result(columns, [11.0, 8.0, 14.0, 11.8, 10.2, np.nan], "one_at_a_time")
+
+
+def random_cases(count: int = 40) -> xr.Dataset:
+    """Cone factors that are a sum of what three random parameters do, a tenth of them failed."""
+    random = np.random.default_rng(1)
+    index, adhesion = np.exp(random.uniform(3, 6, count)), random.uniform(0, 1, count)
+    material = random.choice(["tresca", "von_mises"], count)
+    factor = 2.0 * np.log(index) + 1.5 * adhesion - 0.8 * (material == "von_mises")
+    factor[::10] = np.nan
+    columns = {
+        "rigidity_index": index.tolist(),
+        "adhesion_factor": adhesion.tolist(),
+        "material": material.tolist(),
+    }
+    return result(columns, factor.tolist(), "latin_hypercube")
+
+
+MADE: Mapping[str, Callable[[], xr.Dataset]] = {
+    "one parameter": lambda: result(
+        {"rigidity_index": [25.0, 50.0, 100.0, 200.0, 300.0, 500.0]}, uncertainty=0.3
+    ),
+    "two parameters": lambda: result(
+        {"rigidity_index": [25.0, 50.0, 100.0, 500.0], "adhesion_factor": [0.0, 0.25, 0.5, 1.0]},
+        uncertainty=0.1,
+    ),
+    "a text and many values": lambda: result(
+        {"material": ["tresca", "von_mises"], "apex_angle": [30.0, 45.0, 59.0, 60.0, 61.0, 150.0]}
+    ),
+    "one at a time": one_at_a_time,
+    "at random": random_cases,
+    "a mesh": lambda: result(
+        {"cells_per_radius": [2.0, 4.0, 8.0, 16.0], "adhesion_factor": [0.0, 1.0]},
+        [10.0 + 1.0 / n + a for n in (2.0, 4.0, 8.0, 16.0) for a in (0.0, 1.5)],
+        uncertainty=0.05,
+    ),
+}
+"""One result of each kind, by what it varies."""
+
+
+@functools.cache
+def drawn(kind: str) -> tuple[xr.Dataset, dict[str, Figure]]:
+    """A made-up result with its pictures, which take long to draw: each is drawn once."""
+    dataset = MADE[kind]()
+    return dataset, figures(dataset)
+
+
+@pytest.fixture(params=MADE)
+def made_up(request: pytest.FixtureRequest) -> tuple[xr.Dataset, dict[str, Figure]]:
+    """Each of the made-up results with its pictures."""
+    return drawn(request.param)

@@ -1,0 +1,157 @@
+"""The picture of one parameter: what is drawn, on which axes, under which labels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from harness.pictures.curve import curve_figure
+from harness.pictures.resistance import resistance_figure
+
+from .conftest import MADE, REFERENCES, one_at_a_time, result
+
+LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
+ENVELOPE = "envelope of the literature (no confidence interval)"
+
+
+def legend(figure: Figure) -> list[str]:
+    return [text.get_text() for shown in figure.legends for text in shown.get_texts()]
+
+
+def written(figure: Figure) -> list[str]:
+    """What is written beside the curves."""
+    return [text.get_text() for text in figure.axes[0].texts]
+
+
+def points(figure: Figure) -> list[Line2D]:
+    """The computed series: lines with a marker that are no failures."""
+    return [line for line in figure.axes[0].lines if line.get_marker() not in ("None", "x")]
+
+
+def curves(figure: Figure) -> list[Line2D]:
+    return [line for line in figure.axes[0].lines if line.get_marker() == "None"]
+
+
+def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
+    dataset = result({"adhesion_factor": [1.0, 0.0, 0.5]})
+    figure = curve_figure(dataset)
+    (computed,) = points(figure)
+    assert computed.get_xdata().tolist() == [0.0, 0.5, 1.0]
+    assert computed.get_ydata().tolist() == pytest.approx([11.1, 11.2, 11.0])
+    assert legend(figure) == [ENVELOPE, "computed"]
+    assert set(written(figure)) == LABELS
+    lu = curves(figure)[0]
+    # check values of the formula, given to two decimals
+    assert lu.get_ydata()[[0, -1]] == pytest.approx([10.77, 12.07], abs=0.005)
+    (band,) = figure.axes[0].collections
+    # the envelope at adhesion factor 0 and 1
+    bounds = band.get_paths()[0].get_extents()
+    assert (bounds.ymin, bounds.ymax) == pytest.approx((9.54, 12.07), abs=0.005)
+
+
+def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
+    figure = curve_figure(result({"apex_angle": [45.0, 60.0, 90.0]}))
+    (bar,) = [it for it in figure.axes[0].collections if isinstance(it, LineCollection)]
+    ((begin, end),) = bar.get_segments()
+    assert begin[0] == end[0] == 60.0
+    assert begin[1] < end[1]
+
+
+def test_each_reference_has_a_colour_of_its_own() -> None:
+    colours = [line.get_color() for line in curves(curve_figure(result({})))]
+    assert len(set(colours)) == len(REFERENCES)
+
+
+def test_rigidity_index_has_a_logarithmic_axis_and_dashes_outside_the_validity() -> None:
+    figure = curve_figure(result({"rigidity_index": [25.0, 100.0, 500.0]}))
+    axes = figure.axes[0]
+    assert axes.get_xscale() == "log"
+    figure.draw_without_rendering()
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["25", "100", "500"]
+    solid, dashed = (curves(figure)[i] for i in (0, 1))
+    assert not solid.is_dashed()
+    assert dashed.is_dashed()
+    valid = np.isfinite(solid.get_ydata())
+    assert solid.get_xdata()[valid].min() == pytest.approx(50, rel=0.01)
+    assert np.isfinite(dashed.get_ydata()).all()
+    assert legend(figure).count("outside its validity") == 1
+
+
+@pytest.mark.parametrize(
+    ("varied", "scale"),
+    [
+        ({"cells_per_radius": [2.0, 4.0, 8.0]}, "linear"),
+        ({"density": [100.0, 1500.0]}, "log"),
+        ({"adhesion_factor": [0.0, 0.5, 1.0]}, "linear"),
+    ],
+)
+def test_scale_of_the_axis(varied: dict[str, list[float]], scale: str) -> None:
+    assert curve_figure(result(varied)).axes[0].get_xscale() == scale
+
+
+def test_text_parameter_has_a_categorical_axis() -> None:
+    figure = curve_figure(result({"material": ["tresca", "von_mises"]}))
+    labels = [text.get_text() for text in figure.axes[0].get_xticklabels()]
+    assert labels == ["tresca", "von mises"]
+    (computed,) = points(figure)
+    assert computed.get_linestyle() == "None"
+
+
+def test_second_parameter_makes_series_beside_shared_curves() -> None:
+    varied = {"material": ["tresca", "von_mises"], "adhesion_factor": [0.0, 1.0]}
+    figure = curve_figure(result(varied))
+    assert legend(figure) == [ENVELOPE, "material = tresca", "material = von mises"]
+    assert len({line.get_marker() for line in points(figure)}) == 2
+    assert len(curves(figure)) == len(REFERENCES)
+
+
+def test_where_the_literature_depends_on_the_series_each_has_its_envelope() -> None:
+    varied = {"adhesion_factor": [0.0, 1.0], "rigidity_index": [50.0, 300.0]}
+    figure = curve_figure(result(varied))
+    assert curves(figure) == []
+    bands = [to_hex(band.get_facecolor()[0]) for band in figure.axes[0].collections]
+    assert bands == [to_hex(line.get_color()) for line in points(figure)]
+
+
+def test_uncertainty_is_drawn_as_error_bars() -> None:
+    figure = curve_figure(MADE["one parameter"]())
+    bars = figure.axes[0].containers[0].lines[2][0]
+    lengths = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
+    assert lengths == pytest.approx([0.6] * 6)
+    assert "Error bars hold the value with 95 %." in figure.get_supxlabel()
+
+
+def test_single_case_is_a_point_over_the_adhesion_factor() -> None:
+    (computed,) = points(curve_figure(result({})))
+    assert (computed.get_xdata().tolist(), computed.get_ydata().tolist()) == ([0.5], [11.0])
+
+
+def test_failed_case_is_marked_on_the_axis() -> None:
+    dataset = result({"adhesion_factor": [0.0, 0.5, 1.0]}, [11.0, np.nan, 12.0])
+    figure = curve_figure(dataset)
+    (mark,) = (line for line in figure.axes[0].lines if line.get_marker() == "x")
+    assert mark.get_xdata().tolist() == [0.5]
+    assert "not completed" in legend(figure)
+
+
+def test_resistance_is_over_the_strength_with_a_label_for_each_case() -> None:
+    figure = resistance_figure(result({"adhesion_factor": [0.0, 0.5, 1.0]}, [11.0, 11.1, np.nan]))
+    axes = figure.axes[0]
+    assert [line.get_ydata()[-1] for line in axes.lines] == pytest.approx([11.0, 11.1])
+    assert written(figure) == ["$α$ = 0", "$α$ = 0.5"]
+    assert "1 of 3 cases have no curve" in " ".join(figure.get_supxlabel().split())
+    assert axes.get_xlabel() == "penetration over cone radius $z/R$ [-]"
+
+
+def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled() -> None:
+    count = 12
+    columns = {"rigidity_index": [100.0 + case for case in range(count)]}
+    many = result(columns, [11.0 + 0.1 * case for case in range(count)], "one_at_a_time")
+    labels = written(resistance_figure(many))
+    assert labels[0] == "start"
+    assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
+    assert written(resistance_figure(one_at_a_time()))[0].startswith("$I")

@@ -1,0 +1,77 @@
+"""Bands of experience, against their formulas by hand."""
+
+import itertools
+
+import pytest
+
+from harness.references.cone_factors import UnknownReferenceError, reference_ids
+from harness.references.experience import (
+    EXPERIENCE,
+    Experience,
+    Factor,
+    experience_entry,
+    experience_ids,
+)
+
+# By hand: log10 1.2 = 0.0791812, log10 6.3 = 0.7993405, ln 0.5 = -0.6931472, ln 1.1 = 0.0953102.
+BOUNDS = {
+    # 0.7 (7.8 + 0.1979531 + 0.82), 1.3 (7.8 + 1.9983514 + 4.1)
+    "karlsrud_2005": (6.172567, 18.067857),
+    # 0.85 (8.5 + 0.1979531), 1.15 (8.5 + 1.9983514)
+    "karlsrud_2005_sensitive": (7.393260, 12.073104),
+    # 10.5 - 4.6 ln 1.1, 10.5 - 4.6 ln 0.5
+    "mayne_peuchen_2018": (10.061573, 13.688477),
+    "mayne_peuchen_2018_all": (8.0, 25.0),
+    # 0.85 (6.9 - 3.1973622 + 0.7), 1.15 (6.9 - 0.3167250 + 3.5)
+    "karlsrud_2005_pore_pressure": (3.742242, 11.595766),
+    # 0.85 (9.8 - 3.5970325), 1.15 (9.8 - 0.3563156)
+    "karlsrud_2005_pore_pressure_sensitive": (5.272522, 10.860237),
+}
+
+each_entry = pytest.mark.parametrize("entry", EXPERIENCE, ids=experience_ids())
+
+
+@each_entry
+def test_band_is_the_one_calculated_by_hand(entry: Experience) -> None:
+    assert entry.bounds == pytest.approx(BOUNDS[entry.id], abs=2e-6)
+    low, high = entry.bounds
+    assert entry.band == f"{entry.factor} {low:.1f} to {high:.1f}"
+
+
+@each_entry
+def test_nothing_within_the_ranges_is_outside_the_band(entry: Experience) -> None:
+    """The band is taken from the ends of the ranges alone, so each formula has to be monotonic."""
+    inside = [
+        [it.low + share * (it.high - it.low) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        for it in entry.inputs
+    ]
+    low, high = entry.bounds
+    for values in itertools.product(*inside):
+        for side in (1.0 - entry.scatter, 1.0 + entry.scatter):
+            assert low <= entry.evaluate(*values) * side <= high
+
+
+@each_entry
+def test_every_entry_says_what_it_is_and_how_it_is_known(entry: Experience) -> None:
+    assert all((entry.label, entry.formula, entry.clays, entry.source))
+    assert "compression" in entry.strength
+    assert "abstract was read" in entry.how_known
+    assert all(it.chosen and it.span in entry.spans for it in entry.inputs)
+    assert ("%" in entry.spans) == (entry.scatter > 0.0)
+
+
+def test_formulas_of_the_pore_pressure_are_told_from_those_of_the_resistance() -> None:
+    assert Factor.RESISTANCE.definition == "Nkt = (qt - sigma_v0) / su"
+    assert Factor.PORE_PRESSURE.definition == "N_du = (u2 - u0) / su"
+    for entry in EXPERIENCE:
+        assert (entry.factor is Factor.PORE_PRESSURE) == ("pore_pressure" in entry.id)
+
+
+def test_ids_are_those_of_no_reference() -> None:
+    assert not {*experience_ids()} & {*reference_ids()}
+    assert len({*experience_ids()}) == len(EXPERIENCE)
+
+
+def test_unknown_band_names_the_nearest() -> None:
+    with pytest.raises(UnknownReferenceError, match="did you mean 'karlsrud_2005'"):
+        experience_entry("karlsrud_2006")

@@ -1,0 +1,131 @@
+"""The page that reports results: what is in it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from harness.archive.study_files import write_study
+from harness.cli.main import main
+from harness.report.cases import case_table
+from harness.report.comparison import comparisons
+from harness.report.report import page, write_report
+
+LARGEST_PAGE = 5_000_000
+
+
+class Elements(HTMLParser):
+    """The elements of a page: their names and attributes, and those that are never closed."""
+
+    VOID = ("meta", "img", "input")
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_the_page_needs_nothing_else(page_file: Path) -> None:
+    text = page_file.read_text()
+    elements = Elements(text)
+    assert elements.open == []
+    for tag, attributes in elements.found:
+        for name in ("src", "href"):
+            assert re.match(r"data:image/png;base64,|#", attributes.get(name) or "#"), (tag, name)
+    assert "@import" not in text
+    assert "url(" not in text
+    assert "default-src 'none'" in text  # the browser fetches nothing, whatever is in the page
+    assert page_file.stat().st_size < LARGEST_PAGE
+    assert [it.name for it in page_file.parent.iterdir()] == [page_file.name]
+
+
+def test_links_lead_to_what_is_on_the_page(page_file: Path) -> None:
+    elements = Elements(page_file.read_text()).found
+    anchors = {it["id"] for _, it in elements if it.get("id")}
+    links = {(it["href"] or "").removeprefix("#") for _, it in elements if it.get("href")}
+    assert links == {"summary", "compared", "study-1", "study-2"}
+    assert links <= anchors
+
+
+def test_markup_in_what_a_file_says_stays_text(page_file: Path) -> None:
+    text = page_file.read_text()
+    assert text.count("<script") == 3  # the parameters of two studies, and the page's own
+    assert "velocity of &lt;particle 3&gt;" in text
+    assert "&lt;b&gt;unknown&lt;/b&gt;" in text
+    assert "Nc &lt; 12 &amp; &lt;script&gt;" in text
+
+
+def test_the_same_results_give_the_same_page(results: list[xr.Dataset]) -> None:
+    assert page(results) == page(results)
+
+
+def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:
+    table = case_table(results[0])
+    columns = {column.title: column for column in table.columns}
+    assert [cell.text for cell in columns["cone factor"].cells] == ["9", "10.5", "12", "-"]
+    assert (columns["peak memory"].unit, columns["peak memory"].cells[0].text) == ("MB", "300")
+    assert str(columns["rigidity index"].symbol) == "I<sub>r</sub>"
+    # check value of the formula at Ir 50 and adhesion factor 0.5: 10.31
+    deviation = columns["deviation from the cone factor of Lu et al. 2004"].cells[0]
+    assert deviation.text == "-12.7 %"
+    assert float(deviation.value) == pytest.approx(9.0 / 10.31 - 1.0, abs=5e-4)
+    assert table.completed == [True, True, True, False]
+
+
+def test_studies_are_compared_where_they_share_parameters(results: list[xr.Dataset]) -> None:
+    (found,) = comparisons(results)
+    assert found.studies == ["coarse", "fine"]
+    assert found.differing == [("cells per radius", ["2", "4"])]
+    assert found.varied == ["rigidity index"]
+    assert found.shared_rows == [
+        ["50", "9", "9.2", "+2.2 %"],
+        ["100", "10.5", "10.7", "+1.9 %"],
+        ["200", "12", "12.2", "+1.7 %"],
+    ]
+
+
+def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
+    other = results[1].copy()
+    other["adhesion_factor"] = (), 1.0, results[1]["adhesion_factor"].attrs
+    (found,) = comparisons([results[0], other])
+    assert found.rows == []
+    assert "No case of one has the parameters" in page([results[0], other])
+
+
+def test_a_page_is_written_again_but_no_other_file(
+    results: list[xr.Dataset],
+    tmp_path: Path,
+    refusal: Callable[[list[str]], str],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file, out = tmp_path / "coarse.nc", tmp_path / "report.html"
+    write_study(file, results[0])
+    command = ["report", str(file), "-o", str(out)]
+    assert main(command) == main(command) == 0
+    assert capsys.readouterr().out == f"{out}\n" * 2
+    out.write_text("<p>my own page</p>")
+    assert f"{out}: was not written by this program" in refusal(command)
+    assert out.read_text() == "<p>my own page</p>"
+
+
+def test_every_kind_of_result_has_a_page(two_soils: xr.Dataset, tmp_path: Path) -> None:
+    exact = two_soils.drop_vars(["cone_factor", "error_finest"]).assign_attrs(
+        scene="thick_cylinder"
+    )
+    exact["error"] = exact["run_time"] * 0.01
+    write_report([two_soils, exact], tmp_path / "page.html")
+    assert Elements((tmp_path / "page.html").read_text()).open == []
