@@ -8,7 +8,11 @@ and of the speed, by the inertia i = rho V^2 / su = Ir (V / c_s)^2, c_s the spee
 
     E_speed = S i
 
-Both are taken from the cone factor. What they leave, and what only repetition tells, makes up the
+and of the bottom of the window, H its distance from the tip over the cone's radius:
+
+    E_bottom = -D Ir / H^2
+
+All are taken from the cone factor. What they leave, and what only repetition tells, makes up the
 half width: its parts are added as squares. How all of it was measured is in the README.md of this
 folder; `studies/mesh_error.toml` measures B, `studies/held_out.toml` tests the half width.
 """
@@ -32,8 +36,14 @@ GROWTH_ERROR = 1.2
 """C."""
 SPEED_ERROR = 0.07
 """S."""
+BOTTOM_ERROR = 0.09
+"""D."""
 FACE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.3, 0.02, 0.004
 """Half widths: of B; of C; of the form of its law; of what a default window changes, over Nc."""
+BOTTOM = 0.3
+"""Half width of the effect of the bottom, over it."""
+NEAREST_BOTTOM = 0.9
+"""Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 STILL_TO_GO = 1.5
 """Half width of what is to come, over the last change of the mean."""
 INERTIA, APPROACH, POINTS, NOISE = 0.05, 0.001, 0.001, 0.015
@@ -65,12 +75,13 @@ def known_error(test: ConeTest, *, cell_size: float, recorded: xr.Dataset) -> xr
         uncertainty is not a number, and its attribute `not_known` tells why.
     """
     simulated, shear = float(recorded.cone_factor_simulated), float(recorded.cone_factor_shear)
-    correction = -SPEED_ERROR * _inertia(test) - mesh_error(
+    error_of_mesh = mesh_error(
         rigidity_index=test.rigidity_index,
         adhesion_factor=test.adhesion_factor,
         cell_size=cell_size,
         cell_growth=test.cell_growth,
     )
+    correction = BOTTOM_ERROR * _nearness(test) - SPEED_ERROR * _inertia(test) - error_of_mesh
     parts = _parts(test, cell_size, recorded)
     reason = _not_known(test, cell_size, recorded)
     if reason:
@@ -102,7 +113,7 @@ def known_error(test: ConeTest, *, cell_size: float, recorded: xr.Dataset) -> xr
             factor,
             "1",
             "cone factor",
-            "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh and speed",
+            "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window",
         ),
     )
     others = labelled(
@@ -116,7 +127,7 @@ def known_error(test: ConeTest, *, cell_size: float, recorded: xr.Dataset) -> xr
             correction,
             "1",
             "correction of the cone factor",
-            "what is known of the error of mesh and speed, the other way round; 0 where nothing is",
+            "what is known of the error of mesh, speed and window, taken off; 0 where nothing is",
         ),
     )
     of_parts = {
@@ -167,11 +178,18 @@ def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, 
         "face": FACE * cell_size,
         "growth": GROWTH * _growth_measure(cell_size, test.cell_growth) + FORM_OF_GROWTH,
         "domain": DOMAIN * factor * _smallness(test) ** 2,
+        "bottom": BOTTOM * BOTTOM_ERROR * _nearness(test),
         "steadiness": STILL_TO_GO * abs(float(last - before)),
         "speed": INERTIA * _inertia(test) + APPROACH * factor,
         "points": POINTS * factor,
         "noise": NOISE,
     }
+
+
+def _nearness(test: ConeTest) -> float:
+    """Ir / H^2 of the bottom of the window."""
+    assert test.domain_below is not None
+    return test.rigidity_index / (test.domain_below * test.domain_below)
 
 
 def _smallness(test: ConeTest) -> float:
@@ -203,6 +221,7 @@ def _not_known(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> str:
             min(test.poissons_ratio, test.poissons_ratio_bound) < SMALLEST_POISSONS_RATIO
         ),
         "the cells are too wide": cell_size * FEWEST_ROWS > 1.01 * math.sqrt(3.0),
+        "the bottom is too near": _nearness(test) * NEAREST_BOTTOM**2 > 1.0,
         "the speed is too high": _inertia(test) > LARGEST_INERTIA,
         "soil that the cone has not passed is still beside it": not _all_is_passed(test, recorded),
     }

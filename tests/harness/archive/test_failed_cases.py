@@ -85,7 +85,7 @@ def test_a_failed_case_keeps_its_traceback_for_who_asks(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    def fail(scene: object, progress: object, execution: object) -> NoReturn:
+    def fail(*given: object) -> NoReturn:
         raise ZeroDivisionError("of the test")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
@@ -108,7 +108,7 @@ def test_a_failed_case_keeps_its_traceback_for_who_asks(
 def test_a_case_that_ends_by_name_has_no_traceback(
     small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def diverge(scene: object, progress: object, execution: object) -> NoReturn:
+    def diverge(*given: object) -> NoReturn:
         raise SimulationDiverged("of the test")
 
     monkeypatch.setattr(ConePenetration, "run", diverge)

@@ -14,7 +14,7 @@ from mpm_warp.scenes.cone.known_error import FACE_ERRORS, known_error, mesh_erro
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
-PARTS = ("face", "growth", "domain", "steadiness", "speed", "points", "noise")
+PARTS = ("face", "growth", "domain", "bottom", "steadiness", "speed", "points", "noise")
 
 
 def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) -> xr.Dataset:
@@ -38,8 +38,10 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
     known = known_error(TEST, cell_size=CELL, recorded=recorded(TEST))
     mesh = mesh_error(rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4)
     speed = 0.07 * 100.0 * TEST.speed_ratio**2
-    assert float(known.cone_factor_correction) == pytest.approx(-mesh - speed, rel=1e-12)
-    assert float(known.cone_factor) == pytest.approx(10.0 - mesh - speed, rel=1e-12)
+    bottom = -0.09 * 100.0 / 14.0**2
+    correction = -mesh - speed - bottom
+    assert float(known.cone_factor_correction) == pytest.approx(correction, rel=1e-12)
+    assert float(known.cone_factor) == pytest.approx(10.0 + correction, rel=1e-12)
     assert float(known.cone_factor_normal) == float(known.cone_factor)
 
 
@@ -77,6 +79,7 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
         ("growth", {"cell_growth": 0.8}),
         ("domain", {"domain_above": 10.0}),
         ("domain", {"domain_radius": 20.0}),
+        ("bottom", {"domain_below": 10.0}),
         ("speed", {"speed_ratio": 0.1}),
     ],
 )
@@ -105,6 +108,7 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ({"stress_anisotropy": 0.6}, "stress_anisotropy is beyond 0.5"),
         ({"poissons_ratio": 0.3}, "poissons_ratio is below 0.45"),
         ({"speed_ratio": 0.2}, "the speed is too high"),
+        ({"domain_below": 8.0}, "the bottom is too near"),
         ({"penetration": 14.0}, "soil that the cone has not passed is still beside it"),
     ],
 )
