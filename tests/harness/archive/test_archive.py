@@ -21,7 +21,11 @@ def result(depths: list[float], cone_factor: float) -> xr.Dataset:
     resistance = ("penetration", np.array(depths) / 3, {"units": "Pa", "long_name": "resistance"})
     return xr.Dataset(
         {
-            "cone_factor": ((), cone_factor, {"units": "1", "long_name": "cone factor"}),
+            "cone_factor": (
+                (),
+                cone_factor,
+                {"units": "1", "long_name": "cone factor", "role": "headline"},
+            ),
             "penetration_resistance": resistance,
             "particle_updates": ((), 2**40 + 1, {"units": "1", "long_name": "updates"}),
         },
