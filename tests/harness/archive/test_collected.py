@@ -21,6 +21,11 @@ from harness.run.collect_and_clean import collect_and_write
 from harness.study.cases import Case
 from harness.study.study import Study
 
+DONE = xr.Dataset(
+    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
+)
+"""What a case has at the least that has completed: a headline."""
+
 EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
 
 
@@ -32,7 +37,7 @@ def cases(small: Study, tmp_path: Path) -> list[Case]:
     prepare(folder)
     cases = small.cases
     for case in cases:
-        write_case(folder, case, xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER | now), COMPLETED)
+        write_case(folder, case, DONE.assign_attrs(EARLIER | now), COMPLETED)
     return cases
 
 

@@ -19,6 +19,11 @@ from harness.run.measuring import case_time
 from harness.study.cases import Case
 from harness.study.study import Study
 
+DONE = xr.Dataset(
+    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
+)
+"""What a case has at the least that has completed: a headline."""
+
 
 @pytest.fixture
 def folder(tmp_path: Path, small: Study) -> Path:
@@ -31,7 +36,7 @@ def folder(tmp_path: Path, small: Study) -> Path:
 def half_done(folder: Path, small: Study) -> list[Case]:
     """A study of which one case is done, one has crashed and one has not run."""
     cases = small.cases
-    done = xr.Dataset({"cone_factor": ((), 10.0), "case_time": case_time(12.25)})
+    done = DONE.assign(case_time=case_time(12.25))
     case_files.write_case(folder, cases[0], done, COMPLETED)
     case_files.write_case(folder, cases[1], xr.Dataset(), CRASHED, "worker killed by SIGKILL")
     return cases
@@ -81,7 +86,7 @@ def test_collect_of_a_complete_study_succeeds(
     folder: Path, half_done: list[Case], small_file: Path
 ) -> None:
     for case in half_done:
-        case_files.write_case(folder, case, xr.Dataset(), COMPLETED)
+        case_files.write_case(folder, case, DONE, COMPLETED)
     assert main(command("collect", small_file)) == 0
     assert main(command("status", small_file)) == 0
 
@@ -96,7 +101,7 @@ def leftovers(folder: Path, half_done: list[Case]) -> set[Path]:
         parameters={**case.parameters, "rigidity_index": 50.0},
         label="",
     )
-    case_files.write_case(folder, stranger, xr.Dataset(), COMPLETED)
+    case_files.write_case(folder, stranger, DONE, COMPLETED)
     damaged = case_files.case_file(folder, half_done[2])
     damaged.write_bytes(b"noise")
     noise = folder / "noise.nc"
@@ -160,7 +165,7 @@ def test_clean_says_what_each_file_is(
         (older, replace(second, scene_version=0)),
         (stiff, replace(second, parameters={**second.parameters, "rigidity_index": 50.0})),
     ):
-        case_files.write_case(folder, changed, xr.Dataset(), COMPLETED)
+        case_files.write_case(folder, changed, DONE, COMPLETED)
         case_files.case_file(folder, changed).rename(path)
     damaged = case_files.case_file(folder, second)
     damaged.write_bytes(b"noise")

@@ -29,6 +29,11 @@ from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
+DONE = xr.Dataset(
+    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
+)
+"""What a case has at the least that has completed: a headline."""
+
 
 class Record:
     """A watcher that remembers the outcomes, by the cases' keys."""
@@ -191,7 +196,7 @@ def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
 
         def advanced(self, case: Case, fraction: float) -> None:
             if not case_files.case_file(folder, case).exists():
-                case_files.write_case(folder, case, xr.Dataset(), COMPLETED)
+                case_files.write_case(folder, case, DONE, COMPLETED)
                 (worker,) = multiprocessing.active_children()
                 worker.kill()
 
@@ -212,7 +217,7 @@ def test_what_another_run_has_completed_meanwhile_is_not_run_again(
 
         def advanced(self, case: Case, fraction: float) -> None:
             for other in others:
-                case_files.write_case(folder, other, xr.Dataset(), COMPLETED)
+                case_files.write_case(folder, other, DONE, COMPLETED)
 
     record = Other()
     run_cases([first, *others], folder, 1, record)

@@ -238,7 +238,8 @@ def collected(tmp_path: Path, text: str) -> xr.Dataset:
     prepare(folder)
     cases = made.cases
     for place, case in enumerate(cases):
-        result = xr.Dataset({"cone_factor": 10.0 + place, "run_time": 1.0})
+        factor = (), 10.0 + place, {"role": "headline"}
+        result = xr.Dataset({"cone_factor": factor, "run_time": 1.0})
         write_case(folder, case, result, COMPLETED)
     return collect(made, folder)
 
@@ -252,7 +253,7 @@ def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
     write_study(tmp_path / "s.nc", dataset)
     read = read_study(tmp_path / "s.nc")
     assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
-    assert [path.name for path in draw(read, tmp_path)] == ["s_curve.png"]
+    assert [path.name for path in draw(read, tmp_path)] == ["s_effects.png"]
 
 
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
