@@ -30,7 +30,7 @@ from mpm_warp.scenes.cone.penetration import STEADY_SAMPLES
 
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
-FACE_ERRORS = ((-0.67, -0.38, -0.43, -0.08, 0.19), (-0.36, -0.32, -0.28, -0.03, 0.15))
+FACE_ERRORS = ((-0.66, -0.38, -0.43, -0.08, 0.18), (-0.36, -0.32, -0.28, -0.03, 0.15))
 """B at these rigidity indices, of a smooth cone and of one with adhesion factor 1."""
 GROWTH_ERROR = 1.2
 """C."""

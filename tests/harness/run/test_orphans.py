@@ -43,6 +43,7 @@ def test_no_worker_outlives_its_parent(
         try:
             time.sleep(random.Random(number).uniform(0.0, LATEST))
             process.kill()
+            process.wait()
             wait_for_end(process.pid)
         finally:
             if process.poll() is None:

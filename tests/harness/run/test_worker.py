@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import NoReturn
 
@@ -22,7 +23,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 def test_an_exception_of_the_scene_is_the_outcome(
     tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(scene: object, progress: object, execution: object) -> NoReturn:
+    def fail(*given: object) -> NoReturn:
         raise ArithmeticError("on\ntwo lines")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
@@ -40,7 +41,7 @@ def test_an_exception_may_name_the_status(
     class DivergedError(Exception):
         status = "diverged"
 
-    def diverge(scene: object, progress: object, execution: object) -> NoReturn:
+    def diverge(*given: object) -> NoReturn:
         raise DivergedError("too fast")
 
     monkeypatch.setattr(ConePenetration, "run", diverge)
@@ -50,7 +51,7 @@ def test_an_exception_may_name_the_status(
 def test_a_scene_that_can_not_be_made_is_refused(
     tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(scene: object, progress: object, execution: object) -> NoReturn:
+    def refuse(*given: object) -> NoReturn:
         raise SceneError("bodies 0 and 1 overlap")
 
     monkeypatch.setattr(ConePenetration, "run", refuse)
@@ -62,7 +63,7 @@ def test_a_scene_that_can_not_be_made_is_refused(
 def test_a_headline_that_is_no_number_is_no_result_and_is_kept(
     tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch, number: float
 ) -> None:
-    def end(scene: object, progress: object, execution: object) -> xr.Dataset:
+    def end(*given: object) -> xr.Dataset:
         factor = variable(number, unit="1", meaning="cone factor", role="headline")
         return xr.Dataset({"cone_factor": factor, "work": 3.0})
 
@@ -83,7 +84,9 @@ def test_an_unfinished_case_keeps_its_scalars_and_is_not_collected(
     out = tmp_path / "results"
     settings = ["--set", "adhesion_factor=0", "--set", "steady_tolerance=[0, 0.003]"]
     assert main(["run", str(small_file), "--out", str(out), *settings]) == 1
-    assert "unfinished: the resistance still changes by 9% at the" in capsys.readouterr().err
+    assert re.search(
+        r"unfinished: the resistance still changes by \d+% at the", capsys.readouterr().err
+    )
     study = load_study(str(small_file), settings[1::2])
     folder = case_files.case_folder(out, study)
     finished, unfinished = (case_files.read_case(folder, case) for case in study.cases)

@@ -64,7 +64,9 @@ def test_a_misspelt_parameter_is_answered_with_file_key_value_and_nearest(tmp_pa
 
 
 def test_a_value_out_of_range_is_answered_with_what_is_allowed(small_file: Path) -> None:
-    with pytest.raises(StudyError, match=r"adhesion_factor = 1.5 .* a number >= 0 and <= 1$"):
+    with pytest.raises(
+        StudyError, match=r"adhesion_factor = 1.5 .* a number >= 0 and <= 1; it is the adhesion"
+    ):
         load_study(str(small_file), ["adhesion_factor=1.5"])
 
 
