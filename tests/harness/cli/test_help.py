@@ -69,7 +69,7 @@ def test_names_of_scenes_are_found_without_importing_them() -> None:
 @pytest.mark.parametrize(
     ("line", "offered"),
     [
-        ("harness re", {"rerun", "report", "recommend"}),
+        ("harness re", {"rerun", "report", "recommend", "references"}),
         ("harness run adh", {"adhesion_factor"}),
         ("harness run mi", {"mine.toml"}),
         ("harness describe cone_b", {"cone_bearing"}),

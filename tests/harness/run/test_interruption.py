@@ -33,8 +33,10 @@ def running(
     settings = ["--set", "adhesion_factor=0", "--set", "penetration=20"]
     settings += ["--set", f"speed_ratio={speeds}"]
     command = [sys.executable, "-m", "harness", "run", str(small_file), "--out", str(out)]
-    # A process in the background of a shell ignores SIGINT, and so would whatever it starts.
+    # A process in the background of a shell ignores SIGINT, one under nohup SIGHUP, and so would
+    # whatever it starts.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    before_of_terminal = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     with subprocess.Popen(
         [*command, *settings, "--workers", "1"],
         stdout=subprocess.PIPE,
@@ -43,6 +45,7 @@ def running(
         start_new_session=True,
     ) as process:
         signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGHUP, before_of_terminal)
         try:
             assert process.stderr is not None
             for line in process.stderr:

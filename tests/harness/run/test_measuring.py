@@ -124,7 +124,7 @@ def test_a_repeat_that_gives_other_numbers_fails_the_case(
     run = GravityColumn.run
     results: list[xr.Dataset] = []
 
-    def drifting(scene: GravityColumn, progress: object, execution: object) -> xr.Dataset:
+    def drifting(scene: GravityColumn, *given: object) -> xr.Dataset:
         results.append(run(scene) + len(results) * 1e-15)
         return results[-1]
 
