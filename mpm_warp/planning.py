@@ -9,12 +9,12 @@ import functools
 
 from mpm_warp.materials.yield_check import add_yield_check
 from mpm_warp.materials.yield_share import add_yield_share
-from mpm_warp.parts.energy_audit import add_energy_audit
-from mpm_warp.parts.history import add_origin
-from mpm_warp.parts.inflow import add_inflow
-from mpm_warp.parts.moving_wall import crossing_time
-from mpm_warp.parts.plastic_strain import add_plastic_strain, add_plastic_strain_audit
+from mpm_warp.parts.boundaries.moving_wall import crossing_time
+from mpm_warp.parts.records.energy_audit import add_energy_audit
+from mpm_warp.parts.records.history import add_origin
+from mpm_warp.parts.records.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
+from mpm_warp.parts.window.inflow import add_inflow
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import PRECISIONS

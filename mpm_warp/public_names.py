@@ -16,16 +16,16 @@ from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.damping import Damping
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.gravity import Gravity
-from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.parts.nodal_load import NodalLoad
-from mpm_warp.parts.surrounding_ground import SurroundingGround
-from mpm_warp.parts.travelling_source import TravellingSource
-from mpm_warp.parts.window import Approach, Window
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.forces.damping import Damping
+from mpm_warp.parts.forces.gravity import Gravity
+from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.window.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window.travelling_source import TravellingSource
+from mpm_warp.parts.window.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 from mpm_warp.scenes.bearing.cone_bearing import ConeBearing

@@ -18,13 +18,13 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.part import FitsGrid, NodeAction
-from mpm_warp.parts.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window import Window
+from mpm_warp.parts.window.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window.window import Window
 from mpm_warp.precision import PRECISIONS
 
 REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": str} | dict.fromkeys(

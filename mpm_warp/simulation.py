@@ -13,7 +13,7 @@ from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.device_run import DeviceRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parts.inflow import Inflow
+from mpm_warp.parts.window.inflow import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan

@@ -16,7 +16,7 @@ from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
 from harness.compare.tolerances import has_tolerances, misses
 from harness.errors import HarnessError, tell
-from harness.pictures.own_files import NotOwnFileError, check_replaceable
+from harness.pictures.drawing.own_files import NotOwnFileError, check_replaceable
 from harness.pictures.pictures import NothingToDrawError, draw
 from harness.report.report import write_report
 

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from harness.archive.conventions import over_cases
-from harness.pictures.caption import write_caption
-from harness.pictures.plot_parts import (
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import (
     MARKERS,
     MOST_LABELS,
     STYLED,
@@ -23,9 +23,9 @@ from harness.pictures.plot_parts import (
     mark_failures,
     series_colour,
 )
+from harness.pictures.drawing.symbols import assigned, axis_label, number
+from harness.pictures.drawing.values import Floats, apart
 from harness.pictures.studied import Studied
-from harness.pictures.symbols import assigned, axis_label, number
-from harness.pictures.values import Floats, apart
 from harness.study.study import ERROR
 
 LEAST_POINTS = 3

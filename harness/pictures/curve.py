@@ -9,12 +9,11 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import Role, over_cases, with_role
 from harness.compare.cone_factors import NothingToCompareError, conditions_of
-from harness.pictures.caption import write_caption
 from harness.pictures.convergence import shows_convergence
-from harness.pictures.experience_band import draw_experience
-from harness.pictures.literature import draw_literature
-from harness.pictures.map import shows_map
-from harness.pictures.plot_parts import (
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.experience_band import draw_experience
+from harness.pictures.drawing.literature import draw_literature
+from harness.pictures.drawing.plot_parts import (
     MARKERS,
     MOST_LABELS,
     STYLED,
@@ -28,9 +27,10 @@ from harness.pictures.plot_parts import (
     once,
     series_colour,
 )
+from harness.pictures.drawing.symbols import assigned, axis_label
+from harness.pictures.drawing.values import Floats, Values
+from harness.pictures.map import shows_map
 from harness.pictures.studied import Studied
-from harness.pictures.symbols import assigned, axis_label
-from harness.pictures.values import Floats, Values
 from harness.references.cone_factors import COMPARED, NEEDED
 
 FINE = 400

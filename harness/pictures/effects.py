@@ -12,11 +12,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.pictures.caption import write_caption
-from harness.pictures.plot_parts import ACCENT, MOST_LABELS, STYLED, mark_failures
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import ACCENT, MOST_LABELS, STYLED, mark_failures
+from harness.pictures.drawing.symbols import axis_label, number
+from harness.pictures.drawing.values import Floats, Values
 from harness.pictures.studied import Studied
-from harness.pictures.symbols import axis_label, number
-from harness.pictures.values import Floats, Values
 from harness.study.designs import ONE_AT_A_TIME
 
 LEAST_PARAMETERS = 3

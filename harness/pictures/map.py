@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from harness.pictures.caption import write_caption
 from harness.pictures.convergence import shows_convergence
-from harness.pictures.plot_parts import (
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import (
     FAILED,
     INK,
     MARKERS,
@@ -22,9 +22,9 @@ from harness.pictures.plot_parts import (
     label_ends,
     series_colour,
 )
+from harness.pictures.drawing.symbols import assigned, axis_label
+from harness.pictures.drawing.values import Floats
 from harness.pictures.studied import Studied
-from harness.pictures.symbols import assigned, axis_label
-from harness.pictures.values import Floats
 
 LEAST_VALUES = 3
 """Values of each parameter from which on there is a map."""

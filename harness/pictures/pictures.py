@@ -16,13 +16,13 @@ from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
+from harness.pictures.drawing.own_files import check_replaceable, write_own
+from harness.pictures.drawing.plot_parts import image
 from harness.pictures.effects import effects_figure, shows_effects
 from harness.pictures.map import map_figure, shows_map
-from harness.pictures.own_files import check_replaceable, write_own
-from harness.pictures.plot_parts import image
 from harness.pictures.resistance import resistance_figure, shows_resistance
-from harness.pictures.stability import shows_stability
-from harness.pictures.stability_map import stability_figure
+from harness.pictures.stability.outcomes import shows_stability
+from harness.pictures.stability.stability_map import stability_figure
 from harness.pictures.tornado import shows_tornado, tornado_figure
 from harness.pictures.work_precision import shows_work_precision, study_figure
 
@@ -51,7 +51,7 @@ def draw(dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)) -> 
     Args:
         dataset: result of a study; the attribute ``study`` names the files.
         folder: where the pictures go; made where it does not exist.
-        forms: formats, of :data:`harness.pictures.plot_parts.FORMATS`.
+        forms: formats, of :data:`harness.pictures.drawing.plot_parts.FORMATS`.
 
     Returns:
         Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result.

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import is_there, over_cases, scenes_of, spoken, varied_names
+from harness.pictures.drawing.symbols import assigned, plain, quantity, symbol
+from harness.pictures.drawing.values import Values
 from harness.pictures.studied import method_of
-from harness.pictures.symbols import assigned, plain, quantity, symbol
-from harness.pictures.values import Values
 from harness.study.designs import ONE_AT_A_TIME
 
 

@@ -9,8 +9,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import case_dims, over_cases
-from harness.pictures.caption import write_caption
-from harness.pictures.plot_parts import (
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import (
     INK,
     MOST_LABELS,
     SHADES,
@@ -21,9 +21,9 @@ from harness.pictures.plot_parts import (
     series_colour,
     shade,
 )
+from harness.pictures.drawing.symbols import assigned, axis_label
+from harness.pictures.drawing.values import Floats
 from harness.pictures.studied import Studied
-from harness.pictures.symbols import assigned, axis_label
-from harness.pictures.values import Floats
 from harness.study.designs import ONE_AT_A_TIME
 
 RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"

@@ -13,11 +13,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.archive.conventions import MISSING
-from harness.pictures.caption import write_caption
-from harness.pictures.plot_parts import ACCENT, INK, LIGHT, STYLED
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED
+from harness.pictures.drawing.symbols import (
+    axis_label,
+    named,
+    number,
+    plain,
+    quantity,
+    symbol,
+    unit_of,
+)
+from harness.pictures.drawing.values import Floats, Values
 from harness.pictures.studied import Studied
-from harness.pictures.symbols import axis_label, named, number, plain, quantity, symbol, unit_of
-from harness.pictures.values import Floats, Values
 from harness.study.designs import ONE_AT_A_TIME
 
 MOST_ROWS = 20

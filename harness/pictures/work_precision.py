@@ -13,8 +13,8 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import COMPLETED, over_cases, scenes_of
 from harness.compare.finest_error import FLOOR, error_name
-from harness.pictures.caption import write_caption
-from harness.pictures.plot_parts import (
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import (
     FAILED,
     INK,
     MARKERS,
@@ -27,9 +27,9 @@ from harness.pictures.plot_parts import (
     once,
     series_colour,
 )
+from harness.pictures.drawing.symbols import plain
+from harness.pictures.drawing.values import Floats
 from harness.pictures.problems import problem_names, problems_of, setting_of, settings_key
-from harness.pictures.symbols import plain
-from harness.pictures.values import Floats
 
 FRONT = "front: no other is faster and better"
 LEGEND_LINE = 0.15

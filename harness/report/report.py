@@ -15,11 +15,11 @@ from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.provenance import OF_CASE
 from harness.compare.cone_factors import stored_references
 from harness.compare.tolerances import misses
-from harness.pictures.own_files import MAKER, write_own
+from harness.pictures.drawing.own_files import MAKER, write_own
+from harness.pictures.drawing.plot_parts import image
 from harness.pictures.pictures import figures
-from harness.pictures.plot_parts import image
-from harness.pictures.stability import shows_stability
-from harness.pictures.stability_map import stability_rows
+from harness.pictures.stability.outcomes import shows_stability
+from harness.pictures.stability.stability_map import stability_rows
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import ConeFactor
 from harness.report import words

@@ -27,7 +27,7 @@ from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.contact_detection import add_contact_detection
 from mpm_warp.bodies.grid import UniformGrid
-from mpm_warp.parts.contact_law import make_contact_law
+from mpm_warp.parts.contact.contact_law import make_contact_law
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 

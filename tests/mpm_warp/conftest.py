@@ -13,11 +13,11 @@ import pytest
 from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.parts.window import Window
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.window.window import Window
 from mpm_warp.scene import Scene
 
 

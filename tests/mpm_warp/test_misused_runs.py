@@ -17,7 +17,7 @@ import pytest
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock

@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.parts.damping import Damping
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.gravity import Gravity
-from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.forces.damping import Damping
+from mpm_warp.parts.forces.gravity import Gravity
+from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene

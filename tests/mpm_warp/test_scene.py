@@ -10,11 +10,11 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.parts.damping import Damping
-from mpm_warp.parts.gravity import Gravity
-from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.parts.nodal_load import NodalLoad
-from mpm_warp.parts.window import Window
+from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.forces.damping import Damping
+from mpm_warp.parts.forces.gravity import Gravity
+from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.window.window import Window
 from mpm_warp.scene import Scene
 
 WALL = MovingWall(speed=1.0, ramp_travel=1.0)

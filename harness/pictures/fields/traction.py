@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from harness.pictures.drawing.plot_parts import series_colour
 from harness.pictures.fields.nodal_values import Floats
 from harness.pictures.fields.sections import caption
-from harness.pictures.plot_parts import series_colour
 
 MOST_CURVES = 6
 """Snapshots that are drawn, the last among them."""

@@ -14,8 +14,8 @@ from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.limit_load import PLATEAU_CHANGE, PLATEAU_SHARE, LoadSampler

@@ -12,8 +12,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cavity.common import RADIUS, STRENGTH, Cavity, verifications
 

@@ -12,8 +12,8 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.results import variable
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications

@@ -14,9 +14,9 @@ from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries.moving_wall import MovingWall
 from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene

@@ -14,10 +14,10 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Floats, Grid, growing
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.surrounding_ground import SurroundingGround
-from mpm_warp.parts.travelling_source import TravellingSource
-from mpm_warp.parts.window import Window
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.window.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window.travelling_source import TravellingSource
+from mpm_warp.parts.window.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy

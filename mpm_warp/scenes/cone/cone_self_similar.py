@@ -12,8 +12,8 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, GroundGrid, graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.window import Window
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.window.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from mpm_warp.parts.window import Approach, Window
+from mpm_warp.parts.window.window import Approach, Window
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, STEADY_SAMPLES
 
 RAMP = 1.0

@@ -12,8 +12,8 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.damping import Damping
-from mpm_warp.parts.gravity import Gravity
+from mpm_warp.parts.forces.damping import Damping
+from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene

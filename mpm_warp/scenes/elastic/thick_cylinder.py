@@ -13,9 +13,9 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.damping import Damping
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.forces.damping import Damping
+from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene

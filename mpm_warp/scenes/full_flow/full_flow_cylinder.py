@@ -11,8 +11,8 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.scenes.catalogue import Verification

@@ -21,9 +21,9 @@ from matplotlib.transforms import Bbox
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.pictures.own_files import NotOwnFileError
+from harness.pictures.drawing.own_files import NotOwnFileError
+from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, image
 from harness.pictures.pictures import NothingToDrawError, draw, figures
-from harness.pictures.plot_parts import MOST_LABELS, SHADES, image
 
 from .conftest import MADE, drawn, result
 

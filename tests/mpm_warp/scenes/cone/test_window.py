@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from mpm_warp.parts.window import Approach
+from mpm_warp.parts.window.window import Approach
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 

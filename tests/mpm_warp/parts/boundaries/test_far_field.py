@@ -9,8 +9,8 @@ import pytest
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.fixed import Fixed
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.parts.window import Approach, Window
+from mpm_warp.parts.window.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 

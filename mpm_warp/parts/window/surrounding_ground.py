@@ -22,9 +22,9 @@ from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, check_array, check_nodes
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.far_field import FarField
+from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.part import Setting
-from mpm_warp.parts.travelling_source import TravellingSource
+from mpm_warp.parts.window.travelling_source import TravellingSource
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 

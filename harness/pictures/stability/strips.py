@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import COMPLETED, MISSING, varied_names
-from harness.pictures.stability import outcomes
-from harness.pictures.values import Floats, Texts, Values
+from harness.pictures.drawing.values import Floats, Texts, Values
+from harness.pictures.stability.outcomes import outcomes
 
 NO_CASE = "no case"
 FAILURES = ("first failure below", "first failure above")

@@ -14,10 +14,10 @@ import warp as wp
 
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.parts.history import note_origin
 from mpm_warp.parts.part import Setting
-from mpm_warp.parts.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window import Window
+from mpm_warp.parts.records.history import note_origin
+from mpm_warp.parts.window.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window.window import Window
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run

@@ -17,12 +17,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT, UNFINISHED
-from harness.pictures.caption import write_caption
-from harness.pictures.plot_parts import SHADES, STYLED
-from harness.pictures.stability import limit_label
-from harness.pictures.stability_shares import SHARE_HEADING, Shares, share_row, shares
-from harness.pictures.stability_strips import STRIP_HEADING, Strip, strip_row, strips
-from harness.pictures.values import Values
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import SHADES, STYLED
+from harness.pictures.drawing.values import Values
+from harness.pictures.stability.outcomes import limit_label
+from harness.pictures.stability.shares import SHARE_HEADING, Shares, share_row, shares
+from harness.pictures.stability.strips import STRIP_HEADING, Strip, strip_row, strips
 from harness.study.designs import ONE_AT_A_TIME
 
 STATUSES = {
@@ -53,7 +53,7 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
     """A strip for each parameter: of single cases, or of the shares of random ones.
 
     Args:
-        dataset: result for which :func:`harness.pictures.stability.shows_stability` holds.
+        dataset: result for which :func:`harness.pictures.stability.outcomes.shows_stability` holds.
     """
     if dataset.attrs["design"] == ONE_AT_A_TIME:
         figure = _figure_of_strips(strips(dataset), limit_label(dataset))

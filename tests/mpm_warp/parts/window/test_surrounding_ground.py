@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.errors import SceneError
-from mpm_warp.parts.far_field import FarField
-from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation

@@ -9,10 +9,10 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.damping import Damping
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.gravity import Gravity
-from mpm_warp.parts.nodal_load import NodalLoad
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.forces.damping import Damping
+from mpm_warp.parts.forces.gravity import Gravity
+from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.parts.part import NodeAction
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation

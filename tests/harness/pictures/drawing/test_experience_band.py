@@ -4,8 +4,8 @@ import pytest
 import xarray as xr
 
 from harness.compare.experience import with_experience
-from harness.pictures.experience_band import draw_experience
-from harness.pictures.plot_parts import empty_figure
+from harness.pictures.drawing.experience_band import draw_experience
+from harness.pictures.drawing.plot_parts import empty_figure
 
 IDS = ("karlsrud_2005", "karlsrud_2005_pore_pressure", "mayne_peuchen_2018")
 

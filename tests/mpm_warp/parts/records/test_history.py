@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.history import displacement
-from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.parts.records.history import displacement
+from mpm_warp.parts.records.plastic_strain import PLASTIC_STRAIN
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import is_there, parameter_names
-from harness.pictures.symbols import assigned, plain
+from harness.pictures.drawing.symbols import assigned, plain
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 

@@ -26,7 +26,7 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.contact_law import make_contact_law
+from mpm_warp.parts.contact.contact_law import make_contact_law
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision

@@ -11,8 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from harness.archive.conventions import COMPLETED, MISSING, varied_names
-from harness.pictures.stability import outcomes
-from harness.pictures.values import Floats, Texts, Values
+from harness.pictures.drawing.values import Floats, Texts, Values
+from harness.pictures.stability.outcomes import outcomes
 
 PART_COUNT = 5
 """Parts of equally many cases that the range of a parameter is cut into."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.pictures.stability import short_reason
-from harness.pictures.values import Values
+from harness.pictures.drawing.values import Values
+from harness.pictures.stability.outcomes import short_reason
 
 VELOCITY = (
     "SimulationDiverged: velocity of particle 12 at [ 0.01, -0.1] m is [ 3, -4], at step 500, "

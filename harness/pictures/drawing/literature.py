@@ -7,8 +7,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from harness.compare.cone_factors import conditions_of, stored_references
-from harness.pictures.plot_parts import CurveEnd, once
-from harness.pictures.values import Floats
+from harness.pictures.drawing.plot_parts import CurveEnd, once
+from harness.pictures.drawing.values import Floats
 from harness.references.cone_factors import (
     CONE_FACTORS,
     Quantity,

@@ -10,8 +10,8 @@ import warp as wp
 
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.fixed import Fixed
-from mpm_warp.parts.window import Approach
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.window.window import Approach
 from mpm_warp.planning import make_plan
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene

@@ -14,8 +14,8 @@ from matplotlib.colors import ListedColormap, to_hex
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from harness.pictures.own_files import MAKER
-from harness.pictures.values import Floats
+from harness.pictures.drawing.own_files import MAKER
+from harness.pictures.drawing.values import Floats
 
 STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
 """Decorator of whatever makes a figure or its image: the style of all pictures."""

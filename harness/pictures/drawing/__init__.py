@@ -1,0 +1,1 @@
+"""What pictures are made of: values, symbols, captions, style, files."""

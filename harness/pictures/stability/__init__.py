@@ -1,0 +1,1 @@
+"""Pictures of which steps and settings a run survives."""

@@ -1,0 +1,1 @@
+"""Adhesion and friction on a rigid surface."""

@@ -1,0 +1,1 @@
+"""Loads on nodes and what resists their motion: weight, given forces, damping."""

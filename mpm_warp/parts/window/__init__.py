@@ -1,0 +1,1 @@
+"""A grid that travels with a penetrometer: the ground around it, and the soil that enters."""
