@@ -118,9 +118,9 @@ def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
 
 
 def stated(value: float, half_width: float) -> str:
-    """A number with the digits that are known of it: 10.49 +- 0.08; without +- where none are."""
+    """A number with the digits that are known: 10.49 +- 0.08, or 10.5 where no error is known."""
     if not math.isfinite(half_width) or half_width <= 0.0:
-        return f"{value:.4g}"
+        return f"{value:#.3g}".removesuffix(".")
     # A half width of 0.1 to 0.2 would lose half of itself to rounding with one digit.
     leading = math.floor(math.log10(half_width))
     decimals = max(0, -leading + (half_width < 2.0 * 10.0**leading))

@@ -5,17 +5,22 @@ from __future__ import annotations
 import argparse
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from harness.cli.argument_values import (
+    finite_number,
+    html_file,
+    positive_count,
+    share,
+    size_in_bytes,
+)
 from harness.cli.command_help import HELP, epilog
 from harness.cli.exit_codes import BAD_INPUT
 from harness.errors import LONGEST_LINE, printable, shortened
 from mpm_warp.execution import THREAD_COUNTS
 
-UNITS = {"K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
-"""First letters of units of memory, in bytes."""
 SHELLS = ("bash", "zsh", "fish")
 """Shells that the command line can be completed in."""
 
@@ -74,7 +79,7 @@ def make_parser() -> argparse.ArgumentParser:
     where = run.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
-        type=_count,
+        type=positive_count,
         metavar="N",
         help="processes, each with a case at a time; default: one for each core, or for each "
         "--threads of them",
@@ -85,7 +90,7 @@ def make_parser() -> argparse.ArgumentParser:
     _add_execution(run)
     run.add_argument(
         "--batch",
-        type=_count,
+        type=positive_count,
         default=1,
         metavar="N",
         help="cases that a process computes together, to fill a GPU; default: 1",
@@ -99,14 +104,14 @@ def make_parser() -> argparse.ArgumentParser:
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
         "--case-timeout",
-        type=_number("a number > 0", lambda number: number > 0),
+        type=finite_number("a number > 0", lambda it: it > 0),
         default=math.inf,
         metavar="SECONDS",
         help="end a case that computes for longer; default: none is ended",
     )
     run.add_argument(
         "--memory-limit",
-        type=_bytes,
+        type=size_in_bytes,
         metavar="SIZE",
         help="memory that the cases at work may take together, as 8e9 or 8GB; one that needs more "
         "than its share is refused; default: most of this machine's",
@@ -207,7 +212,7 @@ def _add_results(commands: _Commands) -> None:
     )
     compare.add_argument(
         "--tolerance",
-        type=_number("a number >= 0", lambda number: number >= 0),
+        type=finite_number("a number >= 0", lambda it: it >= 0),
         metavar="X",
         help="relative difference allowed between FILE and OTHER; default: none",
     )
@@ -234,12 +239,12 @@ def _add_results(commands: _Commands) -> None:
 
     report = commands.add_parser("report", help="write one page of HTML on results")
     report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
-    report.add_argument("-o", "--out", type=_page, default=Path("report.html"), metavar="HTML")
+    report.add_argument("-o", "--out", type=html_file, default=Path("report.html"), metavar="HTML")
 
     recommend = commands.add_parser("recommend", help="name the cheapest settings for an error")
     recommend.add_argument("scene", metavar="SCENE")
     recommend.add_argument(
-        "--error", type=_share, required=True, metavar="X", help="largest error, as 1%% or 0.01"
+        "--error", type=share, required=True, metavar="X", help="largest error, as 1%% or 0.01"
     )
     recommend.add_argument(
         "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"
@@ -289,58 +294,3 @@ def _add_device(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--device", default="cpu", metavar="NAME", help="cpu, the default, or a GPU: cuda:0, ..."
     )
-
-
-def _number(meaning: str, holds: Callable[[float], bool]) -> Callable[[str], float]:
-    """What reads a finite number for which something holds, described in words."""
-
-    def read(text: str) -> float:
-        try:
-            number = float(text)
-        except ValueError:
-            number = math.nan
-        if not (math.isfinite(number) and holds(number)):
-            raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
-        return number
-
-    return read
-
-
-def _bytes(text: str) -> float:
-    """A size in bytes, or with a decimal unit."""
-    number, unit = text.upper().removesuffix("B"), 1.0
-    if text.upper().endswith("B") and number[-1:] in UNITS:
-        number, unit = number[:-1], UNITS[number[-1]]
-    try:
-        size = float(number) * unit
-    except ValueError:
-        size = math.nan
-    if not 0 < size < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 8e9 or 8GB")
-    return size
-
-
-def _page(text: str) -> Path:
-    # A result in its place, the page's name forgotten, would be lost.
-    if not text.endswith(".html"):
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must end in .html")
-    return Path(text)
-
-
-def _share(text: str) -> float:
-    try:
-        share = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
-    except ValueError:
-        share = math.nan
-    if not 0 < share < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 1% or 0.01")
-    return share
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or len(text) > 6 or int(text) < 1:
-        shown = text if len(text) < 20 else f"{text[:20]}..."
-        raise argparse.ArgumentTypeError(
-            f"{shown!r} is not allowed: must be an integer from 1 to 999999"
-        )
-    return int(text)

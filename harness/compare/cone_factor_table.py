@@ -54,7 +54,7 @@ def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
     parts = [
         Column(("cone", "factor"), [_stated(value, half) for value, half in factors]),
         *(
-            Column(heading, [number(value, ".3g") for value in over_cases(dataset, name)])
+            Column(heading, [number(value, "#.3g") for value in over_cases(dataset, name)])
             for name, heading in (
                 ("cone_factor_simulated", ("as", "simulated")),
                 ("cone_factor_normal", ("normal", "part")),

@@ -134,9 +134,9 @@ def test_table_has_one_row_a_case_with_all_of_it() -> None:
     # 11 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
     # at 11.91 at 1.
     assert rows(text) == [
-        "0 11 11 0.000 0.000 - 10.77 +2.2% above 12.3 completed",
-        "0.5 11 10.1 0.875 0.866 +1.0% 11.42 -3.7% yes 12.3 completed",
-        "1 11 9.27 1.732 1.732 +0.0% 12.07 -8.9% below 12.3 completed",
+        "0 11.0 11.0 0.000 0.000 - 10.77 +2.2% above 12.3 completed",
+        "0.5 11.0 10.1 0.875 0.866 +1.0% 11.42 -3.7% yes 12.3 completed",
+        "1 11.0 9.27 1.732 1.732 +0.0% 12.07 -8.9% below 12.3 completed",
     ]
     widths = {len(line) for line in text.partition("\n\n")[0].splitlines()[2:]}
     assert len(widths) == 1
