@@ -101,6 +101,12 @@ def make_parser() -> argparse.ArgumentParser:
         help="keep the soil of each case at these moments, for `harness view`: 5,10 of the "
         "penetration over the cone radius",
     )
+    run.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="measure the uncertainty of each cone factor by further runs of its case, some ten "
+        "times as long; the same as --set uncertainty=measured",
+    )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")
     run.add_argument(
         "--case-timeout",

@@ -20,6 +20,7 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
             "run adhesion_factor",
             "run my_study.toml --workers 2 --out runs",
             "run adhesion_factor --set rigidity_index=50 --set 'adhesion_factor=[0, 1]' --out soft",
+            "run adhesion_factor --set material=von_mises --uncertainty --out von_mises",
         ),
     ),
     "status": (

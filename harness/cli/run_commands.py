@@ -39,7 +39,8 @@ def run(options: argparse.Namespace) -> int:
             "--threads, --device, --batch and --memory-limit are of this machine; leave them out "
             "with --dask"
         )
-    study = load_study(options.study, options.set)
+    measured = ["uncertainty=measured"] if options.uncertainty else []
+    study = load_study(options.study, [*options.set, *measured])
     if options.snapshots is not None:
         study = with_snapshots(study, options.snapshots)
     _ = study.cases  # what is wrong with them is told before anything is started

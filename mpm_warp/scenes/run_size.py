@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,6 +62,16 @@ def size_in_grid(
         particle_count=round(grid.cell_count * particles_per_cell * (1.0 + spare_fraction)),
         step_count=step_count,
     )
+
+
+def of_several(sizes: Sequence[RunSize]) -> RunSize:
+    """The size of runs that are made one after the other.
+
+    It has the memory of the largest, and the steps that this one would do in the time of all.
+    """
+    largest = max(sizes, key=lambda it: it.byte_count)
+    updates = sum(it.particle_updates for it in sizes)
+    return replace(largest, step_count=updates / largest.particle_count)
 
 
 def shortest_crossing(grid: Grid) -> float:

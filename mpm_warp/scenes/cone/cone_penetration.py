@@ -24,6 +24,7 @@ from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.known_error import known_error
+from mpm_warp.scenes.cone.measured_error import Run, further_tests, with_measured_error
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
@@ -41,7 +42,7 @@ from mpm_warp.scenes.cone.window import (
     unsteady_penetration,
     window_of_test,
 )
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 
@@ -74,6 +75,8 @@ class ConePenetration(ConeTest):
                 f"stress_anisotropy = {self.stress_anisotropy:g} is not allowed: clay of "
                 f"{self.material} yields at {bound:.4g}",
             )
+        if self.uncertainty == "measured":
+            further_tests(self)  # all are allowed
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
@@ -167,7 +170,18 @@ class ConePenetration(ConeTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the greatest penetration."""
+        """Cells and material points of the grid, and the steps to the greatest penetration.
+
+        With the uncertainty to be measured, those of the largest run, and the steps that it would
+        do in the time of all.
+        """
+        if self.uncertainty == "known":
+            return self._run_size
+        tests = (self, *further_tests(self).values())
+        return of_several([test._run_size for test in tests])
+
+    @property
+    def _run_size(self) -> RunSize:
         grid, window, size = self._grid, self._window, self._cell_size
         # Above and below the cone all cells at the surface are alike: one row of them will do.
         around_cone = self._penetrometer.fitted_grid(
@@ -195,13 +209,30 @@ class ConePenetration(ConeTest):
         assert self.penetration is not None
         return self._window.time_to(self.penetration * self.cone_radius)
 
+    def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
+        """What a run gives; with its uncertainty to be measured, the further runs are made too."""
+        return self._compute(progress, execution, None)
+
     def compute_with_snapshots(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots
     ) -> xr.Dataset:
         """What a run gives, with snapshots of the soil on the way."""
-        simulation = Simulation(replace(self.build(), history=True), execution)
-        progress(0.0)
-        return self.record(simulation, progress, snapshots)
+        return self._compute(progress, execution, snapshots)
+
+    def _compute(
+        self, progress: Progress, execution: Execution | None, snapshots: Snapshots | None
+    ) -> xr.Dataset:
+        def run(test: ConePenetration, report: Progress) -> Run:
+            shown = snapshots if test is self else None
+            scene = test.build() if shown is None else replace(test.build(), history=True)
+            simulation = Simulation(scene, execution)
+            report(0.0)
+            cell_size = test._cell_size / test.cone_radius
+            return Run(test, cell_size, test.record(simulation, report, shown))
+
+        if self.uncertainty == "known":
+            return run(self, progress).results
+        return with_measured_error(self, run, progress)
 
     def record(
         self, simulation: Simulation, progress: Progress, snapshots: Snapshots | None = None

@@ -39,6 +39,7 @@ class ConeTest(CatalogueScene):
         "domain_below",
         "poissons_ratio_bound",
         "precision",
+        "uncertainty",
     )
 
     rigidity_index: float = parameter(
@@ -189,6 +190,13 @@ class ConeTest(CatalogueScene):
         maximum=0.4999,
     )
     precision: str = floating_point()
+    uncertainty: str = parameter(
+        "known",
+        unit="1",
+        meaning="how the error of the cone factor is told: known from other cases, or measured by "
+        "four further runs of this one, which take some ten times as long",
+        choices=("known", "measured"),
+    )
 
     @property
     def default_extents(self) -> dict[str, float]:

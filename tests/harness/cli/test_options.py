@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
@@ -83,3 +84,21 @@ def test_a_stream_that_is_closed_is_no_error(closed: str, small_file: Path, tmp_
     assert end.returncode == 0
     assert str(tmp_path / "small.nc") in end.stdout
     assert COMPLETED in end.stderr or closed == "2>&-"
+
+
+def test_uncertainty_is_measured_on_request(
+    tmp_path: Path, small_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["run", str(small_file), f"--out={tmp_path}", "--uncertainty"]
+    assert main([*command, "--set", "adhesion_factor=0"]) == 0, capsys.readouterr().err
+    (result,) = tmp_path.glob("*.nc")
+    with xr.open_dataset(result) as dataset:
+        assert (dataset.uncertainty == "measured").all()
+        assert (dataset.uncertainty_run_time > 0.0).all()
+
+
+def test_a_scene_without_a_stated_error_takes_no_uncertainty(
+    tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    line = refusal(["run", "sliding_block", "--uncertainty", f"--out={tmp_path}"])
+    assert "uncertainty" in line

@@ -1,0 +1,155 @@
+"""The cone factor with its uncertainty as a run states them, whichever way its error is known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import xarray as xr
+
+from mpm_warp.results import labelled, variable
+from mpm_warp.scenes.cone.parameters import ConeTest
+from mpm_warp.scenes.cone.penetration import STEADY_SAMPLES
+
+STILL_TO_GO = 1.5
+"""Half width of what is to come, over the last change of the mean."""
+POINTS, NOISE = 0.001, 0.015
+"""Half widths: of what more points change, over Nc; of the noise of a run."""
+LARGEST_CELL = 0.44
+"""Width of the cells at the cone over its radius up to which the law of their error holds: 4 rows of
+cells beside a face of 60 degrees."""
+LARGEST_INERTIA = 3.0
+"""rho V^2 / su up to which the law of the error of the speed holds."""
+ALL_PASSED = 1.5
+"""Penetration beyond the extent of the window above the shoulder at which all soil beside the shaft
+has been passed by the cone, in cone radii."""
+
+
+def stated_error(
+    test: ConeTest,
+    recorded: xr.Dataset,
+    *,
+    correction: float,
+    parts: Mapping[str, float],
+    not_known: str,
+) -> xr.Dataset:
+    """The cone factor less what is known of its error, and its uncertainty.
+
+    Args:
+        test: the cone penetration test.
+        recorded: `cone_factor_simulated`, `cone_factor_shear` and `penetration_reached`.
+        correction: what is to be added to the cone factor as simulated.
+        parts: half widths of 95 % by what they are of; their squares add up.
+        not_known: why nothing is known of the error, as a phrase; "" where it is known.
+
+    Returns:
+        `cone_factor`, its normal part and its correction; `cone_factor_uncertainty` and its parts.
+        Where nothing is known of the error there is no correction, the uncertainty is not a number,
+        and its attribute `not_known` tells why.
+    """
+    if not_known:
+        correction, parts = 0.0, dict.fromkeys(parts, math.nan)
+    factor = float(recorded.cone_factor_simulated) + correction
+    headline = labelled(
+        role="headline",
+        cone_factor=(
+            factor,
+            "1",
+            "cone factor",
+            "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window",
+        ),
+    )
+    uncertainty = labelled(
+        role="uncertainty",
+        cone_factor_uncertainty=(
+            math.hypot(*parts.values()),
+            "1",
+            "uncertainty of the cone factor",
+            "half width, 95 %",
+        ),
+    )
+    if not_known:
+        uncertainty["cone_factor_uncertainty"].attrs["not_known"] = not_known
+    settled = labelled(
+        role="settled",
+        cone_factor_settled=(
+            float(_all_is_passed(test, recorded)),
+            "1",
+            "whether the cone factor has settled",
+            "1 where the cone has passed all soil beside the shaft, else 0",
+        ),
+    )
+    others = labelled(
+        cone_factor_normal=(
+            factor - float(recorded.cone_factor_shear),
+            "1",
+            "cone factor, normal part",
+            "what the normal traction on the face adds to Nc",
+        ),
+        cone_factor_correction=(
+            correction,
+            "1",
+            "correction of the cone factor",
+            "what is known of the error of mesh, speed and window, taken off; 0 where nothing is",
+        ),
+    )
+    of_parts = {
+        f"cone_factor_uncertainty_{name}": variable(
+            value, unit="1", meaning=f"uncertainty of the cone factor, {name}"
+        )
+        for name, value in parts.items()
+    }
+    return xr.Dataset(headline | uncertainty | settled | others | of_parts)
+
+
+def parts_of_a_run(test: ConeTest, recorded: xr.Dataset) -> dict[str, float]:
+    """Half widths of what a run leaves open whatever its mesh, speed and window.
+
+    Args:
+        test: the cone penetration test.
+        recorded: the curve `penetration_resistance`, and `cone_factor_simulated`.
+    """
+    resistance = recorded.penetration_resistance.values / test.undrained_shear_strength
+    before, last = (
+        resistance[begin:end].mean() if resistance.size >= 2 * STEADY_SAMPLES else math.nan
+        for begin, end in ((-2 * STEADY_SAMPLES, -STEADY_SAMPLES), (-STEADY_SAMPLES, None))
+    )
+    return {
+        "steadiness": STILL_TO_GO * abs(float(last - before)),
+        "points": POINTS * float(recorded.cone_factor_simulated),
+        "noise": NOISE,
+    }
+
+
+def why_no_law_holds(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, bool]:
+    """Phrases on what keeps the laws of mesh, speed and window from holding, and whether it does.
+
+    Args:
+        test: the cone penetration test.
+        cell_size: width of the cells at the cone over its radius, dimensionless.
+        recorded: `penetration_reached`.
+    """
+    return {
+        "the cells are too wide": cell_size > LARGEST_CELL,
+        "the speed is too high": inertia(test) > LARGEST_INERTIA,
+        "soil that the cone has not passed is still beside it": not _all_is_passed(test, recorded),
+    }
+
+
+def growth_measure(cell_size: float, cell_growth: float) -> float:
+    """g^1.5 h^1.3: what the growth of the cells adds to the cone factor is in proportion to it."""
+    return math.pow(cell_growth, 1.5) * math.pow(cell_size, 1.3)
+
+
+def inertia(test: ConeTest) -> float:
+    """Rho V^2 / su, dimensionless: what the speed adds to the cone factor is in proportion to it.
+
+    That is Ir (V / c_s)^2, with c_s the speed of shear waves.
+    """
+    return test.rigidity_index * test.speed_ratio * test.speed_ratio
+
+
+def _all_is_passed(test: ConeTest, recorded: xr.Dataset) -> bool:
+    """Whether the cone has passed all soil beside the shaft."""
+    assert test.domain_above is not None
+    return float(recorded.penetration_reached) >= test.domain_above + ALL_PASSED

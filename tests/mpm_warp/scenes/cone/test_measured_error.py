@@ -1,0 +1,151 @@
+"""The error of a cone factor by further runs: exact where the laws hold, told where it is not."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.errors import ParameterError, UnfinishedRun
+from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.measured_error import EFFECTS, Run, further_tests, with_measured_error
+from mpm_warp.scenes.cone.stated_error import NOISE
+
+TEST = ConePenetration(uncertainty="measured", material="von_mises")
+FACTOR, FACE, GROWTH, SPEED, DOMAIN = 11.0, -0.4, 1.2, 0.07, 0.03
+"""A cone factor, and what mesh, speed and window add to it."""
+
+
+def simulated(test: ConePenetration) -> float:
+    """A cone factor that follows the laws exactly."""
+    size = cell_size(test)
+    assert test.domain_radius is not None
+    assert TEST.domain_radius is not None
+    return (
+        FACTOR
+        + FACE * size
+        + GROWTH * test.cell_growth**1.5 * size**1.3
+        + SPEED * test.rigidity_index * test.speed_ratio**2
+        + DOMAIN * (TEST.domain_radius / test.domain_radius) ** 2
+    )
+
+
+def cell_size(test: ConePenetration) -> float:
+    assert test.cells_per_radius is not None
+    return math.sqrt(3.0) / round(test.cells_per_radius * math.sqrt(3.0))
+
+
+def run(test: ConePenetration, progress: Progress) -> Run:
+    """What a run would leave behind, steady and at once."""
+    progress(1.0)
+    factor = simulated(test)
+    resistance = factor * test.undrained_shear_strength * np.ones(60)
+    results = xr.Dataset(
+        {
+            "penetration_resistance": ("penetration", resistance),
+            "cone_factor_simulated": factor,
+            "cone_factor_shear": 0.0,
+            "cone_factor_uncertainty": 0.1,
+            "cone_factor_uncertainty_bottom": 0.1,
+            "penetration_reached": test.penetration,
+            "run_time": ((), 2.0, {"role": "measured"}),
+            "particle_updates": 1e6,
+        }
+    )
+    return Run(test, cell_size(test), results)
+
+
+def test_effects_that_follow_the_laws_are_taken_off_exactly() -> None:
+    results = with_measured_error(TEST, run, lambda fraction: None)
+    assert float(results.cone_factor) == pytest.approx(FACTOR, rel=1e-12)
+    correction = FACTOR - simulated(TEST)
+    assert float(results.cone_factor_correction) == pytest.approx(correction, abs=1e-10)
+
+
+def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
+    results = with_measured_error(TEST, run, lambda fraction: None)
+    finest = cell_size(further_tests(TEST)["face"])
+    assert float(results.cone_factor_uncertainty_face) == pytest.approx(-0.5 * FACE * finest)
+    assert float(results.cone_factor_uncertainty_domain) == pytest.approx(0.5 * DOMAIN / 1.4**2)
+    parts = [*EFFECTS, "steadiness", "points", "noise"]
+    squares = [float(results[f"cone_factor_uncertainty_{it}"]) ** 2 for it in parts]
+    assert float(results.cone_factor_uncertainty) == pytest.approx(math.sqrt(sum(squares)))
+    assert "cone_factor_uncertainty_bottom" not in results
+
+
+def test_the_noise_of_all_runs_counts() -> None:
+    """Shift one run after the other by its noise: the shifts of Nc add up as squares."""
+    shifts = []
+    for shifted in (TEST, *further_tests(TEST).values()):
+
+        def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> Run:  # type: ignore[no-untyped-def]
+            made = run(test, progress)
+            if test == shifted:
+                results = made.results.assign(cone_factor_simulated=made.factor + NOISE)
+                made = dataclasses.replace(made, results=results)
+            return made
+
+        results = with_measured_error(TEST, noisy, lambda fraction: None)
+        shifts.append(float(results.cone_factor) - FACTOR)
+    noise = float(results.cone_factor_uncertainty_noise)
+    assert noise == pytest.approx(math.hypot(*shifts), rel=1e-9)
+
+
+def test_what_the_runs_took_is_told() -> None:
+    fractions: list[float] = []
+    results = with_measured_error(TEST, run, fractions.append)
+    assert float(results.uncertainty_run_time) == 8.0
+    assert float(results.run_time) == 10.0
+    assert results.run_time.attrs == {"role": "measured"}
+    assert float(results.particle_updates) == 5e6
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
+
+
+def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
+    def failing(test: ConePenetration, progress: Progress) -> Run:
+        if test.cell_growth > TEST.cell_growth:
+            raise UnfinishedRun("the resistance still changes", xr.Dataset())
+        return run(test, progress)
+
+    results = with_measured_error(TEST, failing, lambda fraction: None)
+    reason = "the run with more growth: the resistance still changes"
+    assert results.cone_factor_uncertainty.attrs["not_known"] == reason
+    assert np.isnan(results.cone_factor_uncertainty)
+    assert float(results.cone_factor) == simulated(TEST)
+
+
+def test_where_no_law_holds_nothing_is_known() -> None:
+    fast = dataclasses.replace(TEST, speed_ratio=0.2)
+    results = with_measured_error(fast, run, lambda fraction: None)
+    assert "the case: the speed is too high" in results.cone_factor_uncertainty.attrs["not_known"]
+
+
+def test_the_further_runs_are_checked_before_anything_runs() -> None:
+    with pytest.raises(ParameterError, match="needs a run with more growth, where cell_growth = 3"):
+        ConePenetration(uncertainty="measured", cell_growth=1.5)
+
+
+def test_a_case_is_run_with_its_further_runs() -> None:
+    """Small and short: the cone does not pass all soil, so that nothing is said to be known."""
+    test = ConePenetration(
+        uncertainty="measured",
+        cells_per_radius=2,
+        domain_radius=8,
+        domain_above=3,
+        domain_below=4,
+        penetration=1,
+        steady_tolerance=0,
+    )
+    alone = dataclasses.replace(test, uncertainty="known").run()
+    results = test.run()
+    assert float(results.cone_factor_simulated) == float(alone.cone_factor_simulated)
+    assert float(results.cone_factor_further_face) != float(alone.cone_factor_simulated)
+    assert "the case: the cells are too wide" in results.cone_factor_uncertainty.attrs["not_known"]
+    size, whole = dataclasses.replace(test, uncertainty="known").run_size(), test.run_size()
+    assert whole.particle_updates > 5.0 * size.particle_updates
+    assert whole.byte_count > size.byte_count
