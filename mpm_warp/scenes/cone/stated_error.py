@@ -16,8 +16,8 @@ STILL_TO_GO = 1.5
 POINTS, NOISE = 0.001, 0.015
 """Half widths: of what more points change, over Nc; of the noise of a run."""
 LARGEST_CELL = 0.44
-"""Width of the cells at the cone over its radius up to which the law of their error holds: 4 rows of
-cells beside a face of 60 degrees."""
+"""Width of the cells at the cone over its radius up to which the law of their error holds: 4 rows
+of cells beside a face of 60 degrees."""
 LARGEST_INERTIA = 3.0
 """rho V^2 / su up to which the law of the error of the speed holds."""
 ALL_PASSED = 1.5
