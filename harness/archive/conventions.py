@@ -117,14 +117,22 @@ def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
     return over_cases(dataset, next(iter(with_role(dataset, Role.UNCERTAINTY)), math.nan))
 
 
-def stated(value: float, half_width: float) -> str:
-    """A number with the digits that are known: 10.49 +- 0.08, or 10.5 where no error is known."""
+def known_digits(value: float, half_width: float) -> str:
+    """A number with the digits that are known of it: 10.49; 10.5 where no error is known."""
     if not math.isfinite(half_width) or half_width <= 0.0:
         return f"{value:#.3g}".removesuffix(".")
     # A half width of 0.1 to 0.2 would lose half of itself to rounding with one digit.
     leading = math.floor(math.log10(half_width))
     decimals = max(0, -leading + (half_width < 2.0 * 10.0**leading))
-    return f"{value:.{decimals}f} +- {half_width:.{decimals}f}"
+    return f"{value:.{decimals}f}"
+
+
+def stated(value: float, half_width: float) -> str:
+    """A number with its half width: 10.49 +- 0.08; 10.5 where no error is known."""
+    told = known_digits(value, half_width)
+    if not math.isfinite(half_width) or half_width <= 0.0:
+        return told
+    return f"{told} +- {known_digits(half_width, half_width)}"
 
 
 def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from harness.archive.conventions import (
     limits_of,
     over_cases,
     parameter_names,
+    uncertainty_of,
     varied_names,
     with_role,
 )
@@ -132,12 +133,24 @@ def _names(dataset: xr.Dataset) -> list[str]:
 
 
 def _column(dataset: xr.Dataset, name: str) -> Column:
-    is_deviation = dataset[name].attrs.get("role") == Role.DEVIATION
-    show: Callable[[Any], str] = words.percent if is_deviation else words.text
     values = [words.in_unit(dataset, name, it) for it in over_cases(dataset, name).tolist()]
-    cells = [Cell(show(value), _sortable(value)) for value in values]
+    texts = map(_texts_of(dataset, name), values, uncertainty_of(dataset).tolist())
+    cells = [Cell(text, _sortable(value)) for text, value in zip(texts, values, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
     return Column(title, words.symbol(name), words.unit(dataset, name), cells)
+
+
+def _texts_of(dataset: xr.Dataset, name: str) -> Callable[[Any, float], str]:
+    """What shows a variable, given its value and the uncertainty of the headline in each case."""
+    match dataset[name].attrs.get("role"):
+        case Role.DEVIATION:
+            return lambda value, half_width: words.percent(value)
+        case Role.HEADLINE | Role.UNCERTAINTY if with_role(dataset, Role.UNCERTAINTY):
+            return words.known
+        case Role.PARAMETER:
+            return lambda value, half_width: words.text(value)
+        case _:
+            return lambda value, half_width: words.text(value, digits=3)
 
 
 def _sortable(value: object) -> str:

@@ -91,7 +91,10 @@ def _row(
     found = [soil.get(key, np.nan) for soil in soils]
     known = [value for value in found if np.isfinite(value)]
     change = known[-1] / known[0] - 1.0 if len(known) > 1 and known[0] else np.nan
-    values, results = [dict(key)[name] for name in varied], [words.text(it) for it in found]
+    values, results = (
+        [dict(key)[name] for name in varied],
+        [words.text(it, digits=3) for it in found],
+    )
     return values, results, words.percent(change)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from harness.archive.conventions import COMPLETED, over_cases
+from harness.archive.conventions import COMPLETED, over_cases, uncertainty_of
 from harness.archive.provenance import OF_CASE
 from harness.compare.cone_factors import stored_references
 from harness.compare.tolerances import misses
@@ -126,8 +126,10 @@ def _summary(dataset: xr.Dataset) -> str:
     told += [f"{lost} not completed"] if lost else []
     studied = Studied.of(dataset)
     if studied is not None and np.isfinite(studied.computed).any():
-        ends = [float(np.nanmin(studied.computed)), float(np.nanmax(studied.computed))]
-        range_text = " to ".join(dict.fromkeys(words.text(end) for end in ends))
+        half_widths = uncertainty_of(dataset)
+        ends = (np.nanargmin(studied.computed), np.nanargmax(studied.computed))
+        known = [words.known(studied.computed[end], half_widths[end]) for end in ends]
+        range_text = " to ".join(dict.fromkeys(known))
         unit = words.unit(dataset, studied.headline)
         told.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())
     return "; ".join(told)
