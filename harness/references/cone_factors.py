@@ -16,8 +16,7 @@ from typing import TypeAlias
 import numpy as np
 import xarray as xr
 
-from harness.errors import HarnessError
-from mpm_warp.parameters import nearest_name
+from harness.references.lookup import entry_of
 
 Quantity: TypeAlias = float | np.ndarray | xr.DataArray
 COMPARED = "cone_factor"
@@ -26,10 +25,6 @@ NEEDED = ("rigidity_index", "adhesion_factor")
 """Parameters that every comparison with them depends on."""
 QUOTED = "coefficients as commonly quoted; the original was not read"
 """How an entry is known whose source could not be consulted."""
-
-
-class UnknownReferenceError(HarnessError):
-    """No reference has that id; the message is one line and names the nearest one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,9 +232,4 @@ def cone_factor_reference(reference_id: str) -> ConeFactor:
     Raises:
         UnknownReferenceError: there is none of that id.
     """
-    by_id = {reference.id: reference for reference in CONE_FACTORS}
-    if reference_id not in by_id:
-        raise UnknownReferenceError(
-            f"unknown reference {reference_id!r}{nearest_name(reference_id, by_id)}"
-        )
-    return by_id[reference_id]
+    return entry_of(CONE_FACTORS, reference_id, kind="reference")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping
 
-from harness.references.cone_factors import CONE_FACTORS, ConeFactor, UnknownReferenceError
+from harness.references.cone_factors import CONE_FACTORS, ConeFactor
 from harness.references.experience import BESIDE_COMPRESSION, EXPERIENCE, HOLDS, Experience, Factor
-from mpm_warp.parameters import nearest_name
+from harness.references.lookup import entry_of
 
 WIDTH = 80
 """Columns of a terminal, at least."""
@@ -64,12 +64,7 @@ def one_entry(entry_id: str) -> str:
         UnknownReferenceError: there is none of that id.
     """
     entries: list[ConeFactor | Experience] = [*CONE_FACTORS, *EXPERIENCE]
-    known = {it.id: it for it in entries}
-    if entry_id not in known:
-        raise UnknownReferenceError(
-            f"unknown reference {entry_id!r}{nearest_name(entry_id, known)}"
-        )
-    entry = known[entry_id]
+    entry = entry_of(entries, entry_id, kind="reference")
     said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
     width = max(map(len, said)) + 2
     lines = [entry.id]

@@ -13,8 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from harness.references.cone_factors import UnknownReferenceError
-from mpm_warp.parameters import nearest_name
+from harness.references.lookup import entry_of
 
 HOLDS = (
     "rate effects, softening, anisotropy of strength and stress, and disturbance of the samples: "
@@ -224,9 +223,4 @@ def experience_entry(entry_id: str) -> Experience:
     Raises:
         UnknownReferenceError: there is none of that id.
     """
-    by_id = {entry.id: entry for entry in EXPERIENCE}
-    if entry_id not in by_id:
-        raise UnknownReferenceError(
-            f"unknown band of experience {entry_id!r}{nearest_name(entry_id, by_id)}"
-        )
-    return by_id[entry_id]
+    return entry_of(EXPERIENCE, entry_id, kind="band of experience")

@@ -15,7 +15,7 @@ from harness.compare.cone_factors import (
     stored_references,
     with_references,
 )
-from harness.references.cone_factors import UnknownReferenceError
+from harness.references.lookup import UnknownReferenceError
 
 THREE = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 

@@ -11,8 +11,8 @@ from harness.archive.study_files import read_study, write_study
 from harness.compare.cone_factor_table import cone_factor_table
 from harness.compare.differences import differences
 from harness.compare.experience import experience_notes, stored_experience, with_experience
-from harness.references.cone_factors import UnknownReferenceError
 from harness.references.experience import experience_entry
+from harness.references.lookup import UnknownReferenceError
 
 TWO = ("karlsrud_2005", "mayne_peuchen_2018")
 
