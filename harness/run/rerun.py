@@ -14,6 +14,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import read_case
 from harness.archive.conventions import COMPLETED, parameter_names
+from harness.archive.fields_files import ENDING
 from harness.archive.provenance import OF_CASE
 from harness.archive.study_files import read_result
 from harness.compare.differences import differing
@@ -38,6 +39,9 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
             the file lacks what is needed.
         UnknownSceneError: the simulator has no such scene.
     """
+    if path.name.endswith(ENDING):
+        own = path.with_name(f"{path.name.removesuffix(ENDING)}.nc")
+        raise ArchiveError(f"{path}: holds the snapshots of a case; its results are in {own.name}")
     dataset = read_result(path)
     if "study" in dataset.attrs:
         dataset = _cell(path, dataset, key)

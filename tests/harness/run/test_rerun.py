@@ -11,8 +11,10 @@ import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
+from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import CRASHED
 from harness.cli.main import main
+from harness.run.rerun import read_for_rerun
 from harness.study.study import Study, load_study
 
 SETTINGS = ["material=['von_mises']", "rigidity_index=[50, 100]", "adhesion_factor=0.5"]
@@ -155,3 +157,8 @@ def test_a_result_without_a_parameter_is_told(
     study_files.write_study(path, changed)
     line = refusal(["rerun", str(path), str(collected.case_key.values[1])])
     assert line.endswith(": a parameter is missing or malformed; it cannot be run again")
+
+
+def test_snapshots_are_no_result(tmp_path: Path) -> None:
+    with pytest.raises(ArchiveError, match=r"holds the snapshots of a case; .* in 0123\.nc"):
+        read_for_rerun(tmp_path / "0123.fields.nc", None)
