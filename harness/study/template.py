@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
 
 from harness.references.cone_factors import ENVELOPE
-from harness.references.experience import EXPERIENCE, Factor
+from harness.references.experience import EXPERIENCE
 from harness.study.study import takes_references
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
@@ -58,8 +58,8 @@ def study_text(name: str, scene_name: str) -> str:
         ids = ", ".join(_toml(it.id) for it in ENVELOPE)
         parts += ["", "# The literature beside it, for a scene that has a cone factor:"]
         parts += ["#[compare]", f"#references = [{ids}]"]
-        bands = ", ".join(_toml(it.id) for it in EXPERIENCE if it.factor is Factor.RESISTANCE)
-        parts += ["# and factors measured in the field, as bands:", f"#experience = [{bands}]"]
+        parts += ["# and a band of factors measured in the field; others: `harness references`"]
+        parts += [f"#experience = [{_toml(EXPERIENCE[0].id)}]"]
     return "\n".join([*parts, ""])
 
 
