@@ -20,6 +20,8 @@ from mpm_warp.scenes.cone.known_error import (
 STUDIES = Path(__file__).parent.parent / "studies"
 GROWTH = 0.4
 """Growth of the cells of all cases."""
+HELD_OUT = 24
+"""Cases of the test of the interval."""
 CONFIDENCE = 0.95
 """Share of the cases that the interval is to hold."""
 
@@ -70,5 +72,5 @@ def test_the_interval_holds_for_cases_that_were_not_used_for_it() -> None:
         if (key := (it["rigidity_index"], it["adhesion_factor"], it["stress_anisotropy"]))
         in held_out
     ]
-    assert len(inside) == len(held_out)
+    assert len(inside) == len(held_out) == HELD_OUT
     assert sum(inside) >= math.floor(CONFIDENCE * len(inside))
