@@ -15,6 +15,7 @@ from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed

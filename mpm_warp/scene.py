@@ -116,6 +116,7 @@ class Scene:
             )
         leans = np.ptp(self.grid.surface_radius) > 0.0
         has_rays_or_is_plane = self.grid.polar or self.grid.planar
+        varies = self.material.variation is not None
         for name, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
             ("moving_wall", self.window, "a window"),
@@ -123,9 +124,13 @@ class Scene:
             ("surroundings", self.far_field, "a far field"),
             ("surroundings", self.window is None, "a grid at rest; give it a window"),
             ("conservative_interpolation", has_rays_or_is_plane, "a grid of rays or that is plane"),
+            ("far_field", varies, "a material that varies; around a window give it surroundings"),
+            ("moving_wall", varies, "a material that varies"),
         ):
             if getattr(self, name) and does_not_go_with:
                 raise SceneError(f"{name}: not together with {why}")
+        if varies and np.any(self.stress_at_rest):
+            raise SceneError("stress_at_rest: not together with a material that varies")
         for part in self.node_actions:
             if isinstance(part, FitsGrid):
                 part.check(self)

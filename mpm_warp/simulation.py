@@ -56,7 +56,7 @@ class Simulation:
         # They hold the run, not this: a run that is over then lets go of its arrays at once.
         self._watch = make_watch(scene, self._run)
         self._inflow = (
-            Inflow(self._run, scene, scene.window, scene.surroundings)
+            Inflow(self._run, scene, scene.window, scene.surroundings, scene.node_actions)
             if isinstance(scene, Scene) and scene.window
             else None
         )

@@ -4,6 +4,9 @@ Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, D its symmetric par
 spin in a step, K bulk modulus, G shear modulus.
 
     sigma <- law(R sigma R' + dt (K tr D + 2 G dev D))
+
+Where the material varies from place to place, G and K are those of the material times the stiffness
+ratio of the point.
 """
 
 import functools
@@ -89,10 +92,27 @@ def _make_strain_increment(precision: Precision) -> Any:
 
 
 @functools.cache
+def make_increment_of_point(law: Law, precision: Precision) -> Any:
+    """The function (stress increment of the cell, properties of a point) -> that of the point."""
+    vec7, properties_type, varies = precision.vec7, law.properties_type, law.varies
+
+    @wp.func
+    def increment_of_point(increment: vec7, properties: properties_type) -> vec7:
+        own = increment
+        if wp.static(varies):
+            for k in range(4):  # what follows is rotation
+                own[k] = properties[0] * increment[k]
+        return own
+
+    return increment_of_point
+
+
+@functools.cache
 def make_stress_update(law: Law, precision: Precision) -> Any:
     """The function (stress, stress increment, G, K, time step, properties, state) after a step.
 
-    It gives stress and state; properties and state are those of the law.
+    It gives stress and state; properties and state are those of the law. The increment is that of
+    the cell, G and K are the moduli that it is for.
     """
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_type, state_type = law.properties_type, law.state_type
@@ -100,7 +120,7 @@ def make_stress_update(law: Law, precision: Precision) -> Any:
         make_elastic_trial(precision),
         _make_strain_increment(precision),
     )
-    update = law.update
+    increment_of_point, update = make_increment_of_point(law, precision), law.update
 
     @wp.func
     def stress_update(
@@ -112,7 +132,7 @@ def make_stress_update(law: Law, precision: Precision) -> Any:
         properties: properties_type,
         state: state_type,
     ):
-        trial = elastic_trial(stress, increment)
+        trial = elastic_trial(stress, increment_of_point(increment, properties))
         strain = strain_increment(increment, shear_modulus, bulk_modulus)
         sigma, remembered = update(trial, strain, time_step, properties, state)
         return sigma, remembered

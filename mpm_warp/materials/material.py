@@ -6,13 +6,22 @@ in a file of its own, which may be a user's. Such a file must not have `from __f
 annotations`: Warp reads the types of a kernel from its annotations, and would raise a `NameError`.
 """
 
+import functools
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from mpm_warp.arguments import POSITIVE, Range, check_number
+import numpy as np
+import warp as wp
+
+from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.variation import Variation
 from mpm_warp.precision import Precision
+
+PROPERTIES = "particle.properties"
+"""The array of the properties of each point of a material that varies, shape [slot_count]."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +29,9 @@ class Law:
     """The functions of a material on the device, in one precision.
 
     Stresses and strains are (rr, zz, rz, tt), tension positive, rz that of the tensor. `properties`
-    holds the material's `properties`, `state` what the point remembers, both as vectors.
+    holds the material's `properties`, `state` what the point remembers, both as vectors. Where the
+    material varies from place to place a stiffness ratio stands before the properties, and each
+    point has its own.
 
     Attributes:
         key: tells the law from all others: where its class is, and how many properties and numbers
@@ -32,6 +43,7 @@ class Law:
         state_type: type of the vector that a point remembers.
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
             kept.
+        varies: whether each point has properties of its own.
     """
 
     key: str
@@ -40,6 +52,12 @@ class Law:
     properties_type: Any
     state_type: Any
     remembers: bool
+    varies: bool = False
+
+    @property
+    def properties_argument(self) -> Any:
+        """Type of the argument of a kernel that holds the properties: one for all, or an array."""
+        return wp.array(dtype=self.properties_type) if self.varies else self.properties_type
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +68,8 @@ class Material(ABC):
         shear_modulus: G [Pa], > 0.
         poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
         density: rho [kg/m3], > 0.
+        variation: strength and stiffness from place to place, over those of the material; None:
+            they are the same everywhere.
 
     Raises:
         SceneError: a value is not allowed.
@@ -61,16 +81,49 @@ class Material(ABC):
     shear_modulus: float
     poissons_ratio: float
     density: float
+    variation: Variation | None = None
 
     def __post_init__(self) -> None:
         check_number("material: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
         check_number("material: poissons_ratio", self.poissons_ratio, Range(minimum=0, below=0.5))
         check_number("material: density", self.density, POSITIVE, unit="kg/m3")
+        check_kind("material: variation", self.variation, (Variation, type(None)))
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """The numbers that the law takes beside stress, strain and state; at least one."""
+        """The numbers that the law takes beside stress, strain and state; at least one.
+
+        The strength comes first, where there is one: it is what a variation varies.
+        """
         return (0.0,)
+
+    def stiffness_ratio_at(self, place: Floats) -> Floats:
+        """Shear modulus over `shear_modulus` at places in the ground.
+
+        Args:
+            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
+        """
+        if self.variation is None:
+            return np.ones(place.shape[:-1])
+        return self.variation.stiffness_ratio_at(place)
+
+    def strength_ratio_at(self, place: Floats) -> Floats:
+        """Strength over that of the material at places in the ground, as `stiffness_ratio_at`."""
+        if self.variation is None:
+            return np.ones(place.shape[:-1])
+        return self.variation.strength_ratio_at(place)
+
+    def properties_at(self, place: Floats) -> Floats:
+        """Stiffness ratio and `properties` of points whose material varies, shape [..., 1 + n].
+
+        Args:
+            place: (r, z) in the ground where they come from [m], shape [..., 2].
+        """
+        own = np.empty((*place.shape[:-1], 1 + len(self.properties)))
+        own[..., 0] = self.stiffness_ratio_at(place)
+        own[..., 1:] = self.properties
+        own[..., 1] *= self.strength_ratio_at(place)
+        return own
 
     @abstractmethod
     def update(self, precision: Precision) -> Any:
@@ -83,7 +136,7 @@ class Material(ABC):
     def law(self, precision: Precision) -> Law:
         """The material's functions on the device in one precision."""
         name = f"{type(self).__module__}.{type(self).__qualname__}".replace("<locals>.", "")
-        return Law(
+        law = Law(
             key=f"{name}.{len(self.properties)}.{len(self.state)}",
             update=self.update(precision),
             yield_function=self.yield_function(precision),
@@ -91,6 +144,11 @@ class Material(ABC):
             state_type=precision.vector(max(1, len(self.state))),
             remembers=len(self.state) > 0,
         )
+        return law if self.variation is None else _varied(law, len(self.properties), precision)
+
+    def properties_argument(self, law: Law) -> Any:
+        """What a launch is given for the properties: one vector for all points, or an array."""
+        return PROPERTIES if law.varies else law.properties_type(*self.properties)
 
     @property
     def limit_pressure(self) -> float:
@@ -141,3 +199,58 @@ class PerfectlyPlastic(Material):
     def limit_pressure(self) -> float:
         """Of a spherical cavity: 4/3 su (1 + ln(G / su)) [Pa] (Hill 1950)."""
         return 4.0 / 3.0 * self.strength * (1.0 + math.log(self.shear_modulus / self.strength))
+
+
+@functools.cache
+def make_properties_of_point(law: Law) -> Any:
+    """The function (properties, number of a point) -> those of the point; see `Law`."""
+    properties_type, properties_argument = law.properties_type, law.properties_argument
+
+    if law.varies:
+
+        @wp.func
+        def own_properties(properties: properties_argument, point: int) -> properties_type:
+            return properties[point]
+
+        return own_properties
+
+    @wp.func
+    def common_properties(properties: properties_type, point: int) -> properties_type:
+        return properties
+
+    return common_properties
+
+
+@functools.cache
+def _varied(law: Law, property_count: int, precision: Precision) -> Law:
+    """The law of a material that varies: a stiffness ratio stands before the properties."""
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    state_type, common_type = law.state_type, law.properties_type
+    own_type = precision.vector(1 + property_count)
+    common_update: Any = law.update
+    common_yield_function: Any = law.yield_function
+
+    @wp.func
+    def without_stiffness(own: own_type) -> common_type:
+        properties = common_type()
+        for k in range(wp.static(property_count)):
+            properties[k] = own[k + 1]
+        return properties
+
+    @wp.func
+    def update(trial: vec4, strain: vec4, time_step: real, own: own_type, state: state_type):
+        stress, remembered = common_update(trial, strain, time_step, without_stiffness(own), state)
+        return stress, remembered
+
+    @wp.func
+    def yield_function(stress: vec4, own: own_type, state: state_type) -> vec2:
+        return common_yield_function(stress, without_stiffness(own), state)
+
+    return replace(
+        law,
+        key=f"varied.{law.key}",
+        update=update,
+        yield_function=None if common_yield_function is None else yield_function,
+        properties_type=own_type,
+        varies=True,
+    )

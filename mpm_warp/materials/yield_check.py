@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.material import Law, Material, make_properties_of_point
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -34,14 +34,15 @@ def add_yield_check(plan: Plan, material: Material) -> None:
         blocks,
         count=count,
         particle_state=plan.find("particle.state"),
-        properties=law.properties_type(*material.properties),
+        properties=material.properties_argument(law),
     )
 
 
 @functools.cache
 def _make_yield_check(law: Law, precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
-    properties_type, state_type = law.properties_type, law.state_type
+    properties_argument, state_type = law.properties_argument, law.state_type
+    properties_of_point = make_properties_of_point(law)
     yield_function: Any = law.yield_function
     remembers = law.remembers
     one = wp.constant(real(1.0))
@@ -55,7 +56,7 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
-        properties: properties_type,
+        properties: properties_argument,
         yield_margin: wp.array(dtype=real),
         yield_particle: wp.array(dtype=int),
     ):
@@ -69,7 +70,7 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
                 remembered = state_type()
                 if wp.static(remembers):
                     remembered = particle_state[p]
-                measured = yield_function(s, properties, remembered)
+                measured = yield_function(s, properties_of_point(properties, p), remembered)
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
                 beyond = f / k - one - roundings * (one + greatest / k)

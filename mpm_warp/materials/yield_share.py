@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.material import Law, Material, make_properties_of_point
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -25,7 +25,7 @@ def add_yield_share(plan: Plan, material: Material) -> None:
         _make_yield_share(law, plan.precision),
         count,
         particle_state=plan.find("particle.state"),
-        properties=law.properties_type(*material.properties),
+        properties=material.properties_argument(law),
     )
 
 
@@ -33,7 +33,8 @@ def add_yield_share(plan: Plan, material: Material) -> None:
 def _make_yield_share(law: Law, precision: Precision) -> Any:
     """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
     real, vec4 = precision.real, precision.vec4
-    properties_type, state_type = law.properties_type, law.state_type
+    properties_argument, state_type = law.properties_argument, law.state_type
+    properties_of_point = make_properties_of_point(law)
     yield_function: Any = law.yield_function
     remembers = law.remembers
 
@@ -43,14 +44,15 @@ def _make_yield_share(law: Law, precision: Precision) -> Any:
     def yield_share(
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
-        properties: properties_type,
+        properties: properties_argument,
         yield_share: wp.array(dtype=real),
     ):
         p = wp.tid()
         remembered = state_type()
         if wp.static(remembers):
             remembered = particle_state[p]
-        measured = yield_function(particle_stress[p], properties, remembered)
+        own = properties_of_point(properties, p)
+        measured = yield_function(particle_stress[p], own, remembered)
         yield_share[p] = measured[0] / measured[1]
 
     return yield_share

@@ -11,6 +11,7 @@ from typing import Protocol, runtime_checkable
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 
 
 class Setting(Protocol):
@@ -55,4 +56,18 @@ class FitsGrid(Protocol):
 
         Raises:
             SceneError: it has not.
+        """
+
+
+@runtime_checkable
+class FollowsSoil(Protocol):
+    """A part at a window that takes properties from the soil beside it, where these vary."""
+
+    def follow(self, run: Run, setting: Setting, travel: float) -> None:
+        """Take up the properties of the soil that is there now; after each layer that enters.
+
+        Args:
+            run: whose arrays the part has added.
+            setting: the soil.
+            travel: how far the grid has travelled down through the soil [m].
         """

@@ -17,7 +17,7 @@ import warp as wp
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
 from mpm_warp.materials.elasticity import make_stress_update
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.material import Law, Material, make_properties_of_point
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -52,7 +52,7 @@ def add_grid_to_particles(
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
-        properties=law.properties_type(*material.properties),
+        properties=material.properties_argument(law),
         particle_state=plan.find("particle.state"),
         window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
@@ -69,7 +69,8 @@ def _make_grid_to_particles(
     location = make_location(polar, precision)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
     stress_update, remembers = make_stress_update(law, precision), law.remembers
-    properties_type, state_type = law.properties_type, law.state_type
+    properties_of_point = make_properties_of_point(law)
+    properties_argument, state_type = law.properties_argument, law.state_type
     interpolated = flow_displacement is not None
     flow = flow_displacement.key if flow_displacement is not None else "bilinear"
     key = f"{'polar' if polar else 'rows'}.{law.key}.{flow}"
@@ -88,7 +89,7 @@ def _make_grid_to_particles(
         time_step: real,
         shear_modulus: real,
         bulk_modulus: real,
-        properties: properties_type,
+        properties: properties_argument,
         particle_position: wp.array(dtype=vec2),
         particle_velocity: wp.array(dtype=vec2),
         particle_stress: wp.array(dtype=vec4),
@@ -129,7 +130,7 @@ def _make_grid_to_particles(
             shear_modulus,
             bulk_modulus,
             time_step,
-            properties,
+            properties_of_point(properties, p),
             remembered,
         )
         particle_stress[p] = sigma

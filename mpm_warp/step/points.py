@@ -11,7 +11,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.material import PROPERTIES, Material
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan
 
@@ -54,5 +54,8 @@ def add_points(
     plan.add_array("particle.mass", "real", mass)
     counts = (grid.column_count, grid.row_count)
     plan.add_array("particle.cell", "vec2i", cell, counts, may_be_none=spare_fraction > 0.0)
+    if material.variation is not None:
+        properties = material.properties_at(position)
+        plan.add_array(PROPERTIES, f"vec{properties.shape[-1]}", properties)
     if material.state:
         plan.add_zeros("particle.state", f"vec{len(material.state)}", slots)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.plan.run import Run
 from mpm_warp.plan.time_step import check_time_step
 from mpm_warp.scene import Scene
@@ -180,6 +181,8 @@ class SoilWatch(ParticleWatch):
     def _look_at_mean_stress(self, before: _Before) -> None:
         # What the step did to the stress in the cell that each was in; without the rotation.
         step = self._run.array("cell.stress_increment").take(before.cell, axis=0)[:, :4]
+        if self._run.plan.find(PROPERTIES):
+            step = step * self._of("properties", before.particle)[:, :1]
         check_mean_stress(
             number=before.particle,
             position=self._of("position", before.particle),

@@ -25,10 +25,11 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.material import PROPERTIES, Material
 from mpm_warp.parts.contact.contact_law import make_contact_law
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.precision import Precision
 
 PARTED = 1e-3
@@ -49,6 +50,31 @@ def nodal_areas(weight: Floats, length: Floats) -> Floats:
     return np.append(to_lower, 0.0) + np.insert(to_upper, 0, 0.0)
 
 
+def strength_ratio_beside(run: Run, setting: Setting, nodes: Integers) -> Floats:
+    """Mean strength of the points in the cells around nodes, over that of the material.
+
+    Args:
+        run: of soil that varies.
+        setting: the soil.
+        nodes: flat indices, shape [node_count]; with soil in one of the cells around each.
+    """
+    grid = setting.grid
+    column, row = run.array("particle.cell").T
+    present = column >= 0
+    cell = row[present] * grid.column_count + column[present]
+    strength = run.array(PROPERTIES)[present, 1] / setting.material.properties[0]
+
+    def around_nodes(of_points: Floats | None) -> Floats:
+        in_cells = np.bincount(cell, of_points, minlength=grid.cell_count)
+        padded = np.pad(in_cells.reshape(grid.row_count, grid.column_count), 1)
+        sums = padded[:-1, :-1] + padded[1:, :-1] + padded[:-1, 1:] + padded[1:, 1:]
+        at_nodes: Floats = sums.ravel()[nodes].astype(np.float64)
+        return at_nodes
+
+    mean: Floats = around_nodes(strength) / around_nodes(None)
+    return mean
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceContact:
     """Contact of nodes of the grid with a rigid body whose surface goes through them.
@@ -60,7 +86,8 @@ class SurfaceContact:
         nodes: flat indices of the nodes in contact, each once, shape [node_count].
         normals: unit normals, outward from the soil, shape [node_count, 2].
         normal_areas: areas on which the normal traction acts [m2], shape [node_count].
-        adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count].
+        adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count]; where
+            the material varies, beside soil of a strength ratio of 1.
         friction: Coulomb coefficient, dimensionless, >= 0.
         in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
             part where the simulated traction pulls by more.
@@ -111,7 +138,9 @@ class SurfaceContact:
         window_motion = plan.find("window.motion")
         plan.add_array("contact.nodes", "int", self.nodes, (setting.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
-        plan.add_array("contact.adhesion", "real", self.adhesion_forces)
+        place = setting.grid.node_positions[self.nodes]
+        adhesion = self.adhesion_forces * setting.material.strength_ratio_at(place)
+        plan.add_array("contact.adhesion", "real", adhesion)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
         plan.add_launch(
@@ -121,6 +150,12 @@ class SurfaceContact:
             speed=self.speed,
             window_motion=window_motion,
         )
+
+    def follow(self, run: Run, setting: Setting, travel: float) -> None:
+        """The adhesion is that of the soil which is beside each node now."""
+        if self.adhesion_forces.any():
+            ratio = strength_ratio_beside(run, setting, self.nodes)
+            run.assign("contact.adhesion", ratio * self.adhesion_forces)
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed.

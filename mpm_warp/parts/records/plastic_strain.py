@@ -15,8 +15,12 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_update
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.elasticity import (
+    make_elastic_trial,
+    make_increment_of_point,
+    make_stress_update,
+)
+from mpm_warp.materials.material import Law, Material, make_properties_of_point
 from mpm_warp.materials.von_mises import make_j2
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
 from mpm_warp.precision import Precision
@@ -39,7 +43,7 @@ def add_plastic_strain_audit(plan: Plan, grid: Grid, material: Material) -> None
         column_count=grid.column_count,
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
-        properties=law.properties_type(*material.properties),
+        properties=material.properties_argument(law),
         particle_state=plan.find("particle.state"),
     )
     # Between the rates of cells and the stage that leaves the stress after the law.
@@ -53,7 +57,9 @@ def add_plastic_strain_audit(plan: Plan, grid: Grid, material: Material) -> None
 def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
     """The kernel, launched over slots of particles."""
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
-    properties_type, state_type = law.properties_type, law.state_type
+    properties_argument, state_type = law.properties_argument, law.state_type
+    properties_of_point = make_properties_of_point(law)
+    increment_of_point, varies = make_increment_of_point(law, precision), law.varies
     elastic_trial, j2 = make_elastic_trial(precision), make_j2(precision)
     stress_update, remembers = make_stress_update(law, precision), law.remembers
     steps = wp.constant(real(AUDIT_INTERVAL))
@@ -71,7 +77,7 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
         shear_modulus: real,
         bulk_modulus: real,
         time_step: real,
-        properties: properties_type,
+        properties: properties_argument,
         particle_plastic_strain: wp.array(dtype=real),
     ):
         p = offset + wp.tid()
@@ -82,16 +88,20 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
         remembered = state_type()
         if wp.static(remembers):
             remembered = particle_state[p]
-        trial = elastic_trial(particle_stress[p], increment)
+        own = properties_of_point(properties, p)
+        trial = elastic_trial(particle_stress[p], increment_of_point(increment, own))
         sigma, _ = stress_update(
             particle_stress[p],
             increment,
             shear_modulus,
             bulk_modulus,
             time_step,
-            properties,
+            own,
             remembered,
         )
-        particle_plastic_strain[p] += steps * wp.sqrt(j2(trial - sigma)) / shear_modulus
+        own_modulus = shear_modulus
+        if wp.static(varies):
+            own_modulus = own[0] * shear_modulus
+        particle_plastic_strain[p] += steps * wp.sqrt(j2(trial - sigma)) / own_modulus
 
     return record_plastic_strain

@@ -2,11 +2,13 @@
 
 A layer that enters is a copy of the lowest layer as it was seeded, in all that particles carry, so
 that what a part or a material adds to the particles enters with them. Where the scene says how the
-ground around the window moves, the layer has its velocity and stress.
+ground around the window moves, the layer has its velocity and stress. Where the material varies,
+the layer has the properties of its depth, and parts take up those of the soil beside them.
 """
 
 import functools
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,8 @@ import warp as wp
 
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.parts.part import Setting
+from mpm_warp.materials.material import PROPERTIES
+from mpm_warp.parts.part import FollowsSoil, NodeAction, Setting
 from mpm_warp.parts.records.history import note_origin
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.window import Window
@@ -59,10 +62,16 @@ class Inflow:
         setting: the soil.
         window: of the scene.
         ground: around the window, or none: what enters is undisturbed then.
+        parts: of the scene; where its material varies, those that follow the soil do.
     """
 
     def __init__(
-        self, run: Run, setting: Setting, window: Window, ground: SurroundingGround | None
+        self,
+        run: Run,
+        setting: Setting,
+        window: Window,
+        ground: SurroundingGround | None,
+        parts: Iterable[NodeAction] = (),
     ) -> None:
         plan, rows = run.plan, setting.grid.rows
         self._run = run
@@ -78,6 +87,8 @@ class Inflow:
         self._layers_per_row = setting.particles_per_side
         self._layer_height = float(rows[1] - rows[0]) / self._layers_per_row
         self._layer_count = 0
+        varies = setting.material.variation is not None
+        self._followers = [it for it in parts if varies and isinstance(it, FollowsSoil)]
 
     @property
     def travel(self) -> float:
@@ -114,6 +125,9 @@ class Inflow:
         position[:, 1] += position.dtype.type(above_bottom)
         self._run.assign("layer.position", position)
         note_origin(self._run, position, self.travel)
+        if self._run.plan.find(PROPERTIES):
+            place = position - np.array([0.0, self.travel])
+            self._run.assign("layer.properties", self._setting.material.properties_at(place))
         self._run.assign("layer.slots", self._chosen(free))
         if self._ground is not None:
             speed, travel = self._run.array("window.motion")[1:]
@@ -134,6 +148,8 @@ class Inflow:
                 else self._ground.entering_spring(self._setting, self.travel)
             )
             self._run.assign("far_field.displacement", springs)
+        for part in self._followers:
+            part.follow(self._run, self._setting, self.travel)
 
     @property
     def _next_layer(self) -> float:

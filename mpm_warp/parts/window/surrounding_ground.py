@@ -7,8 +7,11 @@ each component, A its area and t the growth of the source's traction per way:
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
 Soil that enters at the bottom has the velocity and the stress of the source, and springs that enter
-beside it hold that stress. So a small window has the resistance of a large one: a bottom at rest
-and a lid would have the volume of the body flow out between them, which costs pressure.
+beside it hold that stress. Where the material varies, stress, springs and dashpots are those of the
+soil's own stiffness; k and t are in proportion, so that the motion is that of uniform ground.
+
+So a small window has the resistance of a large one: a bottom at rest and a lid would have the
+volume of the body flow out between them, which costs pressure.
 """
 
 import functools
@@ -26,6 +29,7 @@ from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.part import Setting
 from mpm_warp.parts.window.travelling_source import TravellingSource
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.precision import Precision
 
 
@@ -43,8 +47,10 @@ class SurroundingGround:
         side: flat indices of the nodes on the side, from below to above, shape [side_count].
         side_positions: where they are [m], shape [side_count, 2].
         side_areas: area of each per radian [m2], > 0, shape [side_count].
-        spring: stiffness of each along r and z per radian [N/m], > 0, shape [side_count, 2].
-        dashpot: viscosity of each along r and z per radian [N s/m], >= 0, shape [side_count, 2].
+        spring: stiffness of each along r and z per radian [N/m], > 0, shape [side_count, 2]; where
+            the material varies, that of a stiffness ratio of 1.
+        dashpot: viscosity of each along r and z per radian [N s/m], >= 0, shape [side_count, 2],
+            likewise.
 
     Raises:
         SceneError: a value is not allowed.
@@ -111,14 +117,23 @@ class SurroundingGround:
             position: (r, z) in the grid [m], shape [..., 2].
             travel: of the body [m], >= 0.
         """
-        stress: Floats = setting.stress_at_rest + self.source.stress_since(position, travel)
+        own = self._stiffness_ratio(setting, position, travel)[..., None]
+        stress: Floats = setting.stress_at_rest + own * self.source.stress_since(position, travel)
         return stress
 
     def entering_spring(self, setting: Setting, travel: float) -> Floats:
         """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
-        stress = self.stress(setting, self.side_positions[:1], travel)
-        displacement: Floats = -(self.side_areas[0] * stress[0, [0, 2]]) / self.spring[0]
+        lowest = self.side_positions[:1]
+        stress = self.stress(setting, lowest, travel)
+        spring = self.spring[0] * self._stiffness_ratio(setting, lowest, travel)
+        displacement: Floats = -(self.side_areas[0] * stress[0, [0, 2]]) / spring
         return displacement
+
+    def follow(self, run: Run, setting: Setting, travel: float) -> None:
+        """Springs and dashpots of the side as stiff as the soil that is beside them now."""
+        own = self._stiffness_ratio(setting, self.side_positions, travel)[:, None]
+        run.assign("far_field.spring", own * self.spring)
+        run.assign("far_field.dashpot", np.sqrt(own) * self.dashpot)
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add two launches, over the nodes of the side and of the ends.
@@ -133,8 +148,9 @@ class SurroundingGround:
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
         at_rest = -(self.side_areas[:, None] * setting.stress_at_rest[[0, 2]]) / self.spring
         plan.add_array("far_field.nodes", "int", self.side, nodes)
-        plan.add_array("far_field.spring", "vec2", self.spring)
-        plan.add_array("far_field.dashpot", "vec2", self.dashpot)
+        own = self._stiffness_ratio(setting, self.side_positions, 0.0)[:, None]
+        plan.add_array("far_field.spring", "vec2", own * self.spring)
+        plan.add_array("far_field.dashpot", "vec2", np.sqrt(own) * self.dashpot)
         plan.add_array("far_field.flow", "vec2", side_flow)
         plan.add_array("far_field.drawn", "vec2", side_flow + drawn / self.spring)
         plan.add_array("far_field.displacement", "vec2", at_rest)
@@ -144,6 +160,10 @@ class SurroundingGround:
         plan.add_array("end.free", "vec2", self.free)
         plan.add_array("end.flow", "vec2", self._end_flow)
         plan.add_launch(_make_moving_ends(precision), len(self.ends))
+
+    def _stiffness_ratio(self, setting: Setting, position: Floats, travel: float) -> Floats:
+        """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
+        return setting.material.stiffness_ratio_at(position - np.array([0.0, travel]))
 
     @property
     def _end_flow(self) -> Floats:

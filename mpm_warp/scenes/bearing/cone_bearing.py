@@ -10,6 +10,7 @@ from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.parameters import parameter
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
@@ -21,12 +22,13 @@ EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}
 class ConeBearing(Bearing):
     """A cone that is pressed on from where its shoulder is at the surface.
 
-    The exact load is known for 60 degrees and the adhesion factors of `EXACT`.
+    In uniform soil the exact load is known for 60 degrees and the adhesion factors of `EXACT`.
+    Adhesion is in proportion to the strength of the soil beside it.
     """
 
     summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"
     version: ClassVar[int] = 3
-    exact_source: ClassVar[str] = (
+    uniform_exact_source: ClassVar[str] = (
         "slip lines with the hypothesis of Haar and von Karman, integrated for this project; the "
         "same integration gives 5.689 and 6.049 for the smooth and the rough disc"
     )
@@ -49,9 +51,24 @@ class ConeBearing(Bearing):
     )
 
     @property
-    def exact_load(self) -> float:
+    def uniform_exact_load(self) -> float:
         """Exact limit load over area and su; not a number where none is known."""
         return EXACT.get(self.adhesion_factor, math.nan) if self.apex_angle == 60.0 else math.nan
+
+    @property
+    def slip_lines(self) -> SlipLines | None:
+        """Those of the cone, unless it is so blunt and rough that soil is stuck below it."""
+        lines = SlipLines(
+            half_angle=math.radians(0.5 * self.apex_angle),
+            adhesion_factor=self.adhesion_factor,
+            strength_gradient_ratio=self.strength_gradient_ratio,
+        )
+        return lines if lines.face_psi >= 0.0 else None
+
+    @property
+    def surface_height(self) -> float:
+        """Height of the shoulder above the tip, which is at z = 0 [m]."""
+        return self._penetrometer.cone_height
 
     def grid(self) -> Grid:
         """A grid fitted to the cone, that ends at its shoulder."""
@@ -74,7 +91,7 @@ class ConeBearing(Bearing):
         )
 
     def load(self, scene: Scene, nodal: Floats) -> float:
-        """The upward force on the face, over base area and su."""
+        """The upward force on the face, over base area and su0."""
         assert isinstance(scene.contact, PenetrometerContact)
         forces = scene.contact.forces(nodal)
         return (forces.face_normal + forces.face_shear) / (0.5 * RADIUS**2 * STRENGTH)

@@ -13,6 +13,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import Verification
 
 
@@ -36,6 +37,17 @@ class Footing(Bearing):
     adhesion_factor: float = parameter(
         0.0, unit="1", meaning="adhesion factor of the footing", choices=(0.0, 1.0)
     )
+
+    @property
+    def slip_lines(self) -> SlipLines | None:
+        """Those of a smooth footing; below a rough one soil is stuck."""
+        if self.adhesion_factor > 0.0:
+            return None
+        return SlipLines(
+            half_angle=0.5 * math.pi,
+            strength_gradient_ratio=self.strength_gradient_ratio,
+            planar=self.planar,
+        )
 
     def grid(self) -> Grid:
         """Cells of one size below the footing, growing beside it and with depth."""
@@ -69,7 +81,7 @@ class Footing(Bearing):
         )
 
     def load(self, scene: Scene, nodal: Floats) -> float:
-        """The sum of the normal forces, over area and su."""
+        """The sum of the normal forces, over area and su0."""
         area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
         return float(nodal[:, 0].sum()) / (area * STRENGTH)
 
@@ -80,14 +92,14 @@ class CircularFooting(Footing):
 
     summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
     version: ClassVar[int] = 3
-    exact_source: ClassVar[str] = (
+    uniform_exact_source: ClassVar[str] = (
         "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
         "Z. angew. Math. Phys. 11:33-43"
     )
     planar: ClassVar[bool] = False
 
     @property
-    def exact_load(self) -> float:
+    def uniform_exact_load(self) -> float:
         """Exact limit load over area and su, of a smooth or a rough disc."""
         return 5.69 if self.adhesion_factor == 0.0 else 6.05
 
@@ -98,12 +110,12 @@ class StripFooting(Footing):
 
     summary: ClassVar[str] = "limit load of a strip footing in plane strain, smooth and rough"
     version: ClassVar[int] = 3
-    exact_source: ClassVar[str] = (
+    uniform_exact_source: ClassVar[str] = (
         "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
     )
     planar: ClassVar[bool] = True
 
     @property
-    def exact_load(self) -> float:
+    def uniform_exact_load(self) -> float:
         """Exact limit load over area and su, whatever the adhesion."""
         return 2.0 + math.pi

@@ -110,7 +110,7 @@ class ConePenetration(ConeTest):
         return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
 
     @property
-    def _cell_size(self) -> float:
+    def cell_size(self) -> float:
         """Width and height of the cells at the cone [m]."""
         assert self.cells_per_radius is not None
         rows = self._penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
@@ -121,7 +121,7 @@ class ConePenetration(ConeTest):
         assert self.domain_radius is not None
         assert self.domain_above is not None
         assert self.domain_below is not None
-        radius, size = self.cone_radius, self._cell_size
+        radius, size = self.cone_radius, self.cell_size
         span = (self.domain_radius - 1.0) * radius
         return self._penetrometer.fitted_grid(
             rows_on_face=self._penetrometer.rows_on_face(size),
@@ -182,7 +182,7 @@ class ConePenetration(ConeTest):
 
     @property
     def _run_size(self) -> RunSize:
-        grid, window, size = self._grid, self._window, self._cell_size
+        grid, window, size = self._grid, self._window, self.cell_size
         # Above and below the cone all cells at the surface are alike: one row of them will do.
         around_cone = self._penetrometer.fitted_grid(
             rows_on_face=self._penetrometer.rows_on_face(size),
@@ -227,7 +227,7 @@ class ConePenetration(ConeTest):
             scene = test.build() if shown is None else replace(test.build(), history=True)
             simulation = Simulation(scene, execution)
             report(0.0)
-            cell_size = test._cell_size / test.cone_radius
+            cell_size = test.cell_size / test.cone_radius
             return Run(test, cell_size, test.record(simulation, report, shown))
 
         if self.uncertainty == "known":
@@ -287,7 +287,7 @@ class ConePenetration(ConeTest):
                 meaning="time steps to the greatest penetration",
             ),
         )
-        cell_size = self._cell_size / self.cone_radius
+        cell_size = self.cell_size / self.cone_radius
         results = results.assign(known_error(self, cell_size=cell_size, recorded=results))
         check_energy(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():

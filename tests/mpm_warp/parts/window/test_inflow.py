@@ -9,7 +9,8 @@ import pytest
 import warp as wp
 
 from mpm_warp.errors import WindowOverfull
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.material import PROPERTIES, Material
+from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.window import Approach
 from mpm_warp.planning import make_plan
@@ -169,3 +170,22 @@ def test_soil_that_finds_no_slot_ends_the_run(cone: Scene) -> None:
     assert "\n" not in str(end.value)
     assert str(end.value).endswith(simulation.plan.remedy)
     assert "more spare slots" in simulation.plan.remedy
+
+
+def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
+    """Strength that grows linearly: at rest each point has that of where it is in the ground."""
+    rows = empty.grid.rows
+    growing = Variation(
+        depth=np.array([-rows[-1], 10.0]),
+        strength_ratio=np.array([1.0, 3.0]),
+        stiffness_ratio=np.array([0.2, 1.0]),
+    )
+    soil = dataclasses.replace(empty.material, variation=growing)
+    simulation = Simulation(dataclasses.replace(empty, material=soil, far_field=None))
+    simulation.travel_to(2.0 * float(rows[1] - rows[0]))
+    inside = simulation.array("particle.cell")[:, 0] >= 0
+    place = simulation.array("particle.position")[inside] - [0.0, simulation.travel]
+    assert place[:, 1].min() < rows[0]  # some have entered
+    expected = soil.properties_at(place)
+    # They enter where the steps bring them, which is known to rounding.
+    np.testing.assert_allclose(simulation.array(PROPERTIES)[inside], expected, rtol=1e-9)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.errors import SceneError
+from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.scene import Scene
@@ -137,3 +138,47 @@ def test_values_that_are_not_allowed(scene: Scene) -> None:
         dataclasses.replace(ground, spring=-ground.spring)
     with pytest.raises(SceneError, match="surroundings: free must be 0 or 1"):
         dataclasses.replace(ground, free=0.5 + 0.0 * ground.free)
+
+
+def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them(
+    scene: Scene,
+) -> None:
+    """Soil four times as stiff from a depth on: four times the spring, twice the dashpot."""
+    rows, ground = scene.grid.rows, ground_of(scene)
+    border = float(rows[0] - 0.5 * (rows[1] - rows[0]))  # half a row below the grid
+    layers = Variation(
+        depth=np.array([-border, -border]),
+        strength_ratio=np.ones(2),
+        stiffness_ratio=np.array([0.25, 1.0]),
+    )
+    material = dataclasses.replace(scene.material, variation=layers)
+    simulation = Simulation(dataclasses.replace(scene, material=material))
+    spring = simulation.array("far_field.spring") / ground.spring
+    np.testing.assert_allclose(spring, 0.25, rtol=ROUNDING)
+    simulation.travel_to(float(rows[3] - rows[0]))
+    height = border + simulation.travel
+    # What is beside a node is known by the layers that have entered.
+    near = np.abs(rows - height) < float(rows[1] - rows[0])
+    spring = simulation.array("far_field.spring") / ground.spring
+    dashpot = simulation.array("far_field.dashpot") / ground.dashpot
+    stiff = rows[~near] < height
+    assert stiff.any()
+    expected = np.where(stiff, 1.0, 0.25)[:, None]
+    np.testing.assert_allclose(spring[~near], expected * np.ones(2), rtol=ROUNDING)
+    np.testing.assert_allclose(dashpot[~near], np.sqrt(expected) * np.ones(2), rtol=ROUNDING)
+
+
+def test_stress_that_enters_is_that_of_the_soil_s_own_stiffness(scene: Scene) -> None:
+    half = Variation(depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.full(1, 0.5))
+    soft = dataclasses.replace(scene, material=dataclasses.replace(scene.material, variation=half))
+    ground, travel = ground_of(scene), 2.0 * SHORT.cone_radius
+    position = ground.side_positions[:1]
+    np.testing.assert_allclose(
+        ground.stress(soft, position, travel),
+        0.5 * ground.stress(scene, position, travel),
+        rtol=ROUNDING,
+    )
+    # The spring is half as stiff too.
+    np.testing.assert_allclose(
+        ground.entering_spring(soft, travel), ground.entering_spring(scene, travel), rtol=ROUNDING
+    )

@@ -10,6 +10,8 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
+from mpm_warp.planning import make_plan
+from mpm_warp.scenes.bearing.common import RADIUS, STRENGTH, Bearing
 from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
 from mpm_warp.scenes.bearing.footings import CircularFooting, Footing, StripFooting
 
@@ -34,6 +36,42 @@ def test_footing(footing: type[Footing], adhesion_factor: float, order: Order) -
 
     assert order(run, 4) == pytest.approx(1, abs=0.25)
     assert float(run(8).error) <= (1 + 1 / 16) ** 2 - 1
+
+
+@pytest.mark.parametrize("scene", [ConeBearing, CircularFooting, StripFooting])
+def test_strength_that_grows_with_depth(scene: type[Bearing]) -> None:
+    """The rim is known to half a cell: a body so much wider bears, by its own exact load, more."""
+    exact, wider = (
+        scene(strength_gradient_ratio=kappa).exact_load for kappa in (1.0, 1.0 + 1.0 / 24.0)
+    )
+    result = scene(cells_per_radius=12, strength_gradient_ratio=1.0).run()
+    assert "slip lines" in result.bearing_capacity_exact.attrs["description"]
+    assert float(result.error) <= (1 + 1 / 24) ** 2 * wider / exact - 1
+    # Without the gradient the load would be far below.
+    assert float(result.bearing_capacity) > exact > 1.15 * scene().exact_load
+
+
+def test_adhesion_is_that_of_the_soil_beside_it() -> None:
+    """Its integral over the face, exact: su0 (1 + kappa / 3 cot(30 degrees)) pi R^2 / sin(30)."""
+    kappa = 2.0
+    scene = ConeBearing(cells_per_radius=4, adhesion_factor=0.5, strength_gradient_ratio=kappa)
+    adhesion = make_plan(scene.build()).arrays["contact.adhesion"].initial
+    assert adhesion is not None
+    mean_strength = STRENGTH * (1.0 + kappa / 3.0 * math.sqrt(3.0))
+    assert adhesion.sum() == pytest.approx(0.5 * mean_strength * 0.5 * RADIUS**2 / 0.5)
+
+
+def test_no_gradient_is_uniform_soil() -> None:
+    scene = ConeBearing(strength_gradient_ratio=0.0)
+    assert scene.material.variation is None
+    assert scene.displacement == 30.0
+
+
+def test_where_soil_is_stuck_below_a_rough_body_no_load_is_known() -> None:
+    rough = CircularFooting(adhesion_factor=1.0, strength_gradient_ratio=1.0)
+    blunt = ConeBearing(adhesion_factor=1.0, strength_gradient_ratio=1.0, apex_angle=150.0)
+    assert math.isnan(rough.exact_load)
+    assert math.isnan(blunt.exact_load)
 
 
 def test_a_load_that_still_rises_has_no_limit() -> None:

@@ -1,0 +1,70 @@
+"""How strength and stiffness vary with depth, as ratios to those of a material.
+
+A place in the ground is where soil was before anything moved, in the coordinates (r, z) that the
+grid had at the start: a grid that has travelled down by T sees soil at rest from x - T e_z at x.
+Soil keeps the properties of its place wherever it moves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpm_warp.arguments import POSITIVE, Range, check_array, check_number
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Floats
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Variation:
+    """Strength and stiffness over those of a material, linear between depths.
+
+    Two equal depths make a jump: what is at that depth and below has the second values. Above the
+    first depth and below the last one the ground goes on as it is there.
+
+    Attributes:
+        depth: below the surface of the ground [m], not falling, shape [n].
+        strength_ratio: strength over that of the material, dimensionless, > 0, shape [n].
+        stiffness_ratio: shear modulus over that of the material, dimensionless, > 0 and at most 1,
+            shape [n]: the material is as stiff as the stiffest soil, so that its waves are the
+            fastest.
+        origin_depth: depth of z = 0 [m].
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    depth: Floats
+    strength_ratio: Floats
+    stiffness_ratio: Floats
+    origin_depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_array("variation: depth", self.depth, (None,))
+        falls = np.flatnonzero(self.depth[1:] < self.depth[:-1])
+        if len(falls):
+            one, next_one = self.depth[falls[0] : falls[0] + 2]
+            raise SceneError(
+                f"variation: depth[{falls[0] + 1}] = {next_one:g} must be >= {one:g}, the one "
+                "before"
+            )
+        at_most_one = Range(above=0.0, maximum=1.0)
+        check_array("variation: strength_ratio", self.strength_ratio, self.depth.shape, POSITIVE)
+        check_array(
+            "variation: stiffness_ratio", self.stiffness_ratio, self.depth.shape, at_most_one
+        )
+        check_number("variation: origin_depth", self.origin_depth, unit="m")
+
+    def strength_ratio_at(self, place: Floats) -> Floats:
+        """Strength over that of the material at places (r, z) in the ground [m], [..., 2]."""
+        return np.interp(self.depth_of(place), self.depth, self.strength_ratio)
+
+    def stiffness_ratio_at(self, place: Floats) -> Floats:
+        """Shear modulus over that of the material at places in the ground [m], [..., 2]."""
+        return np.interp(self.depth_of(place), self.depth, self.stiffness_ratio)
+
+    def depth_of(self, place: Floats) -> Floats:
+        """Depth of places in the ground [m], shape [...]."""
+        depth: Floats = self.origin_depth - place[..., 1]
+        return depth

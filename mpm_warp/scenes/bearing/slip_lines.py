@@ -1,0 +1,170 @@
+"""Exact limit load of a cone or disc at the surface of clay whose strength grows with depth.
+
+Slip lines in plane strain, or axisymmetric with the hypothesis of Haar and von Karman: the hoop
+stress is the least principal one. Lengths are over the radius R of the body, stresses over the
+strength su0 at the surface, compression positive, z downward from the surface.
+
+Symbols: c = 1 + kappa z strength, kappa = k R / su0, s mean of the greatest and the least principal
+stress, psi angle of the greatest from the vertical. Along the two families of slip lines, e = 1 and
+e = -1 (Sokolovskii 1965, Statics of Granular Media; the last term where c grows with depth),
+
+    dr/dz = tan(psi + e pi/4)
+    ds + 2 e c dpsi + (c / r) (dr - e dz) + e kappa dr = 0        without c / r in plane strain
+
+The field begins at the free surface beside the rim, where s = 1 and psi = pi/2, turns in a fan at
+the rim, and ends on the face, where the adhesion gives psi. Its outermost line ends on the axis.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+FREE_SURFACE = 0.5 * math.pi
+"""Angle psi at the free surface, where the greatest stress is horizontal."""
+CLOSEST = 0.01
+"""Radius up to which the field goes: nearer the axis 1 / r grows without bound, and the rest of the
+face, a ten-thousandth of it, has the traction that is there."""
+ROUNDING = 1e-11
+"""Change of a point of the net from one iteration to the next that ends them."""
+MOST_ITERATIONS = 60
+HALVINGS = 20
+"""Of the distance between two lines, to find the one that ends beside the axis."""
+
+
+class Point(NamedTuple):
+    """A point of the net of slip lines."""
+
+    r: float
+    z: float
+    s: float
+    psi: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlipLines:
+    """The net of slip lines below a cone with its shoulder at the surface, or below a footing.
+
+    Attributes:
+        half_angle: between axis and face [rad], pi/2 for a disc or a strip.
+        adhesion_factor: adhesion of the face over the strength beside it, 0 to 1. The net of a
+            footing is that of a smooth one: a rough one has a rigid wedge below it.
+        strength_gradient_ratio: kappa = k R / su0, >= 0.
+        planar: whether strain is plane; the body is then a wedge or a strip of width 2 R.
+        spacing: of slip lines at the surface, over R. The error of the load falls with its square.
+    """
+
+    half_angle: float
+    adhesion_factor: float = 0.0
+    strength_gradient_ratio: float = 0.0
+    planar: bool = False
+    spacing: float = 0.03
+
+    @property
+    def limit_load(self) -> float:
+        """Limit load over area and su0, with the adhesion's vertical part."""
+        face = self._face_points
+        load = 0.0
+        for outer, next_in in itertools.pairwise(face):
+            width = outer.r - next_in.r
+            t_outer, t_in = self._upward_traction(outer), self._upward_traction(next_in)
+            if self.planar:
+                load += 0.5 * (t_in + t_outer) * width
+            else:  # the integral of t 2 r dr, t linear in r
+                load += width * (t_in * (2.0 * next_in.r + outer.r)) / 3.0
+                load += width * (t_outer * (next_in.r + 2.0 * outer.r)) / 3.0
+        last = face[-1]
+        return load + self._upward_traction(last) * (last.r if self.planar else last.r**2)
+
+    @property
+    def _face_points(self) -> list[Point]:
+        """Where the lines of the family e = 1 end on the face, from the rim to the axis."""
+        turn = FREE_SURFACE - self.face_psi
+        count = max(1, math.ceil(turn / self.spacing))
+        fan = [FREE_SURFACE - turn * number / count for number in range(count + 1)]
+        # In the fan, at the rim, c = 1 and nothing but s and psi changes.
+        line = [Point(1.0, 0.0, 1.0 + 2.0 * (FREE_SURFACE - psi), psi) for psi in fan]
+        face = [line[-1]]
+        start = 1.0
+        while True:
+            following = self._next_line(line, start + self.spacing)
+            if not self._ends_inside(following, face[-1]):
+                break
+            start, line = start + self.spacing, following
+            face.append(line[-1])
+        # The outermost line is the one that ends beside the axis.
+        inside, outside = start, start + self.spacing
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            ends_inside = self._ends_inside(self._next_line(line, middle), face[-1])
+            inside, outside = (middle, outside) if ends_inside else (inside, middle)
+        return [*face, self._next_line(line, inside)[-1]]
+
+    def _ends_inside(self, line: list[Point], outer: Point) -> bool:
+        """Whether a line ends on the face between a point of it and the axis."""
+        return CLOSEST < line[-1].r < outer.r
+
+    def _next_line(self, line: list[Point], start: float) -> list[Point]:
+        """The line e = 1 from a radius at the surface to the face, from the one inside of it."""
+        points = [Point(start, 0.0, 1.0, FREE_SURFACE)]
+        for inner in line:
+            points.append(self._crossing(points[-1], inner))
+        return [*points, self._end_on_face(points[-1])]
+
+    def _crossing(self, a: Point, b: Point) -> Point:
+        """Where the line e = 1 through one point meets the line e = -1 through another."""
+        kappa, found = self.strength_gradient_ratio, Point(b.r, b.z, b.s, 0.5 * (a.psi + b.psi))
+        for _ in range(MOST_ITERATIONS):
+            # Along a chord the direction and the coefficients are those of its middle.
+            one = 0.5 * (a.psi + found.psi) + 0.25 * math.pi
+            other = 0.5 * (b.psi + found.psi) - 0.25 * math.pi
+            along = (b.r - a.r) * math.cos(other) - (b.z - a.z) * math.sin(other)
+            along /= math.sin(one - other)
+            r, z = a.r + along * math.sin(one), a.z + along * math.cos(one)
+            c_a, c_b = self._strength(a.z, z), self._strength(b.z, z)
+            of_a = self._hoop(c_a, a.r, r) * ((r - a.r) - (z - a.z)) + kappa * (r - a.r)
+            of_b = self._hoop(c_b, b.r, r) * ((r - b.r) + (z - b.z)) - kappa * (r - b.r)
+            psi = (a.s - b.s + 2.0 * (c_a * a.psi + c_b * b.psi) - of_a + of_b) / (c_a + c_b) / 2.0
+            s = a.s - 2.0 * c_a * (psi - a.psi) - of_a
+            change = abs(psi - found.psi) + abs(r - found.r)
+            found = Point(r, z, s, psi)
+            if change < ROUNDING:
+                break
+        return found
+
+    def _end_on_face(self, a: Point) -> Point:
+        """Where the line e = 1 through a point ends on the face, z = (1 - r) cot(half angle)."""
+        kappa, slope, psi = self.strength_gradient_ratio, self._slope, self.face_psi
+        direction = 0.5 * (a.psi + psi) + 0.25 * math.pi
+        along = (1.0 - a.r) * slope - a.z
+        along /= math.cos(direction) + slope * math.sin(direction)
+        r, z = a.r + along * math.sin(direction), a.z + along * math.cos(direction)
+        c = self._strength(a.z, z)
+        change = self._hoop(c, a.r, r) * ((r - a.r) - (z - a.z)) + kappa * (r - a.r)
+        return Point(r, z, a.s - 2.0 * c * (psi - a.psi) - change, psi)
+
+    @property
+    def _slope(self) -> float:
+        """Depth of the face over the distance from the rim."""
+        return 1.0 / math.tan(self.half_angle)
+
+    @property
+    def face_psi(self) -> float:
+        """Angle psi at the face: the shear stress there is the adhesion."""
+        return 0.5 * math.pi - self.half_angle - 0.5 * math.asin(self.adhesion_factor)
+
+    def _strength(self, one: float, other: float) -> float:
+        """Strength in the middle between two depths."""
+        return 1.0 + self.strength_gradient_ratio * 0.5 * (one + other)
+
+    def _hoop(self, strength: float, one: float, other: float) -> float:
+        """Strength over radius in the middle between two radii."""
+        return 0.0 if self.planar else strength / max(0.5 * (one + other), 0.5 * CLOSEST)
+
+    def _upward_traction(self, point: Point) -> float:
+        """Upward force on the face over the area that it has in plan."""
+        c = 1.0 + self.strength_gradient_ratio * point.z
+        normal = point.s + c * math.cos(math.asin(self.adhesion_factor))
+        return normal + self.adhesion_factor * c * self._slope

@@ -1,0 +1,1 @@
+"""A sounding: a cone test through ground that changes with depth."""

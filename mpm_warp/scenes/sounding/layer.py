@@ -1,0 +1,85 @@
+"""How far the resistance feels a border, and how much of a thin layer's resistance is reached."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import labelled
+from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
+from mpm_warp.scenes.sounding.parameters import SoundingTest
+
+FELT = 0.05
+"""Share of the whole change of the resistance from which on a border is felt."""
+SMOOTHED = 10
+"""Samples of a running mean, one radius: the noise of one sample is a few hundredths."""
+UNDISTURBED = 20
+"""Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
+
+
+def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.Variable]:
+    """Scalars of a sounding through a layer of the scene's parameters; none where there is none.
+
+    Args:
+        sounding: what was run.
+        recorded: its curves over depth.
+    """
+    top, ratio = sounding.layer_top, sounding.layer_strength_ratio
+    if top is None or sounding.profile is not None or ratio == 1.0:
+        return {}
+    depth = recorded.depth.values
+    without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
+    share = change_of_resistance(recorded.net_resistance.values / without, ratio)
+    distance = (depth - top) / sounding.cone_radius
+    thickness = sounding.layer_thickness
+    if thickness is not None:
+        in_layer = (distance > 0.0) & (distance < thickness / sounding.cone_radius + 5.0)
+        reached = float(np.nanmax(share[in_layer], initial=-math.inf))
+        return labelled(
+            layer_share=(
+                reached,
+                "1",
+                "share of the layer's resistance that is reached",
+                "greatest change, mean over a radius, over that in a layer without end",
+            )
+        )
+    return labelled(
+        felt_before=(
+            _first(-distance, share > FELT),
+            "1",
+            "way above the border from which on it is felt, over cone radius",
+            f"the resistance has changed by {FELT:.0%} of its whole change",
+        ),
+        felt_behind=(
+            _first(distance, share > 1.0 - FELT),
+            "1",
+            "way below the border up to which it is felt, over cone radius",
+            f"the resistance lacks {FELT:.0%} of its whole change",
+        ),
+    )
+
+
+def change_of_resistance(factor: Floats, ratio: float) -> Floats:
+    """Change of the resistance over that from one soil to the other, mean over a radius, [n].
+
+    Args:
+        factor: net resistance over the strength that the soil would have without the layer.
+        ratio: strength of the layer over that strength.
+    """
+    undisturbed = float(np.mean(factor[:UNDISTURBED]))
+    smooth = np.convolve(factor, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
+    half = SMOOTHED // 2
+    smooth[:half], smooth[len(smooth) - half :] = np.nan, np.nan
+    share: Floats = (smooth / undisturbed - 1.0) / (ratio - 1.0)
+    return share
+
+
+def _first(way: Floats, reached: NDArray[np.bool_]) -> float:
+    """The way at the first sample from which on something is reached for a whole radius."""
+    window = round(1.0 / SAMPLE_SPACING)
+    lasting = np.convolve(reached, np.ones(window), mode="valid") >= window
+    return float(way[int(np.argmax(lasting))]) if lasting.any() else math.nan

@@ -1,0 +1,266 @@
+"""The parameters of a sounding, and what follows from them: the ground, the way of the cone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
+from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.scenes.shared_parameters import floating_point
+from mpm_warp.scenes.sounding.profile import Profile, layered
+
+LEAD = 2.5
+"""Way before the first depth of the curves, beyond the extent of the window above the shoulder, in
+cone radii: the cone has then passed all soil beside the shaft."""
+APEX_ANGLE = math.radians(60.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SoundingTest(CatalogueScene):
+    """Ground, penetrometer and method of a sounding."""
+
+    method: ClassVar[tuple[str, ...]] = (
+        "cells_per_radius",
+        "cell_growth",
+        "time_step_fraction",
+        "speed_ratio",
+        "domain_radius",
+        "domain_above",
+        "domain_below",
+        "precision",
+    )
+
+    profile: str | None = parameter(
+        None,
+        unit="1",
+        meaning="ground by depth, as a table of one line, see Profile (default: made of the "
+        "parameters of strength and layer)",
+    )
+    undrained_shear_strength: float = parameter(
+        20e3, unit="Pa", meaning="strength su at the surface", minimum=1e-3, maximum=1e9
+    )
+    strength_gradient: float = parameter(
+        0.0, unit="Pa m-1", meaning="growth of strength with depth", minimum=0, maximum=1e9
+    )
+    rigidity_index: float = parameter(
+        100.0, unit="1", meaning="rigidity index G/su", minimum=20, maximum=1000
+    )
+    layer_top: float | None = parameter(
+        None, unit="m", meaning="depth of the top of the layer (default: no layer)", above=0
+    )
+    layer_thickness: float | None = parameter(
+        None, unit="m", meaning="thickness of the layer (default: it has no end)", above=0
+    )
+    layer_strength_ratio: float = parameter(
+        1.0,
+        unit="1",
+        meaning="strength in the layer over what it would be without",
+        minimum=0.05,
+        maximum=20,
+    )
+    unit_weight: float = parameter(
+        17e3, unit="N m-3", meaning="total unit weight of the clay", minimum=0, maximum=1e6
+    )
+    adhesion_factor: float = parameter(
+        0.0, unit="1", meaning="adhesion factor of the cone face", minimum=0, maximum=1
+    )
+    shaft_adhesion_factor: float | None = parameter(
+        None,
+        unit="1",
+        meaning="adhesion factor of the shaft (default: the face's)",
+        minimum=0,
+        maximum=1,
+    )
+    from_depth: float = parameter(
+        1.0, unit="m", meaning="depth of the tip where the curves begin", above=0, maximum=1e4
+    )
+    to_depth: float = parameter(
+        1.5, unit="m", meaning="depth of the tip where they end", above=0, maximum=1e4
+    )
+    stretch_count: int = parameter(
+        1, unit="1", meaning="stretches that a sounding is cut into", minimum=1, maximum=1000
+    )
+    stretch_number: int = parameter(
+        1, unit="1", meaning="number of the stretch that is run, 1 the highest", minimum=1
+    )
+    overlap: float = parameter(
+        10.0,
+        unit="1",
+        meaning="way that a stretch has in common with the one above, over cone radius",
+        minimum=2,
+        maximum=1000,
+    )
+    cone_radius: float = parameter(
+        0.01785, unit="m", meaning="radius of the cone's base", minimum=1e-6, maximum=1e3
+    )
+    poissons_ratio: float = parameter(
+        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
+    )
+    density: float = parameter(
+        1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
+    )
+    speed_ratio: float = parameter(
+        0.05,
+        unit="1",
+        meaning="penetration speed over that of shear waves in the softest soil",
+        minimum=1e-4,
+        maximum=0.5,
+    )
+    cells_per_radius: float = parameter(
+        3.0, unit="1", meaning="cells per cone radius at the cone, about", minimum=1, maximum=100
+    )
+    cell_growth: float = parameter(
+        0.4,
+        unit="1",
+        meaning="growth of the cells' width per distance from the penetrometer",
+        minimum=0.1,
+        maximum=2,
+    )
+    time_step_fraction: float = parameter(
+        0.85, unit="1", meaning="time step over the critical one", minimum=0.01, maximum=1.2
+    )
+    domain_radius: float | None = parameter(
+        None,
+        unit="1",
+        meaning="radius of the grid over cone radius (default: as for cone_penetration, by the "
+        "greatest rigidity index)",
+        minimum=5,
+        maximum=1000,
+    )
+    domain_above: float | None = parameter(
+        None,
+        unit="1",
+        meaning="extent of the grid above the shoulder over cone radius (default: likewise)",
+        minimum=2,
+        maximum=500,
+    )
+    domain_below: float | None = parameter(
+        None,
+        unit="1",
+        meaning="extent of the grid below the tip over cone radius (default: likewise)",
+        minimum=2,
+        maximum=500,
+    )
+    precision: str = floating_point()
+
+    def derived(self) -> Mapping[str, float]:
+        """The shaft is as rough as the face; the window follows the greatest rigidity index."""
+        ground = self.ground
+        index = float((ground.shear_modulus / ground.strength).max())
+        extents = ConePenetration(rigidity_index=index).default_extents
+        return extents | {"shaft_adhesion_factor": self.adhesion_factor}
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_depths()
+        self._check_layers()
+
+    def _check_depths(self) -> None:
+        if self.to_depth < self.from_depth + SAMPLE_SPACING * self.cone_radius:
+            raise ParameterError(
+                "to_depth",
+                f"to_depth = {self.to_depth:g} is not allowed: must be > from_depth = "
+                f"{self.from_depth:g} by {SAMPLE_SPACING:g} radii",
+            )
+        if self.stretch_number > self.stretch_count:
+            raise ParameterError(
+                "stretch_number",
+                f"stretch_number = {self.stretch_number} is not allowed: must be <= "
+                f"stretch_count = {self.stretch_count}",
+            )
+        last = float(self.ground.depth[-1])
+        if last < self.to_depth:
+            raise ParameterError(
+                "profile",
+                f"profile: ends at {last:g} m, must reach to_depth = {self.to_depth:g} m",
+            )
+        assert self.domain_above is not None
+        room = (self._lead + self.domain_above) * self.cone_radius + self.penetrometer.cone_height
+        highest = room + float(self.ground.depth[0])
+        if self.from_depth < highest:
+            raise ParameterError(
+                "from_depth",
+                f"from_depth = {self.from_depth:g} is not allowed: must be >= {highest:.4g}, the "
+                "window has to be below the first depth of the ground when the cone starts",
+            )
+
+    def _check_layers(self) -> None:
+        thinnest, cell = self.ground.thinnest_layer, self.cell_size
+        if thinnest < cell:
+            raise ParameterError(
+                "layer_thickness" if self.profile is None else "profile",
+                f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
+            )
+
+    @property
+    def ground(self) -> Profile:
+        """The ground by depth."""
+        if self.profile is not None:
+            return Profile.read(self.profile)
+        return layered(
+            strength=self.undrained_shear_strength,
+            gradient=self.strength_gradient,
+            rigidity_index=self.rigidity_index,
+            unit_weight=self.unit_weight,
+            layer_top=self.layer_top,
+            layer_thickness=self.layer_thickness,
+            layer_strength_ratio=self.layer_strength_ratio,
+            last_depth=self.to_depth,
+        )
+
+    @property
+    def penetrometer(self) -> Penetrometer:
+        """The penetrometer."""
+        return Penetrometer(radius=self.cone_radius, apex_angle=APEX_ANGLE)
+
+    @property
+    def cell_size(self) -> float:
+        """Width and height of the cells at the cone [m]."""
+        rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
+        return self.penetrometer.cone_height / rows
+
+    @property
+    def dynamic_pressure(self) -> float:
+        """Density times the square of the speed [Pa]."""
+        return self.speed_ratio**2 * float(self.ground.shear_modulus.min())
+
+    @property
+    def samples(self) -> range:
+        """Numbers of the samples of the stretch, 0 the first of the sounding."""
+        count = max(1, round((self.to_depth - self.from_depth) / self.spacing))
+        first = count * (self.stretch_number - 1) // self.stretch_count
+        overlap = round(self.overlap / SAMPLE_SPACING) if self.stretch_number > 1 else 0
+        return range(max(0, first - overlap), count * self.stretch_number // self.stretch_count)
+
+    @property
+    def lead_count(self) -> int:
+        """Samples on the way before the curves begin."""
+        return math.ceil(self._lead / SAMPLE_SPACING)
+
+    @property
+    def spacing(self) -> float:
+        """Way between two samples [m]."""
+        return SAMPLE_SPACING * self.cone_radius
+
+    @property
+    def start_depth(self) -> float:
+        """Depth of the tip at the start [m]."""
+        return self.from_depth + (self.samples[0] - self.lead_count) * self.spacing
+
+    @property
+    def travel(self) -> float:
+        """Way of the cone to the end of the stretch [m]."""
+        return (self.lead_count + len(self.samples)) * self.spacing
+
+    @property
+    def _lead(self) -> float:
+        """Way of the cone before the first depth of its curves, over its radius."""
+        assert self.domain_above is not None
+        return self.domain_above + LEAD

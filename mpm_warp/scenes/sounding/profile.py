@@ -1,0 +1,255 @@
+"""The ground by depth: a table of strength, stiffness and unit weight, linear between its rows.
+
+As text it has a header that names columns and units, and a row for each depth; rows are parted by
+new lines or by semicolons, values by commas:
+
+    depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
+    0, 40, 100, 18
+    2, 15, 100, 17
+    12, 35, 100, 17
+    12, 80, 150, 19
+    20, 90, 150, 19
+
+Two rows of one depth make the border of two layers.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.variation import Variation
+from mpm_warp.parameters import nearest_name
+
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "depth": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "strength": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "rigidity_index": {"1": 1.0},
+    "shear_modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
+}
+"""Units of each column, and what they are in SI units."""
+REQUIRED = ("depth", "strength")
+STIFFNESS = ("rigidity_index", "shear_modulus")
+NAME = "profile"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profile:
+    """Ground by depth, in SI units; all arrays of shape [n], n >= 1.
+
+    Attributes:
+        depth: below the surface of the ground [m], >= 0, not falling, no depth more than twice.
+        strength: undrained shear strength su [Pa], > 0.
+        shear_modulus: G [Pa], > 0.
+        unit_weight: total unit weight [N/m3], >= 0.
+
+    Raises:
+        ParameterError: a value is not allowed; the message names column, row and value.
+    """
+
+    depth: Floats
+    strength: Floats
+    shear_modulus: Floats
+    unit_weight: Floats
+
+    def __post_init__(self) -> None:
+        columns = {name: np.asarray(getattr(self, name), dtype=float) for name in vars(self)}
+        for name, values in columns.items():
+            object.__setattr__(self, name, values)
+            if values.ndim != 1 or values.size == 0 or values.shape != self.depth.shape:
+                raise _refused(f"{name} has shape {values.shape}, must have that of depth, [n]")
+            least_is_allowed = name in ("depth", "unit_weight")
+            allowed = values >= 0.0 if least_is_allowed else values > 0.0
+            _check_rows(name, values, allowed & np.isfinite(values), least_is_allowed)
+        falls = np.flatnonzero(np.diff(self.depth) < 0.0)
+        if len(falls):
+            row = falls[0] + 1
+            raise _refused(
+                f"depth in row {row + 1} is {self.depth[row]:g} m, must not be above that of the "
+                f"row before, {self.depth[row - 1]:g} m"
+            )
+        thrice = np.flatnonzero(self.depth[2:] == self.depth[:-2])
+        if len(thrice):
+            raise _refused(f"depth {self.depth[thrice[0]]:g} m is in three rows, must be in two")
+
+    @classmethod
+    def read(cls, text: str) -> Self:
+        """A profile from its text; columns beside `depth` and `strength` may be left out.
+
+        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3.
+
+        Raises:
+            ParameterError: something in it is not allowed.
+        """
+        header, *lines = [it.strip() for it in re.split(r"[;\n]", text) if it.strip()] or [""]
+        factors = _header(header)
+        if not lines:
+            raise _refused("has no rows below its header")
+        table = np.array([_row(number, it, factors) for number, it in enumerate(lines, 1)])
+        columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
+        if "rigidity_index" in columns:
+            columns["shear_modulus"] = columns.pop("rigidity_index") * columns["strength"]
+        columns.setdefault("shear_modulus", 100.0 * columns["strength"])
+        columns.setdefault("unit_weight", np.full(len(table), 17e3))
+        return cls(**columns)
+
+    @property
+    def text(self) -> str:
+        """The profile as a text of one line, in SI units; `read` gives the same profile."""
+        header = "depth [m], strength [Pa], shear_modulus [Pa], unit_weight [N/m3]"
+        table = np.stack([self.depth, self.strength, self.shear_modulus, self.unit_weight], axis=-1)
+        rows = [", ".join(repr(value) for value in row) for row in table.tolist()]
+        return "; ".join([header, *rows])
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether strength and stiffness are the same everywhere."""
+        return bool(np.ptp(self.strength) == 0.0 and np.ptp(self.shear_modulus) == 0.0)
+
+    def variation(self, origin_depth: float) -> Variation | None:
+        """Strength and stiffness over the greatest of them; none in uniform ground.
+
+        Args:
+            origin_depth: depth of z = 0 in the grid [m].
+        """
+        if self.is_uniform:
+            return None
+        return Variation(
+            depth=self.depth,
+            strength_ratio=self.strength / self.strength.max(),
+            stiffness_ratio=self.shear_modulus / self.shear_modulus.max(),
+            origin_depth=origin_depth,
+        )
+
+    def strength_at(self, depth: Floats) -> Floats:
+        """Strength at depths [Pa]."""
+        return np.interp(depth, self.depth, self.strength)
+
+    def shear_modulus_at(self, depth: Floats) -> Floats:
+        """Shear modulus at depths [Pa]."""
+        return np.interp(depth, self.depth, self.shear_modulus)
+
+    def mean_strength_around(self, depth: Floats, span: float) -> Floats:
+        """Mean strength from `span` [m] above depths to `span` below them [Pa]."""
+        return self._integral(self.strength, depth - span, depth + span) / (2.0 * span)
+
+    def vertical_stress_at(self, depth: Floats) -> Floats:
+        """In-situ vertical total stress at depths [Pa], 0 at the surface."""
+        return self._integral(self.unit_weight, np.zeros_like(depth), depth)
+
+    @property
+    def thinnest_layer(self) -> float:
+        """Thickness of the thinnest layer between two borders [m]; infinite without one."""
+        borders = self.depth[1:][np.diff(self.depth) == 0.0]
+        return float(np.diff(borders).min()) if len(borders) > 1 else math.inf
+
+    def _integral(self, values: Floats, begin: Floats, end: Floats) -> Floats:
+        """Integral of what is linear between the rows, and constant beyond them, over depth."""
+        areas = np.diff(self.depth) * 0.5 * (values[1:] + values[:-1])
+        until_row = np.append(0.0, np.cumsum(areas))
+
+        def until(depth: Floats) -> Floats:
+            inside = np.clip(depth, self.depth[0], self.depth[-1])
+            last = np.clip(np.searchsorted(self.depth, inside, "right") - 1, 0, len(values) - 1)
+            mean = 0.5 * (values[last] + np.interp(inside, self.depth, values))
+            beyond = values[-1] * (depth - inside).clip(min=0.0)
+            above = values[0] * (depth - inside).clip(max=0.0)
+            whole: Floats = until_row[last] + mean * (inside - self.depth[last]) + beyond + above
+            return whole
+
+        between: Floats = until(end) - until(begin)
+        return between
+
+
+def layered(
+    *,
+    strength: float,
+    gradient: float,
+    rigidity_index: float,
+    unit_weight: float,
+    layer_top: float | None,
+    layer_thickness: float | None,
+    layer_strength_ratio: float,
+    last_depth: float,
+) -> Profile:
+    """Ground of one rigidity index whose strength grows linearly, with a layer in it or without.
+
+    Args:
+        strength: at the surface [Pa], > 0.
+        gradient: growth of strength with depth [Pa/m], >= 0.
+        rigidity_index: G/su, > 0.
+        unit_weight: total unit weight [N/m3], >= 0.
+        layer_top: depth of the layer [m], > 0; none: there is none.
+        layer_thickness: of the layer [m], > 0; none: it has no end.
+        layer_strength_ratio: strength in the layer over what it would be without, > 0.
+        last_depth: where the table ends [m].
+    """
+    borders = [] if layer_top is None else [layer_top, layer_top + (layer_thickness or math.inf)]
+    inside = [it for it in borders if it < last_depth]
+    depth = np.array([0.0, *np.repeat(inside, 2), last_depth])
+    ratio = np.ones_like(depth)
+    if inside:
+        ratio[2:4] = layer_strength_ratio
+    of_rows = ratio * (strength + gradient * depth)
+    return Profile(
+        depth=depth,
+        strength=of_rows,
+        shear_modulus=rigidity_index * of_rows,
+        unit_weight=np.full_like(depth, unit_weight),
+    )
+
+
+def _header(line: str) -> dict[str, float]:
+    """The columns of a header, and what their units are in SI units."""
+    factors: dict[str, float] = {}
+    for cell in line.split(","):
+        match = re.fullmatch(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
+        if match is None:
+            raise _refused(
+                f"header {line!r}: must name columns with units, as in 'depth [m], strength [kPa]'"
+            )
+        name, unit = match.groups()
+        if name not in UNITS:
+            raise _refused(f"unknown column {name!r}{nearest_name(name, UNITS)}")
+        if unit not in UNITS[name]:
+            given = f"has the unit [{unit}]" if unit else "has no unit"
+            known = " or ".join(f"[{it}]" for it in UNITS[name])
+            raise _refused(f"column {name} {given}, must have {known}")
+        if name in factors:
+            raise _refused(f"column {name} is there twice")
+        factors[name] = UNITS[name][unit]
+    for name in REQUIRED:
+        if name not in factors:
+            raise _refused(f"column {name} is missing")
+    if all(name in factors for name in STIFFNESS):
+        raise _refused("has rigidity_index and shear_modulus; keep one of them")
+    return factors
+
+
+def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
+    cells = line.split(",")
+    if len(cells) != len(columns):
+        raise _refused(f"row {number} {line!r} has {len(cells)} values, must have {len(columns)}")
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError:
+        raise _refused(f"row {number} {line!r}: must be numbers") from None
+
+
+def _check_rows(name: str, values: Floats, allowed: Any, least_is_allowed: bool) -> None:
+    if not allowed.all():
+        row = int(np.argmin(allowed))
+        sign = ">=" if least_is_allowed else ">"
+        raise _refused(f"{name} in row {row + 1} is {values[row]:g}, must be {sign} 0")
+
+
+def _refused(problem: str) -> ParameterError:
+    return ParameterError(NAME, f"{NAME}: {problem}")

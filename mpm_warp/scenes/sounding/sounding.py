@@ -1,0 +1,119 @@
+"""A sounding: the cone test from one depth to another, through ground that changes with depth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.errors import SimulationDiverged
+from mpm_warp.plan.plan import Plan
+from mpm_warp.sampling import follow, transferred_energy
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetration import PenetrationCurves
+from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.sounding.curves import sounding_curves
+from mpm_warp.scenes.sounding.layer import layer_values
+from mpm_warp.scenes.sounding.parameters import SoundingTest
+from mpm_warp.simulation import Simulation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sounding(SoundingTest):
+    """A penetrometer pushed at constant speed through clay whose strength and stiffness vary.
+
+    The ground is a `profile`, or one of linear strength with a layer in it. The penetrometer starts
+    in place, above the first depth. Excess stresses are simulated: those over the vertical in-situ
+    stress, which balances itself.
+    """
+
+    summary: ClassVar[str] = "cone penetration through ground that changes with depth"
+    version: ClassVar[int] = 1
+
+    @property
+    def _test(self) -> ConePenetration:
+        """The test in uniform clay as strong and as stiff as the ground is anywhere."""
+        ground = self.ground
+        strength, shear_modulus = float(ground.strength.max()), float(ground.shear_modulus.max())
+        softest = float(ground.shear_modulus.min())
+        return ConePenetration(
+            rigidity_index=shear_modulus / strength,
+            undrained_shear_strength=strength,
+            adhesion_factor=self.adhesion_factor,
+            shaft_adhesion_factor=self.shaft_adhesion_factor,
+            in_situ_stress=float(ground.vertical_stress_at(np.array(self.start_depth))),
+            poissons_ratio=self.poissons_ratio,
+            density=self.density,
+            cone_radius=self.cone_radius,
+            approach=0.0,
+            steady_tolerance=0.0,
+            speed_ratio=self.speed_ratio * math.sqrt(softest / shear_modulus),
+            cells_per_radius=self.cells_per_radius,
+            cell_growth=self.cell_growth,
+            time_step_fraction=self.time_step_fraction,
+            domain_radius=self.domain_radius,
+            domain_above=self.domain_above,
+            domain_below=self.domain_below,
+            precision=self.precision,
+        )
+
+    def build(self) -> Scene:
+        """The scene of a cone test, in clay that varies."""
+        scene = self._test.build()
+        variation = self.ground.variation(origin_depth=self.start_depth)
+        return replace(scene, material=replace(scene.material, variation=variation))
+
+    def run_size(self) -> RunSize:
+        """Cells and material points of the grid, and the steps to the last depth of the stretch."""
+        test = self._test
+        assert test.penetration is not None
+        size = test.run_size()
+        of_way = self.travel / (test.penetration * test.cone_radius)
+        return replace(size, step_count=of_way * size.step_count)
+
+    def step_count_bound(self, plan: Plan) -> int:
+        """Steps to the last depth of the stretch."""
+        window = self._test.build().window
+        assert window is not None
+        return math.ceil(window.time_to(self.travel) / plan.time_step)
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Push the penetrometer through the ground.
+
+        Raises:
+            InaccurateRun: the transfers took too much of the penetrometer's work.
+        """
+        curves = PenetrationCurves(
+            simulation,
+            radius=self.cone_radius,
+            unsteady=math.inf,
+            tolerance=0.0,
+        )
+        pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=None)
+        count = self.lead_count + len(self.samples)
+        moments = [number * self.spacing for number in range(1, count + 1)]
+        try:
+            recorded = follow(
+                simulation, moments, simulation.travel_to, [curves, pressures], progress
+            )
+        except SimulationDiverged as error:
+            if error.curves is not None:
+                error.curves = self._over_depth(error.curves)
+            raise
+        over_depth = self._over_depth(recorded)
+        results = over_depth.assign(layer_values(self, over_depth)).assign(
+            energy_error=energy_error(transferred_energy(simulation) / curves.work)
+        )
+        check_energy(results)
+        return results
+
+    def _over_depth(self, recorded: xr.Dataset) -> xr.Dataset:
+        """Curves over the depth of the tip, without the way before the first of them."""
+        return sounding_curves(self, recorded, first=self.lead_count, samples=self.samples)

@@ -1,0 +1,149 @@
+"""Strength and stiffness by depth: what points carry, and what their stress makes of it."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+from mpm_warp.errors import SceneError
+from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.material import PROPERTIES
+from mpm_warp.materials.variation import Variation
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+TWO_LAYERS = Variation(
+    depth=np.array([0.0, 2.0, 2.0, 5.0]),
+    strength_ratio=np.array([1.0, 2.0, 0.5, 0.5]),
+    stiffness_ratio=np.array([0.25, 0.25, 1.0, 1.0]),
+    origin_depth=3.0,
+)
+
+
+def varied(scene: Scene, variation: Variation | None) -> Scene:
+    """The scene with a material that varies, in surroundings that a far field would not be."""
+    material = dataclasses.replace(scene.material, variation=variation)
+    return dataclasses.replace(scene, material=material, far_field=None)
+
+
+def test_ratios_are_linear_between_depths_and_jump_where_two_are_equal() -> None:
+    """A place at a jump has what is below it; beyond the ends the ground goes on."""
+    height = 3.0 - np.array([-1.0, 0.0, 1.0, 2.0 - 1e-9, 2.0, 4.0, 9.0])
+    place = np.stack([np.ones_like(height), height], axis=-1)
+    expected = [1.0, 1.0, 1.5, 2.0, 0.5, 0.5, 0.5]
+    np.testing.assert_allclose(TWO_LAYERS.strength_ratio_at(place), expected, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"depth": np.array([0.0, 2.0, 1.0, 5.0])}, "depth[2] = 1 must be >= 2, the one before"),
+        ({"strength_ratio": np.array([1.0, 0.0, 1.0, 1.0])}, "strength_ratio[1] = 0 must be > 0"),
+        ({"stiffness_ratio": np.full(4, 1.5)}, "stiffness_ratio[0] = 1.5 must be > 0 and <= 1"),
+        ({"stiffness_ratio": np.ones(3)}, "stiffness_ratio has shape (3,)"),
+        ({"origin_depth": np.nan}, "origin_depth"),
+    ],
+)
+def test_what_is_not_allowed_is_named(changed: dict[str, object], message: str) -> None:
+    with pytest.raises(SceneError, match=re.escape(message)):
+        dataclasses.replace(TWO_LAYERS, **changed)  # type: ignore[arg-type]
+
+
+def test_uniform_clay_has_no_array_for_it(cone: Scene) -> None:
+    assert PROPERTIES not in make_plan(cone).arrays
+
+
+def test_points_carry_the_properties_of_their_depth(cone: Scene) -> None:
+    plan = make_plan(varied(cone, TWO_LAYERS))
+    position, properties = (plan.arrays[name].initial for name in ("particle.position", PROPERTIES))
+    assert position is not None
+    assert properties is not None
+    below = position[:, 1] <= 1.0
+    np.testing.assert_array_equal(properties[:, 0], np.where(below, 1.0, 0.25))
+    np.testing.assert_array_equal(properties[below, 1], 0.5 * 20e3)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values())
+def test_ratios_of_one_give_the_bits_of_uniform_clay(cone: Scene, criterion: type) -> None:
+    """In every array: what varies goes by the same arithmetic."""
+    elastic = {name: getattr(cone.material, name) for name in ("shear_modulus", "poissons_ratio")}
+    clay = criterion(density=1700.0, strength=20e3, **elastic)
+    same = Variation(depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.ones(1))
+    scene = dataclasses.replace(cone, material=clay)
+    uniform, variable = (Simulation(varied(scene, it)) for it in (None, same))
+    for simulation in (uniform, variable):
+        simulation.travel_to(1.0)
+    for name in uniform.plan.arrays:
+        np.testing.assert_array_equal(variable.array(name), uniform.array(name), err_msg=name)
+
+
+def test_stress_of_a_step_is_that_of_each_point_s_own_stiffness(cone: Scene) -> None:
+    """One step of the same motion, elastic: a quarter of the stress where a quarter as stiff."""
+    uniform, layered = (Simulation(varied(cone, it)) for it in (None, TWO_LAYERS))
+    for simulation in (uniform, layered):
+        velocity = 1e-3 * simulation.array("particle.position")
+        simulation.assign("particle.velocity", velocity)
+        simulation.advance(1)
+    ratio = layered.array(PROPERTIES)[:, :1]
+    inside = uniform.array("particle.cell")[:, 0] >= 0
+    of_uniform, of_layered = (it.array("particle.stress")[inside] for it in (uniform, layered))
+    assert np.abs(of_uniform).max() > 0.0
+    scale = np.abs(of_uniform).max()
+    np.testing.assert_allclose(of_layered, ratio[inside] * of_uniform, atol=1e-12 * scale)
+
+
+def test_each_point_yields_at_its_own_strength(cone: Scene) -> None:
+    layered = Simulation(varied(cone, TWO_LAYERS))
+    layered.travel_to(0.5)
+    inside = layered.array("particle.cell")[:, 0] >= 0
+    stress, own = layered.array("particle.stress")[inside], layered.array(PROPERTIES)[inside, 1]
+    centre, half = 0.5 * (stress[:, 0] + stress[:, 1]), 0.5 * (stress[:, 0] - stress[:, 1])
+    radius = np.hypot(half, stress[:, 2])
+    highest, lowest = (
+        np.maximum(centre + radius, stress[:, 3]),
+        np.minimum(centre - radius, stress[:, 3]),
+    )
+    shear = 0.5 * (highest - lowest)
+    assert (shear <= own * (1.0 + 1e-9)).all()
+    # Some soil of either layer yields.
+    yields = shear > own * (1.0 - 1e-6)
+    assert yields[own == 0.5 * 20e3].any()
+    assert yields[own > 1.0 * 20e3].any()
+
+
+def test_a_run_of_ten_times_the_strength_and_stiffness_has_ten_times_the_stress(
+    cone: Scene,
+) -> None:
+    """With ten times the density, so that waves are as fast; to rounding."""
+    assert isinstance(cone.material, tuple(CRITERIA.values()))
+    stiff = dataclasses.replace(
+        cone.material,
+        shear_modulus=10.0 * cone.material.shear_modulus,
+        strength=10.0 * cone.material.strength,
+        density=10.0 * cone.material.density,
+    )
+    assert cone.contact is not None
+    contact = dataclasses.replace(
+        cone.contact,
+        adhesion_forces=10.0 * cone.contact.adhesion_forces,
+        in_situ_stress=10.0 * cone.contact.in_situ_stress,
+    )
+    ten = dataclasses.replace(cone, material=stiff, contact=contact)
+    runs = [Simulation(varied(it, TWO_LAYERS)) for it in (cone, ten)]
+    for run in runs:
+        run.travel_to(0.4)
+    once, tenfold = (run.array("particle.stress") for run in runs)
+    np.testing.assert_allclose(tenfold, 10.0 * once, atol=1e-8 * np.abs(once).max())
+
+
+def test_a_far_field_or_stress_at_rest_does_not_follow_the_soil(cone: Scene) -> None:
+    soil = dataclasses.replace(cone.material, variation=TWO_LAYERS)
+    with pytest.raises(SceneError, match="far_field: not together with a material that varies"):
+        dataclasses.replace(cone, material=soil)
+    scene = varied(cone, TWO_LAYERS)
+    with pytest.raises(SceneError, match="stress_at_rest: not together"):
+        dataclasses.replace(scene, stress_at_rest=np.array([1.0, 0.0, 0.0, 1.0]))

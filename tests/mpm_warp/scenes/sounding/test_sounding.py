@@ -1,0 +1,148 @@
+"""A sounding: its ground, its curves over depth, and the stretches that it is cut into."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.planning import make_plan
+from mpm_warp.scenes.sounding.layer import change_of_resistance
+from mpm_warp.scenes.sounding.sounding import Sounding
+
+COARSE = Sounding(
+    cone_radius=1.0,
+    from_depth=12.0,
+    to_depth=15.0,
+    cells_per_radius=1.5,
+    domain_radius=8.0,
+    domain_above=3.0,
+    domain_below=4.0,
+    adhesion_factor=0.5,
+    speed_ratio=0.2,
+)
+"""A small window, coarse and fast: what it gives is a curve, but no good cone factor."""
+LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
+
+
+def changed(**changes: object) -> Sounding:
+    return dataclasses.replace(COARSE, **changes)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def layered() -> xr.Dataset:
+    return changed(profile=LAYERS).run()
+
+
+def test_a_uniform_profile_is_uniform_clay_in_plan_and_result() -> None:
+    by_table = changed(profile="depth [m], strength [kPa]; 0, 20; 20, 20", to_depth=12.2)
+    plain = changed(to_depth=12.2)
+    plans = [make_plan(it.build()) for it in (by_table, plain)]
+    assert plans[0].arrays.keys() == plans[1].arrays.keys()
+    assert [it.kernel for it in plans[0].step] == [it.kernel for it in plans[1].step]
+    of_table, of_plain = by_table.run(), plain.run()
+    for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
+        np.testing.assert_array_equal(of_table[name], of_plain[name])
+
+
+def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Dataset) -> None:
+    np.testing.assert_allclose(layered.depth, 12.0 + 0.1 * (np.arange(30) + 0.5))
+    assert layered.depth.attrs["units"] == "m"
+    np.testing.assert_array_equal(layered.strength, np.where(layered.depth < 13.0, 10e3, 30e3))
+    np.testing.assert_allclose(layered.vertical_stress, 17e3 * layered.depth)
+    np.testing.assert_allclose(
+        layered.total_resistance - layered.net_resistance, layered.vertical_stress
+    )
+    np.testing.assert_allclose(
+        layered.cone_factor_at_tip, layered.net_resistance / layered.strength
+    )
+
+
+def test_the_resistance_rises_towards_that_of_the_stronger_layer(layered: xr.Dataset) -> None:
+    net = layered.net_resistance
+    assert 1.5 < float(net[-5:].mean() / net[:5].mean()) < 3.0
+
+
+def test_eight_times_the_strength_gives_eight_times_the_curves(layered: xr.Dataset) -> None:
+    """With eight times the density waves are as fast; a power of two changes no digit."""
+    eightfold = changed(
+        profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
+        "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
+        density=8.0 * COARSE.density,
+    ).run()
+    for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
+        np.testing.assert_allclose(eightfold[name], 8.0 * layered[name], rtol=1e-12)
+
+
+def test_stretches_have_the_samples_of_the_whole_and_an_overlap() -> None:
+    whole = changed(to_depth=22.0)
+    parts = [
+        dataclasses.replace(whole, stretch_count=3, stretch_number=number, overlap=2.0)
+        for number in (1, 2, 3)
+    ]
+    assert [it.samples for it in parts] == [range(33), range(13, 66), range(46, 100)]
+    assert parts[1].start_depth == pytest.approx(whole.start_depth + 1.3)
+
+
+def test_two_stretches_agree_where_they_overlap() -> None:
+    """By the mean over the overlap, to the noise that samples have in such coarse cells."""
+    first, second = (
+        changed(
+            profile=LAYERS, to_depth=17.0, stretch_count=2, stretch_number=number, overlap=2.0
+        ).run()
+        for number in (1, 2)
+    )
+    net_first, net_second = xr.align(first.net_resistance, second.net_resistance, join="inner")
+    assert net_first.sizes["depth"] == 20
+    assert float(net_first.mean()) == pytest.approx(float(net_second.mean()), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"to_depth": 12.0}, "to_depth = 12 is not allowed: must be > from_depth = 12"),
+        ({"from_depth": 2.0}, "from_depth = 2 is not allowed: must be >= 10.23"),
+        ({"stretch_number": 2}, "stretch_number = 2 is not allowed: must be <= stretch_count = 1"),
+        (
+            {"profile": "depth [m], strength [kPa]; 0, 1; 14, 1"},
+            "profile: ends at 14 m, must reach to_depth = 15 m",
+        ),
+        (
+            {"layer_top": 13.0, "layer_thickness": 0.1},
+            "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
+        ),
+        (
+            {"profile": "depth [m], strength [kPa]; 0, 1; 9, 1; 9, 2; 9.1, 2; 9.1, 1; 19, 1"},
+            "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
+        ),
+        ({"profile": "depth [m], strength [kPa]; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
+    ],
+)
+def test_what_is_not_allowed_is_told_in_one_line(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(ParameterError, match=re.escape(message)) as refusal:
+        changed(**changes)
+    assert "\n" not in str(refusal.value)
+
+
+def test_the_change_of_the_resistance_is_a_share_of_the_whole_change() -> None:
+    """Of a factor of 10 that becomes 40 at fourfold strength; the ends have no mean."""
+    factor = np.concatenate([np.full(50, 10.0), np.full(50, 40.0)])
+    share = change_of_resistance(factor, 4.0)
+    np.testing.assert_allclose(share[[10, 40, 60, 90]], [0.0, 0.0, 1.0, 1.0], atol=1e-12)
+    assert np.isnan(share[[0, -1]]).all()
+
+
+def test_a_border_is_felt_before_and_behind_it() -> None:
+    result = changed(from_depth=20.0, to_depth=40.0, layer_top=26.0, layer_strength_ratio=2.0).run()
+    assert 0.0 < float(result.felt_before) < 6.0
+    assert 0.0 < float(result.felt_behind) < 14.0
+
+
+def test_where_the_error_is_not_known_there_is_no_uncertainty(layered: xr.Dataset) -> None:
+    """The cells are wider than those that the law of the error was measured on."""
+    assert np.isnan(layered.net_resistance_uncertainty).all()
+    assert np.isnan(layered.last_cone_factor_uncertainty)
