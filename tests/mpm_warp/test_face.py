@@ -24,7 +24,7 @@ def test_every_scene_and_what_scenes_are_made_of_is_there() -> None:
     assert {scene_class(name).__name__ for name in scene_names()} <= names
     assert names >= {
         *("Scene", "Simulation", "Execution", "Grid", "PolarGrid"),
-        *("LinearElastic", "Tresca", "VonMises"),
+        *("EinavRandolph", "LinearElastic", "Tresca", "VonMises"),
         *("SurfaceContact", "FarField", "Fixed", "Window", "MovingWall"),
         *("Gravity", "NodalLoad", "Damping"),
         *("SceneError", "ParameterError", "SimulationDiverged", "InaccurateRun"),

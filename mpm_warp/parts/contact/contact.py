@@ -27,6 +27,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import PROPERTIES, Material
 from mpm_warp.parts.contact.contact_law import make_contact_law
+from mpm_warp.parts.contact.strength_beside import add_strength_beside
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run
@@ -87,7 +88,7 @@ class SurfaceContact:
         normals: unit normals, outward from the soil, shape [node_count, 2].
         normal_areas: areas on which the normal traction acts [m2], shape [node_count].
         adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count]; where
-            the material varies, beside soil of a strength ratio of 1.
+            the strength of the soil varies or changes, that beside soil of the material's own.
         friction: Coulomb coefficient, dimensionless, >= 0.
         in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
             part where the simulated traction pulls by more.
@@ -125,8 +126,18 @@ class SurfaceContact:
         check_number("contact: speed", self.speed, unit="m/s")
 
     def check(self, setting: Setting) -> None:
-        """Check that the grid has the nodes."""
+        """Check that the grid has the nodes, and that those beside soil that changes can be told.
+
+        Raises:
+            SceneError: not so.
+        """
         check_nodes("contact: nodes", self.nodes, setting.grid.node_count)
+        inside = np.flatnonzero(np.asarray(self.nodes) % (setting.grid.column_count + 1))
+        if setting.material.state and inside.size:
+            raise SceneError(
+                f"contact: nodes[{inside[0]}] is not in the first column of the grid, must be "
+                "where the material has a state"
+            )
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
         """Add the launch, over the nodes in contact.
@@ -150,6 +161,9 @@ class SurfaceContact:
             speed=self.speed,
             window_motion=window_motion,
         )
+        law = setting.material.law(plan.precision)
+        if law.remembers and law.yield_function is not None:
+            add_strength_beside(plan, setting, law, self.adhesion_forces)
 
     def follow(self, run: Run, setting: Setting, travel: float) -> None:
         """The adhesion is that of the soil which is beside each node now."""

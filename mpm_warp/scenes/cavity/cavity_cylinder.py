@@ -15,7 +15,8 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.scenes.catalogue import Verification
-from mpm_warp.scenes.cavity.common import RADIUS, STRENGTH, Cavity, verifications
+from mpm_warp.scenes.cavity.common import RADIUS, STRENGTH, Cavity
+from mpm_warp.scenes.cavity.verifications import HURRIED, LATE, SOON, verifications
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +30,9 @@ class CavityCylinder(Cavity):
 
     summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
     version: ClassVar[int] = 5
-    verifications: ClassVar[tuple[Verification, ...]] = verifications(0.015, (4, 8))
+    verifications: ClassVar[tuple[Verification, ...]] = verifications(
+        0.015, (4, 8), HURRIED, LATE, SOON
+    )
     exponent: ClassVar[int] = 2
     factor: ClassVar[float] = 1.0
     von_mises_strength: ClassVar[float] = 1.0
@@ -45,12 +48,16 @@ class CavityCylinder(Cavity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.stress_anisotropy != 0.0 and self.material != "tresca":
-            raise ParameterError(
-                "stress_anisotropy",
-                f"stress_anisotropy = {self.stress_anisotropy:g} must be 0 where material is "
-                f"{self.material}: there is no exact pressure",
-            )
+        for name, value, known in (
+            ("material", self.material, "tresca"),
+            ("remoulded_strength_ratio", self.remoulded_strength_ratio, 1.0),
+        ):
+            if self.stress_anisotropy != 0.0 and value != known:
+                raise ParameterError(
+                    "stress_anisotropy",
+                    f"stress_anisotropy = {self.stress_anisotropy:g} must be 0 where {name} is "
+                    f"{value}: there is no exact pressure",
+                )
 
     @property
     def stress_at_rest(self) -> Floats:

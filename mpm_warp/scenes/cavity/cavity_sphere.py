@@ -16,7 +16,8 @@ from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.results import variable
 from mpm_warp.scenes.catalogue import Verification
-from mpm_warp.scenes.cavity.common import RADIUS, Cavity, verifications
+from mpm_warp.scenes.cavity.common import RADIUS, Cavity
+from mpm_warp.scenes.cavity.verifications import HURRIED, LATE, verifications
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +30,7 @@ class CavitySphere(Cavity):
 
     summary: ClassVar[str] = "pressure of an expanding spherical cavity in undrained clay"
     version: ClassVar[int] = 5
-    verifications: ClassVar[tuple[Verification, ...]] = verifications(0.02, (4, 6))
+    verifications: ClassVar[tuple[Verification, ...]] = verifications(0.02, (4, 6), HURRIED, LATE)
     exponent: ClassVar[int] = 3
     factor: ClassVar[float] = 4.0 / 3.0
     von_mises_strength: ClassVar[float] = math.sqrt(0.75)

@@ -11,17 +11,20 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid, graded
-from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.materials.material import Material, PerfectlyPlastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.results import curves, variable
+from mpm_warp.results import variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes import rate_and_softening
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.cavity.changing_strength import ChangingStrengthCavity
 from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
+from mpm_warp.scenes.cavity.pressure_curve import PressureCurve
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
@@ -31,13 +34,11 @@ STRENGTH = 1e3
 DENSITY = 1700.0
 SAMPLE_COUNT = 150
 TIME_STEP_FRACTION = 0.85
-LARGEST_PORE_PRESSURE_ERROR = 0.02
-"""Of the profile of excess pore pressure in verifications, over that at the wall."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cavity(CatalogueScene):
-    """A cavity in perfectly plastic soil whose wall moves, the grid following it.
+    """A cavity in clay whose wall moves, the grid following it.
 
     Incompressible soil with strains of any size: with a the radius, a0 that at the start,
     e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm, (p - p0)/su = k Ir Li2(e) while
@@ -46,7 +47,8 @@ class Cavity(CatalogueScene):
     strain around a cylinder, and around a sphere like one with sqrt(3)/2 su. The soil here is
     slightly compressible (Poisson's ratio 0.495), which lowers the limit by
     ln(2 (1 + nu) / (5 - 4 nu)) = -0.0100 and 4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 (Hill 1950);
-    nothing is corrected for that.
+    nothing is corrected for that. Where the strength changes, the pressure is an integral over the
+    strain (`strength_law`).
     """
 
     method: ClassVar[tuple[str, ...]] = ("cells_per_radius", "particles_per_cell", "speed_ratio")
@@ -61,6 +63,17 @@ class Cavity(CatalogueScene):
         100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=2000
     )
     material: str = yield_criterion()
+    rate_factor: float = rate_and_softening.rate_factor()
+    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
+    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
+    ductility: float | None = rate_and_softening.ductility()
+    expansion_rate: float = parameter(
+        1.0,
+        unit="s-1",
+        meaning="real speed of the wall over the radius at the start, which strain rates are of",
+        minimum=1e-12,
+        maximum=1e6,
+    )
     poissons_ratio: float = parameter(
         0.495, unit="1", meaning="Poisson's ratio", minimum=0.4, maximum=0.4999
     )
@@ -80,6 +93,10 @@ class Cavity(CatalogueScene):
         minimum=1e-3,
         maximum=0.3,
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        rate_and_softening.check_clay(self, lambda: self.clay)
 
     @abstractmethod
     def grid(self) -> Grid:
@@ -114,13 +131,15 @@ class Cavity(CatalogueScene):
         return columns / span
 
     @property
-    def clay(self) -> Material:
+    def clay(self) -> PerfectlyPlastic:
         """The soil."""
-        return CRITERIA[self.material](
+        return rate_and_softening.clay_of(
+            self,
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=self.poissons_ratio,
             density=DENSITY,
             strength=STRENGTH,
+            speed_up=self.wall.speed / (self.expansion_rate * RADIUS),
         )
 
     @property
@@ -165,6 +184,8 @@ class Cavity(CatalogueScene):
 
     def exact(self, expansion: Floats) -> Floats:
         """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
+        if self._changing is not None:
+            return self._changing.pressure(expansion) / STRENGTH
         index = self.rigidity_index / self._strength
         strain = 1.0 - expansion ** -float(self.exponent)
         yielding = -math.expm1(-1.0 / index)
@@ -184,6 +205,8 @@ class Cavity(CatalogueScene):
             distance: over the radius a of the cavity, >= 1, shape [n].
             expansion: a/a0, > 1.
         """
+        if self._changing is not None:
+            return self._changing.pore_pressure(distance, expansion=expansion)
         m, index = self.exponent, self.rigidity_index / self._strength
         local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
         shear = np.minimum(index * m * np.log(local), 1.0)
@@ -192,7 +215,9 @@ class Cavity(CatalogueScene):
 
     @property
     def limit(self) -> float:
-        """Excess pressure over strength that no expansion exceeds."""
+        """Excess pressure over strength that no expansion exceeds, or that at the end."""
+        if self._changing is not None:
+            return float(self.exact(np.array([self.expansion]))[0])
         return self.factor * self._strength * (1.0 + math.log(self.rigidity_index / self._strength))
 
     @property
@@ -200,12 +225,34 @@ class Cavity(CatalogueScene):
         """Half the difference of the stresses along and across the wall at yield, over su."""
         return self.von_mises_strength if self.material == "von_mises" else 1.0
 
+    @property
+    def _changing(self) -> ChangingStrengthCavity | None:
+        """The exact pressures where the strength changes, or none."""
+        clay = self.clay
+        if not isinstance(clay, EinavRandolph):
+            return None
+        return ChangingStrengthCavity(
+            clay=clay,
+            wall=self.wall,
+            radius=RADIUS,
+            exponent=self.exponent,
+            factor=self.factor,
+            strength_share=self._strength,
+        )
+
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
         wall = soil_scene(simulation).moving_wall
         assert wall is not None
         duration = self.duration(wall)
-        curve = _PressureCurve(self, simulation)
+        grid = soil_scene(simulation).grid
+        curve = PressureCurve(
+            simulation,
+            radius=RADIUS,
+            strength=STRENGTH,
+            wall_area=lambda radius: self.wall_area(grid, radius),
+            exact=self.exact,
+        )
         moments = [duration * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
@@ -213,10 +260,11 @@ class Cavity(CatalogueScene):
             float(np.abs(difference.values).max()) / self.limit,
             unit="1",
             meaning="error of the cavity pressure",
-            description="greatest difference over the whole curve, over the limit pressure",
+            description="greatest difference over the whole curve, over the limit pressure, "
+            "or the exact one at the end where the strength changes",
             role="headline",
         )
-        shape = self.shape(soil_scene(simulation).grid, curve.on_rows)
+        shape = self.shape(grid, curve.on_rows)
         profile = pore_pressure_profile(
             simulation, radius_at_start=RADIUS, exact=self.exact_pore_pressure
         )
@@ -230,65 +278,6 @@ class Cavity(CatalogueScene):
             on_rows: normal forces on the wall by row of nodes [N], shape [row_count + 1].
         """
         return {}
-
-
-class _PressureCurve:
-    """Samples the pressure in a cavity: means over the time since the sample before.
-
-    Args:
-        cavity: the scene.
-        simulation: a run of it.
-    """
-
-    def __init__(self, cavity: Cavity, simulation: Simulation) -> None:
-        self._cavity = cavity
-        self._simulation = simulation
-        self._sampled_at = simulation.time
-        self._radius = RADIUS
-        self._expansion: list[float] = []
-        self._pressure: list[float] = []
-        self.on_rows = np.zeros(soil_scene(simulation).grid.row_count + 1)
-
-    def sample(self) -> None:
-        """Take down the radius and the mean pressure since the sample before."""
-        simulation = self._simulation
-        if simulation.time == self._sampled_at:
-            return  # one step may go past several samples
-        radius = float(simulation.array("wall.motion")[0, 2])
-        self.on_rows = simulation.array("wall.impulse") / (simulation.time - self._sampled_at)
-        simulation.assign("wall.impulse", 0.0)
-        middle = 0.5 * (self._radius + radius)
-        area = self._cavity.wall_area(soil_scene(simulation).grid, middle)
-        self._expansion.append(middle / RADIUS)
-        self._pressure.append(self.on_rows.sum() / area / STRENGTH)
-        self._radius, self._sampled_at = radius, simulation.time
-
-    def dataset(self) -> xr.Dataset:
-        """Pressure over su against radius over that at the start, computed and exact."""
-        expansion = np.array(self._expansion)
-        return curves(
-            "expansion",
-            (expansion, "1", "radius of the cavity over that at the start"),
-            cavity_pressure=(np.array(self._pressure), "1", "excess cavity pressure over su"),
-            cavity_pressure_exact=(
-                self._cavity.exact(expansion),
-                "1",
-                "excess cavity pressure over su, exact",
-            ),
-        )
-
-
-def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
-    """Soft and stiff soil, and soil of von Mises, at two resolutions; bounds the finer's error."""
-    return tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=resolutions,
-            bounds={"error": largest_error, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
-            settings={"rigidity_index": rigidity_index, "material": material},
-        )
-        for rigidity_index, material in ((50.0, "tresca"), (500.0, "tresca"), (50.0, "von_mises"))
-    )
 
 
 def _dilogarithm(x: Floats) -> Floats:

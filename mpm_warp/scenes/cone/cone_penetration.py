@@ -12,8 +12,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Floats, Grid, growing
-from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.travelling_source import TravellingSource
@@ -22,6 +21,7 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import rate_and_softening
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.known_error import known_error
 from mpm_warp.scenes.cone.measured_error import Run, further_tests, with_measured_error
@@ -57,6 +57,9 @@ the middle of the volume that it puts into the ground."""
 class ConePenetration(ConeTest):
     """A penetrometer pushed at constant speed into uniform, weightless, undrained clay.
 
+    The strength of the clay may fall with plastic strain, and rise with the rate that the strain
+    has at the real speed.
+
     The penetrometer starts in place, in undisturbed ground. Excess stresses are simulated: those
     over the vertical in-situ stress, which balances itself.
     """
@@ -67,6 +70,7 @@ class ConePenetration(ConeTest):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        rate_and_softening.check_clay(self, lambda: self._clay)
         # Stress in the ground before must be within the yield surface.
         bound = 1.0 if self.material == "tresca" else 0.5 * math.sqrt(3.0)
         if abs(self.stress_anisotropy) >= bound:
@@ -145,13 +149,28 @@ class ConePenetration(ConeTest):
         return np.array([horizontal, 0.0, 0.0, horizontal])
 
     @property
-    def _clay(self) -> Material:
-        return CRITERIA[self.material](
-            shear_modulus=self.rigidity_index * self.undrained_shear_strength,
+    def _clay(self) -> PerfectlyPlastic:
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
+        return rate_and_softening.clay_of(
+            self,
+            shear_modulus=shear_modulus,
             poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
             density=self.density,
             strength=self.undrained_shear_strength,
+            speed_up=speed / self.penetration_speed,
         )
+
+    @property
+    def _strength_in_compression(self) -> float:
+        """Strength of intact clay in compression along one axis, over 2 su, at the cone's rate."""
+        of_criterion = VON_MISES_STRENGTH if self.material == "von_mises" else 1.0
+        if self.rate_factor == 0.0:
+            return of_criterion
+        assert self.reference_strain_rate is not None
+        rate = self.penetration_speed / self.cone_radius
+        cycles = math.log10(max(rate / self.reference_strain_rate, 1.0))
+        return of_criterion * (1.0 + self.rate_factor * cycles)
 
     @property
     def _window(self) -> Window:
@@ -295,7 +314,7 @@ class ConePenetration(ConeTest):
         check_bound(
             results,
             rigidity_index=self.rigidity_index,
-            strength_ratio=VON_MISES_STRENGTH if self.material == "von_mises" else 1.0,
+            strength_ratio=self._strength_in_compression,
             face_shear=1.0 if self.friction_coefficient > 0.0 else self.adhesion_factor,
             apex_angle=math.radians(self.apex_angle),
         )

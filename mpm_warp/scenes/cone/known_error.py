@@ -135,6 +135,8 @@ def _not_known(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> str:
         f"material = {test.material} is not tresca": test.material != "tresca",
         f"apex_angle = {test.apex_angle:g} is not 60": test.apex_angle != 60.0,
         "friction_coefficient is not 0": test.friction_coefficient != 0.0,
+        "the clay softens": test.remoulded_strength_ratio != 1.0,
+        "the clay has a rate effect": test.rate_factor != 0.0,
         f"rigidity_index is not {lowest:g} to {highest:g}": not (
             lowest <= test.rigidity_index <= highest
         ),

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mpm_warp.parameters import parameter
+from mpm_warp.scenes import rate_and_softening
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone import window
 from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
@@ -70,6 +71,10 @@ class ConeTest(CatalogueScene):
         maximum=1e9,
     )
     material: str = yield_criterion()
+    rate_factor: float = rate_and_softening.rate_factor()
+    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
+    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
+    ductility: float | None = rate_and_softening.ductility()
     poissons_ratio: float = parameter(
         0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
     )
@@ -89,6 +94,14 @@ class ConeTest(CatalogueScene):
     )
     cone_radius: float = parameter(
         0.01785, unit="m", meaning="radius of the cone's base", minimum=1e-6, maximum=1e3
+    )
+    penetration_speed: float = parameter(
+        0.02,
+        unit="m s-1",
+        meaning="speed of the real penetration, which strain rates are of; the run has its own, "
+        "speed_ratio",
+        minimum=1e-9,
+        maximum=1e3,
     )
     apex_angle: float = parameter(
         60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150

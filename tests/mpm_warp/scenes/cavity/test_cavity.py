@@ -163,3 +163,57 @@ def test_a_cavity_expanded_by_a_few_steps_has_a_sample_a_step() -> None:
     ).run()
     assert result.sizes["expansion"] == int(result.step_count)
     assert np.isfinite(result.cavity_pressure).all()
+
+
+SOFT = {"remoulded_strength_ratio": 0.2, "ductility": 1.0}
+HURRIED = {"rate_factor": 0.1, "reference_strain_rate": 0.01}
+
+
+def test_pressure_in_clay_that_softens_follows_the_integral_the_finer_the_better() -> None:
+    """The strength falls fivefold within the first cells: the worst of usual ductilities."""
+    errors = [float(CavityCylinder(cells_per_radius=n, **SOFT).run()["error"]) for n in (4, 8)]
+    assert errors[1] <= 0.01
+    # Of first order in the cells beside the wall, or better.
+    assert math.log2(errors[0] / errors[1]) >= 1.0
+
+
+def test_pressure_in_clay_with_a_rate_effect_follows_the_integral() -> None:
+    """Of which the pressure of clay at the reference rate is 6 % off."""
+    result = CavityCylinder(cells_per_radius=4, **HURRIED).run()
+    assert float(result["error"]) <= 0.01
+    assert float(result.pore_pressure_error) <= 0.02
+
+
+@pytest.mark.parametrize("changing", [SOFT, HURRIED], ids=["softening", "rate"])
+@pytest.mark.parametrize("scene", [CavityCylinder, CavitySphere])
+def test_pore_pressure_is_that_of_the_exact_stress_where_the_strength_changes(
+    scene: type[CavityCylinder | CavitySphere], changing: dict[str, float]
+) -> None:
+    """The mean stress has no resultant: over m r^(m-1) dr it adds up to that at the wall.
+
+    From m (p - mean) = -r dp/dr: d(r^m p)/dr = m r^(m-1) mean.
+    """
+    cavity = scene(expansion=2.0, **changing)
+    m, far = cavity.exponent, 30.0
+    r = np.geomspace(1.0, far, 201)
+    mean = cavity.exact_pore_pressure(r, expansion=2.0)
+    added_up = float(np.trapezoid(mean * m * r ** (m - 1), r))
+    at_wall = 1e3 * float(cavity.exact(np.array([2.0]))[0])
+    # Far away the soil is elastic: p = k G (1 - (a0/a)^m) (a/r)^m.
+    beyond = cavity.factor * 1e5 * (1.0 - 2.0**-m)
+    assert at_wall + added_up == pytest.approx(beyond, rel=1e-3)
+
+
+def test_halving_the_speed_of_the_run_leaves_the_effect_of_the_rate() -> None:
+    """Strain rates are those of the real expansion: what is left is the inertia of the soil."""
+    small = {"cells_per_radius": 2, "rigidity_index": 20.0, "expansion": 2.0, **HURRIED}
+    fast, slow = (CavityCylinder(speed_ratio=it, **small).run() for it in (0.03, 0.015))
+    at = np.linspace(1.1, 1.9, 99)
+    means = [np.interp(at, it.expansion, it.cavity_pressure).mean() for it in (fast, slow)]
+    # rho V^2 / su is 1e-3; mu log10(2) of the strength would be 2.5 % of the pressure.
+    assert means[0] == pytest.approx(means[1], rel=0.005)
+
+
+def test_with_softening_the_vertical_stress_counts() -> None:
+    with pytest.raises(ParameterError, match="must be 0 where remoulded_strength_ratio"):
+        CavityCylinder(stress_anisotropy=0.2, **SOFT)

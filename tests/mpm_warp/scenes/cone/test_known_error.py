@@ -104,6 +104,8 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ({"material": "von_mises"}, "material = von_mises is not tresca"),
         ({"apex_angle": 90.0}, "apex_angle = 90 is not 60"),
         ({"friction_coefficient": 0.1}, "friction_coefficient is not 0"),
+        ({"remoulded_strength_ratio": 0.5, "ductility": 10.0}, "the clay softens"),
+        ({"rate_factor": 0.1, "reference_strain_rate": 0.1}, "the clay has a rate effect"),
         ({"rigidity_index": 5.0}, "rigidity_index is not 20 to 1000"),
         ({"stress_anisotropy": 0.6}, "stress_anisotropy is beyond 0.5"),
         ({"poissons_ratio": 0.3}, "poissons_ratio is below 0.45"),

@@ -14,7 +14,8 @@ import xarray as xr
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.precision import Precision
-from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
+from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 
@@ -41,6 +42,23 @@ def test_stress_whatever_the_stiffness(rigidity_index: float, poissons_ratio: fl
     result = scene.run()
     assert float(result.error) <= 1e-6
     assert float(result.yield_excess) <= 1e-9
+
+
+@pytest.mark.parametrize("material", ["tresca", "von_mises"])
+@pytest.mark.parametrize("changed", [{}, {"ductility": 20.0}, {"rate_factor": 0.0}])
+def test_stress_of_clay_that_changes_its_strength(material: str, changed: dict[str, float]) -> None:
+    """The error is that of the turn, as in clay that does not: the law itself is followed."""
+    steps = 1000
+    result = MaterialPoint(material=material, step_count=steps, **{**CHANGING, **changed}).run()
+    assert float(result.error) <= (2 * math.pi) ** 3 / (12 * steps**2)
+    difference = np.abs(result.stress - result.stress_exact).max("component")
+    turned = difference.path.str.contains("turn by|simple shear")
+    assert float(difference.where(~turned).max()) <= 1e-9
+    assert float(result.yield_excess) <= 1e-9
+
+
+def test_the_number_of_paths_is_known_before_they_are() -> None:
+    assert len(known_paths(MaterialPoint().clay)) == PATH_COUNT
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,239 @@
+"""Clay that softens as it is sheared, and is the stronger the faster it is sheared.
+
+After Einav & Randolph (2005, Int. J. Numer. Meth. Eng. 63:1991-2016). Symbols: f the measure of the
+yield criterion, of a stress and of a strain alike; k strength, su that of intact clay at the
+reference strain rate; xi plastic shear strain so far, gd shear strain rate; G shear modulus.
+
+    k  = su R [delta + (1 - delta) exp(-3 xi / xi_95)],     R = 1 + mu log10(max(gd / gd_ref, 1))
+    gd = 2 f(D)                                Tresca: D_1 - D_3, von Mises: sqrt(2 dev D : dev D)
+    f(trial) - G dxi = k(xi + dxi, gd)         the return, implicit in the plastic shear strain
+
+Both criteria take G dxi off their measure as they return, Tresca on sides and in corners alike. So
+in proportional shear f + G xi = G gamma to rounding, whatever the size of the steps.
+"""
+
+import functools
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, check_number
+from mpm_warp.errors import SceneError
+from mpm_warp.materials.material import Law, PerfectlyPlastic
+from mpm_warp.precision import Precision
+
+STEEPEST = 0.5
+"""Greatest slope of the strength over G; at 1 the stress would fall without any strain."""
+LARGEST_RATE = 1e6
+"""Shear strain rate over that of reference which slope and limit pressure count with."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EinavRandolph(PerfectlyPlastic):
+    """Softening by accumulated plastic shear strain, and a logarithmic effect of its rate.
+
+    Attributes:
+        strength: su, that of intact clay at the reference strain rate [Pa], > 0.
+        criterion: the perfectly plastic material that it is at any moment: Tresca, VonMises.
+        rate_factor: mu, what a log cycle of strain rate adds to the strength, over it; >= 0.
+        reference_strain_rate: gd_ref, in the time of the run [1/s], > 0.
+        remoulded_strength_ratio: delta, strength when remoulded over that when intact, > 0, <= 1.
+        ductility: xi_95, plastic shear strain at which 95 % of the loss is done, > 0.
+
+    Raises:
+        SceneError: a value is not allowed, or the strength falls too steeply to be followed.
+    """
+
+    criterion: type[PerfectlyPlastic]
+    rate_factor: float
+    reference_strain_rate: float
+    remoulded_strength_ratio: float
+    ductility: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("material: rate_factor", self.rate_factor, NOT_NEGATIVE)
+        check_number(
+            "material: reference_strain_rate", self.reference_strain_rate, POSITIVE, unit="1/s"
+        )
+        ratio = self.remoulded_strength_ratio
+        check_number("material: remoulded_strength_ratio", ratio, Range(above=0.0, maximum=1.0))
+        check_number("material: ductility", self.ductility, POSITIVE)
+        if self.slope > STEEPEST:
+            least = self.ductility * self.slope / STEEPEST
+            raise SceneError(
+                f"material: ductility = {self.ductility:g} is too brittle, must be >= {least:.2g}: "
+                f"its strength falls by {self.slope:.2g} G, {STEEPEST:g} G can be followed"
+            )
+
+    @property
+    def softens(self) -> bool:
+        """Whether plastic shear strain changes the strength."""
+        return self.remoulded_strength_ratio < 1.0
+
+    @property
+    def depends_on_rate(self) -> bool:
+        """Whether the strain rate changes the strength."""
+        return self.rate_factor > 0.0
+
+    @property
+    def slope(self) -> float:
+        """Greatest fall of the strength per plastic shear strain, over G: that of intact clay."""
+        fall = 3.0 * (1.0 - self.remoulded_strength_ratio) / self.ductility
+        return fall * self._greatest_strength / self.shear_modulus
+
+    @property
+    def state(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Plastic shear strain xi, and R - 1 when last near yield: what changes the strength."""
+        softening = ("plastic_shear_strain",) if self.softens else ()
+        return (*softening, "rate_effect") if self.depends_on_rate else softening
+
+    @property
+    def properties(self) -> tuple[float, ...]:
+        """(su, delta, 3 / xi_95, G, mu, 1 / gd_ref)."""
+        return (
+            self.strength,
+            self.remoulded_strength_ratio,
+            3.0 / self.ductility,
+            self.shear_modulus,
+            self.rate_factor,
+            1.0 / self.reference_strain_rate,
+        )
+
+    @property
+    def limit_pressure(self) -> float:
+        """Of intact clay at the largest rate that counts [Pa]."""
+        return self._perfectly_plastic(self._greatest_strength).limit_pressure
+
+    def update(self, precision: Precision) -> Any:
+        """Return to the surface of the criterion, as large as strain and rate leave it."""
+        law = self._perfectly_plastic(self.strength).law(precision)
+        return _make_update(law, self.softens, self.depends_on_rate, precision)
+
+    def yield_function(self, precision: Precision) -> Any:
+        """The measure of the criterion, and the strength k."""
+        law = self._perfectly_plastic(self.strength).law(precision)
+        return _make_yield_function(law, self.softens, self.depends_on_rate, precision)
+
+    def law(self, precision: Precision) -> Law:
+        """See `Material`; the key tells the criterion too, and what changes the strength."""
+        law = super().law(precision)
+        kind = f"{self.criterion.__qualname__}.{'.'.join(self.state)}"
+        return replace(law, key=f"{law.key}.{kind}")
+
+    @property
+    def _greatest_strength(self) -> float:
+        return self.strength * (1.0 + self.rate_factor * math.log10(LARGEST_RATE))
+
+    def _perfectly_plastic(self, strength: float) -> PerfectlyPlastic:
+        return self.criterion(
+            shear_modulus=self.shear_modulus,
+            poissons_ratio=self.poissons_ratio,
+            density=self.density,
+            strength=strength,
+        )
+
+
+@functools.cache
+def _make_strength(softens: bool, precision: Precision) -> Any:
+    """The function (properties, xi, R - 1) -> (k, what is left of it by any strain) [Pa]."""
+    real, vec2, vec6 = precision.real, precision.vec2, precision.vector(6)
+
+    @wp.func
+    def strength(properties: vec6, strain: real, rate_effect: real) -> vec2:
+        intact = properties[0] * (real(1.0) + rate_effect)
+        if wp.static(softens):
+            remoulded = properties[1] * intact
+            lost = (intact - remoulded) * wp.exp(-properties[2] * strain)
+            return vec2(remoulded + lost, remoulded)
+        return vec2(intact, intact)
+
+    return strength
+
+
+@functools.cache
+def _make_memory(softens: bool, depends_on_rate: bool, precision: Precision) -> tuple[Any, Any]:
+    """The functions state -> (xi, R - 1), and back."""
+    real, vec2 = precision.real, precision.vec2
+    state_type = precision.vector(max(1, softens + depends_on_rate))
+
+    @wp.func
+    def recalled(state: state_type) -> vec2:
+        strain, rate_effect = real(0.0), real(0.0)
+        if wp.static(softens):
+            strain = state[0]
+        if wp.static(depends_on_rate):
+            rate_effect = state[wp.static(int(softens))]
+        return vec2(strain, rate_effect)
+
+    @wp.func
+    def remembered(strain: real, rate_effect: real) -> state_type:
+        state = state_type()
+        if wp.static(softens):
+            state[0] = strain
+        if wp.static(depends_on_rate):
+            state[wp.static(int(softens))] = rate_effect
+        return state
+
+    return recalled, remembered
+
+
+@functools.cache
+def _make_yield_function(
+    law: Law, softens: bool, depends_on_rate: bool, precision: Precision
+) -> Any:
+    vec1, vec2, vec4, vec6 = (precision.vector(length) for length in (1, 2, 4, 6))
+    state_type = precision.vector(max(1, softens + depends_on_rate))
+    recalled, _ = _make_memory(softens, depends_on_rate, precision)
+    strength = _make_strength(softens, precision)
+    measure: Any = law.yield_function
+
+    @wp.func
+    def measure_and_strength(stress: vec4, properties: vec6, state: state_type) -> vec2:
+        known = recalled(state)
+        f = measure(stress, vec1(properties[0]), vec1())
+        return vec2(f[0], strength(properties, known[0], known[1])[0])
+
+    return measure_and_strength
+
+
+@functools.cache
+def _make_update(law: Law, softens: bool, depends_on_rate: bool, precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
+    vec1, vec6 = precision.vector(1), precision.vector(6)
+    state_type = precision.vector(max(1, softens + depends_on_rate))
+    recalled, remembered = _make_memory(softens, depends_on_rate, precision)
+    strength, perfect_return = _make_strength(softens, precision), law.update
+    measure: Any = law.yield_function
+
+    @wp.func
+    def soften_and_return(
+        trial: vec4, strain: vec4, time_step: real, properties: vec6, state: state_type
+    ):
+        su, G = vec1(properties[0]), properties[3]
+        f = measure(trial, su, vec1())[0]
+        # No strain and no rate takes the strength below this.
+        if f <= properties[0] * properties[1]:
+            return trial, state
+        xi, rate_effect = recalled(state)[0], real(0.0)
+        if wp.static(depends_on_rate):
+            rate = real(2.0) * measure(strain, su, vec1())[0] / time_step
+            rate_effect = properties[4] * wp.log10(wp.max(rate * properties[5], real(1.0)))
+        k = strength(properties, xi, rate_effect)
+        if f > k[0]:
+            if wp.static(softens):
+                # Newton's method: in steps of 1e-3 its first error is 1e-6, its second 1e-12 of the
+                # strain; what is left is a strain, for the stress is put on the surface.
+                plastic = real(0.0)
+                for _ in range(2):
+                    slope = properties[2] * (k[0] - k[1])
+                    plastic += (f - G * plastic - k[0]) / (G - slope)
+                    k = strength(properties, xi + plastic, rate_effect)
+                xi += plastic
+            stress, _nothing = perfect_return(trial, strain, time_step, vec1(k[0]), vec1())
+            return stress, remembered(xi, rate_effect)
+        return trial, remembered(xi, rate_effect)
+
+    return soften_and_return

@@ -1,0 +1,128 @@
+"""Adhesion of a surface beside soil whose strength changes: it changes with that of the soil.
+
+Symbols: a A greatest adhesive force of a node, k strength of a particle, k0 that of soil at the
+start, m mass of a particle; the sums are over the particles of the cells beside the node.
+
+    a A = (a A)_0 sum m k / (k0 sum m)
+
+So a rough surface is as rough when the soil beside it is remoulded. The adhesion of a step is that
+of the strength after the step before.
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import Law
+from mpm_warp.parts.part import Setting
+from mpm_warp.plan.launch import ShareRow
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+
+def add_strength_beside(plan: Plan, setting: Setting, law: Law, adhesion_forces: Floats) -> None:
+    """Add the launches that bring "contact.adhesion" up to date.
+
+    Args:
+        plan: of the run; it has the arrays of the contact, whose nodes are in the first column.
+        setting: the soil.
+        law: of its material, with a strength that changes.
+        adhesion_forces: beside soil as it is at the start [N], shape [contact node_count].
+    """
+    grid = setting.grid
+    plan.add_array("contact.first_adhesion", "real", adhesion_forces)
+    # (m k, m) by row of the first column of cells.
+    plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
+    properties = law.properties_type(*setting.material.properties)
+    plan.add_launch(
+        _make_sum_of_strength(law, plan.precision),
+        plan.arrays["particle.mass"].shape,
+        properties=properties,
+        contact_strength_sum=ShareRow("contact.strength_sum"),
+    )
+    plan.add_launch(
+        _make_adhesion(law, plan.share_count, plan.precision),
+        len(adhesion_forces),
+        properties=properties,
+        column_count=grid.column_count,
+        row_count=grid.row_count,
+    )
+    plan.add_launch(_make_clear(plan.precision), (plan.share_count, grid.row_count))
+
+
+@functools.cache
+def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
+    """The kernel, launched over slots of particles."""
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    properties_type, state_type = law.properties_type, law.state_type
+    yield_function: Any = law.yield_function
+
+    @wp.kernel(
+        module=f"mpm_warp.sum_of_strength.{law.key}.{precision.numpy_name}", enable_backward=False
+    )
+    def sum_of_strength(
+        offset: int,
+        particle_cell: wp.array(dtype=wp.vec2i),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
+        particle_mass: wp.array(dtype=real),
+        properties: properties_type,
+        contact_strength_sum: wp.array(dtype=vec2),
+    ):
+        p = offset + wp.tid()
+        cell = particle_cell[p]
+        if cell[0] == 0:
+            k = yield_function(particle_stress[p], properties, particle_state[p])[1]
+            m = particle_mass[p]
+            wp.atomic_add(contact_strength_sum, cell[1], vec2(m * k, m))
+
+    return sum_of_strength
+
+
+@functools.cache
+def _make_adhesion(law: Law, share_count: int, precision: Precision) -> Any:
+    """The kernel, launched over the surface's nodes; one without soil keeps what it has."""
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    properties_type, state_type = law.properties_type, law.state_type
+    yield_function: Any = law.yield_function
+    key = f"{law.key}.{share_count}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.adhesion_beside.{key}", enable_backward=False)
+    def adhesion_beside(
+        offset: int,
+        contact_nodes: wp.array(dtype=int),
+        contact_first_adhesion: wp.array(dtype=real),
+        contact_strength_sum: wp.array2d(dtype=vec2),
+        properties: properties_type,
+        column_count: int,
+        row_count: int,
+        contact_adhesion: wp.array(dtype=real),
+    ):
+        n = offset + wp.tid()
+        row = contact_nodes[n] / (column_count + 1)
+        sums = vec2()
+        for share in range(wp.static(share_count)):
+            if row > 0:
+                sums += contact_strength_sum[share, row - 1]
+            if row < row_count:
+                sums += contact_strength_sum[share, row]
+        if sums[1] > real(0.0):
+            first = yield_function(vec4(), properties, state_type())[1]
+            contact_adhesion[n] = contact_first_adhesion[n] * sums[0] / (first * sums[1])
+
+    return adhesion_beside
+
+
+@functools.cache
+def _make_clear(precision: Precision) -> Any:
+    """The kernel, launched over the sums: (shares, rows)."""
+    vec2 = precision.vec2
+
+    @wp.kernel(module=f"mpm_warp.clear_strength.{precision.numpy_name}", enable_backward=False)
+    def clear_strength(contact_strength_sum: wp.array2d(dtype=vec2)):
+        share, row = wp.tid()
+        contact_strength_sum[share, row] = vec2()
+
+    return clear_strength

@@ -1,0 +1,42 @@
+"""How cavities are held against their exact pressures: soils, meshes and bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mpm_warp.parameters import Value
+from mpm_warp.scenes.catalogue import Verification
+
+LARGEST_PORE_PRESSURE_ERROR = 0.02
+"""Of the profile of excess pore pressure, over that at the wall."""
+SOILS: tuple[dict[str, Value], ...] = (
+    {"rigidity_index": 50.0, "material": "tresca"},
+    {"rigidity_index": 500.0, "material": "tresca"},
+    {"rigidity_index": 50.0, "material": "von_mises"},
+)
+"""Soft and stiff soil, and soil of von Mises."""
+SOON: dict[str, Value] = {"remoulded_strength_ratio": 0.2, "ductility": 1.0}
+LATE: dict[str, Value] = {"remoulded_strength_ratio": 0.2, "ductility": 10.0}
+HURRIED: dict[str, Value] = {"rate_factor": 0.1, "reference_strain_rate": 0.01}
+"""Clay that softens, sooner and later, and clay with a rate effect."""
+
+
+def verifications(
+    largest_error: float, resolutions: tuple[int, ...], *changing: Mapping[str, Value]
+) -> tuple[Verification, ...]:
+    """Perfectly plastic soils, and clays whose strength changes, at two resolutions.
+
+    Args:
+        largest_error: bound of the finer one's.
+        resolutions: cells per radius, rising.
+        changing: parameters of the clays.
+    """
+    return tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=resolutions,
+            bounds={"error": largest_error, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
+            settings=settings,
+        )
+        for settings in (*SOILS, *changing)
+    )
