@@ -58,6 +58,8 @@ class EinavRandolph(PerfectlyPlastic):
         check_number(
             "material: reference_strain_rate", self.reference_strain_rate, POSITIVE, unit="1/s"
         )
+        if self.variation is not None:
+            raise SceneError("material: variation: not together with softening or a rate effect")
         ratio = self.remoulded_strength_ratio
         check_number("material: remoulded_strength_ratio", ratio, Range(above=0.0, maximum=1.0))
         check_number("material: ductility", self.ductility, POSITIVE)

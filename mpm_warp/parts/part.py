@@ -33,6 +33,10 @@ class Setting(Protocol):
     def particles_per_side(self) -> int:
         """Particles along each side of a cell."""
 
+    @property
+    def window(self) -> object | None:
+        """How the grid travels through the soil; None where it rests."""
+
 
 @runtime_checkable
 class NodeAction(Protocol):

@@ -107,18 +107,24 @@ def clay_of(
         strength: su, of intact clay at the reference strain rate [Pa], > 0.
         speed_up: speed of the run over that in reality, > 0: strain rates count as in reality.
     """
-    elastic = {"shear_modulus": shear_modulus, "poissons_ratio": poissons_ratio, "density": density}
-    criterion = CRITERIA[scene.material]
-    if scene.rate_factor == 0.0 and scene.remoulded_strength_ratio == 1.0:
-        return criterion(strength=strength, **elastic)
-    return EinavRandolph(
+    intact = CRITERIA[scene.material](
+        shear_modulus=shear_modulus,
+        poissons_ratio=poissons_ratio,
+        density=density,
         strength=strength,
-        criterion=criterion,
+    )
+    if scene.rate_factor == 0.0 and scene.remoulded_strength_ratio == 1.0:
+        return intact
+    return EinavRandolph(
+        shear_modulus=shear_modulus,
+        poissons_ratio=poissons_ratio,
+        density=density,
+        strength=strength,
+        criterion=type(intact),
         rate_factor=scene.rate_factor,
         reference_strain_rate=(scene.reference_strain_rate or 1.0) * speed_up,
         remoulded_strength_ratio=scene.remoulded_strength_ratio,
         ductility=scene.ductility or 1.0,
-        **elastic,
     )
 
 

@@ -25,12 +25,11 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.materials.material import PROPERTIES, Material
+from mpm_warp.materials.material import Material
 from mpm_warp.parts.contact.contact_law import make_contact_law
 from mpm_warp.parts.contact.strength_beside import add_strength_beside
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
 from mpm_warp.precision import Precision
 
 PARTED = 1e-3
@@ -49,31 +48,6 @@ def nodal_areas(weight: Floats, length: Floats) -> Floats:
     to_lower = length * (weight[:-1] / 3.0 + weight[1:] / 6.0)
     to_upper = length * (weight[:-1] / 6.0 + weight[1:] / 3.0)
     return np.append(to_lower, 0.0) + np.insert(to_upper, 0, 0.0)
-
-
-def strength_ratio_beside(run: Run, setting: Setting, nodes: Integers) -> Floats:
-    """Mean strength of the points in the cells around nodes, over that of the material.
-
-    Args:
-        run: of soil that varies.
-        setting: the soil.
-        nodes: flat indices, shape [node_count]; with soil in one of the cells around each.
-    """
-    grid = setting.grid
-    column, row = run.array("particle.cell").T
-    present = column >= 0
-    cell = row[present] * grid.column_count + column[present]
-    strength = run.array(PROPERTIES)[present, 1] / setting.material.properties[0]
-
-    def around_nodes(of_points: Floats | None) -> Floats:
-        in_cells = np.bincount(cell, of_points, minlength=grid.cell_count)
-        padded = np.pad(in_cells.reshape(grid.row_count, grid.column_count), 1)
-        sums = padded[:-1, :-1] + padded[1:, :-1] + padded[:-1, 1:] + padded[1:, 1:]
-        at_nodes: Floats = sums.ravel()[nodes].astype(np.float64)
-        return at_nodes
-
-    mean: Floats = around_nodes(strength) / around_nodes(None)
-    return mean
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,10 +107,10 @@ class SurfaceContact:
         """
         check_nodes("contact: nodes", self.nodes, setting.grid.node_count)
         inside = np.flatnonzero(np.asarray(self.nodes) % (setting.grid.column_count + 1))
-        if setting.material.state and inside.size:
+        if inside.size and (setting.material.state or self._passes_soil_that_varies(setting)):
             raise SceneError(
                 f"contact: nodes[{inside[0]}] is not in the first column of the grid, must be "
-                "where the material has a state"
+                "where the strength beside it changes: with a state, or a variation and a window"
             )
 
     def add_to(self, plan: Plan, setting: Setting) -> None:
@@ -162,14 +136,13 @@ class SurfaceContact:
             window_motion=window_motion,
         )
         law = setting.material.law(plan.precision)
-        if law.remembers and law.yield_function is not None:
+        changes = law.remembers or self._passes_soil_that_varies(setting)
+        if changes and law.yield_function is not None and self.adhesion_forces.any():
             add_strength_beside(plan, setting, law, self.adhesion_forces)
 
-    def follow(self, run: Run, setting: Setting, travel: float) -> None:
-        """The adhesion is that of the soil which is beside each node now."""
-        if self.adhesion_forces.any():
-            ratio = strength_ratio_beside(run, setting, self.nodes)
-            run.assign("contact.adhesion", ratio * self.adhesion_forces)
+    @staticmethod
+    def _passes_soil_that_varies(setting: Setting) -> bool:
+        return setting.material.variation is not None and setting.window is not None
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed.

@@ -1,12 +1,13 @@
 """Adhesion of a surface beside soil whose strength changes: it changes with that of the soil.
 
-Symbols: a A greatest adhesive force of a node, k strength of a particle, k0 that of soil at the
-start, m mass of a particle; the sums are over the particles of the cells beside the node.
+Symbols: a A greatest adhesive force of a node, k strength of a particle, k0 that of the material
+without state and variation, m mass of a particle; the sums are over the particles of the cells
+beside the node.
 
-    a A = (a A)_0 sum m k / (k0 sum m)
+    a A = (a A)_0 sum m (k / k0) / sum m
 
-So a rough surface is as rough when the soil beside it is remoulded. The adhesion of a step is that
-of the strength after the step before.
+So a rough surface is as rough when the soil beside it is remoulded, or of another layer. The
+adhesion of a step is that of the strength after the step before.
 """
 
 import functools
@@ -15,7 +16,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.material import Law
+from mpm_warp.materials.material import Law, make_properties_of_point
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
@@ -28,24 +29,25 @@ def add_strength_beside(plan: Plan, setting: Setting, law: Law, adhesion_forces:
     Args:
         plan: of the run; it has the arrays of the contact, whose nodes are in the first column.
         setting: the soil.
-        law: of its material, with a strength that changes.
-        adhesion_forces: beside soil as it is at the start [N], shape [contact node_count].
+        law: of its material, with a strength.
+        adhesion_forces: beside soil of the strength k0 [N], shape [contact node_count].
     """
     grid = setting.grid
+    own = (1.0,) if law.varies else ()  # the stiffness ratio
     plan.add_array("contact.first_adhesion", "real", adhesion_forces)
-    # (m k, m) by row of the first column of cells.
+    # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
-    properties = law.properties_type(*setting.material.properties)
     plan.add_launch(
         _make_sum_of_strength(law, plan.precision),
         plan.arrays["particle.mass"].shape,
-        properties=properties,
+        particle_state=plan.find("particle.state"),
+        properties=setting.material.properties_argument(law),
+        common=law.properties_type(*own, *setting.material.properties),
         contact_strength_sum=ShareRow("contact.strength_sum"),
     )
     plan.add_launch(
-        _make_adhesion(law, plan.share_count, plan.precision),
+        _make_adhesion(plan.share_count, plan.precision),
         len(adhesion_forces),
-        properties=properties,
         column_count=grid.column_count,
         row_count=grid.row_count,
     )
@@ -57,7 +59,9 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
     """The kernel, launched over slots of particles."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
     properties_type, state_type = law.properties_type, law.state_type
+    properties_argument = law.properties_argument
     yield_function: Any = law.yield_function
+    remembers, properties_of_point = law.remembers, make_properties_of_point(law)
 
     @wp.kernel(
         module=f"mpm_warp.sum_of_strength.{law.key}.{precision.numpy_name}", enable_backward=False
@@ -68,26 +72,30 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
         particle_mass: wp.array(dtype=real),
-        properties: properties_type,
+        properties: properties_argument,
+        common: properties_type,
         contact_strength_sum: wp.array(dtype=vec2),
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
         if cell[0] == 0:
-            k = yield_function(particle_stress[p], properties, particle_state[p])[1]
+            remembered = state_type()
+            if wp.static(remembers):
+                remembered = particle_state[p]
+            own = properties_of_point(properties, p)
+            k = yield_function(particle_stress[p], own, remembered)[1]
+            k0 = yield_function(vec4(), common, state_type())[1]
             m = particle_mass[p]
-            wp.atomic_add(contact_strength_sum, cell[1], vec2(m * k, m))
+            wp.atomic_add(contact_strength_sum, cell[1], vec2(m * (k / k0), m))
 
     return sum_of_strength
 
 
 @functools.cache
-def _make_adhesion(law: Law, share_count: int, precision: Precision) -> Any:
+def _make_adhesion(share_count: int, precision: Precision) -> Any:
     """The kernel, launched over the surface's nodes; one without soil keeps what it has."""
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    properties_type, state_type = law.properties_type, law.state_type
-    yield_function: Any = law.yield_function
-    key = f"{law.key}.{share_count}.{precision.numpy_name}"
+    real, vec2 = precision.real, precision.vec2
+    key = f"{share_count}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.adhesion_beside.{key}", enable_backward=False)
     def adhesion_beside(
@@ -95,7 +103,6 @@ def _make_adhesion(law: Law, share_count: int, precision: Precision) -> Any:
         contact_nodes: wp.array(dtype=int),
         contact_first_adhesion: wp.array(dtype=real),
         contact_strength_sum: wp.array2d(dtype=vec2),
-        properties: properties_type,
         column_count: int,
         row_count: int,
         contact_adhesion: wp.array(dtype=real),
@@ -109,8 +116,7 @@ def _make_adhesion(law: Law, share_count: int, precision: Precision) -> Any:
             if row < row_count:
                 sums += contact_strength_sum[share, row]
         if sums[1] > real(0.0):
-            first = yield_function(vec4(), properties, state_type())[1]
-            contact_adhesion[n] = contact_first_adhesion[n] * sums[0] / (first * sums[1])
+            contact_adhesion[n] = contact_first_adhesion[n] * (sums[0] / sums[1])
 
     return adhesion_beside
 

@@ -16,6 +16,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone import known_error as known
+from mpm_warp.scenes.cone import stated_error as stated
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, STEADY_SAMPLES
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 
@@ -158,7 +159,7 @@ def error_over_strength(sounding: SoundingTest, depth: Floats) -> tuple[Floats, 
         known.DOMAIN * factor,
         known.BOTTOM * bottom,
         known.INERTIA * inertia,
-        known.POINTS * factor,
+        stated.POINTS * factor,
         SAMPLE_NOISE * np.ones_like(depth),
         0.25 * factor * np.abs(shift) / around,
     ]
@@ -166,8 +167,8 @@ def error_over_strength(sounding: SoundingTest, depth: Floats) -> tuple[Floats, 
     is_known = (
         (index >= known.RIGIDITY_INDICES[0])
         & (index <= known.RIGIDITY_INDICES[-1])
-        & (inertia <= known.LARGEST_INERTIA)
-        & (h * known.FEWEST_ROWS <= 1.01 * math.sqrt(3.0))
+        & (inertia <= stated.LARGEST_INERTIA)
+        & (h <= stated.LARGEST_CELL)
         & (sounding.poissons_ratio >= known.SMALLEST_POISSONS_RATIO)
     )
     return np.where(is_known, correction, 0.0), np.where(is_known, half_width, np.nan)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
@@ -11,12 +10,7 @@ import pytest
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.contact.contact import (
-    SurfaceContact,
-    nodal_areas,
-    strength_ratio_beside,
-)
+from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -112,43 +106,3 @@ def test_the_share_in_touch_is_of_the_area_that_something_presses(
     parted = np.where(np.arange(len(in_situ)) < 3, -in_situ, 0.0)
     left = surface.normal_areas[3:].sum() / surface.normal_areas.sum()
     assert surface.share_in_touch(parted) == pytest.approx(left, rel=1e-12)
-
-
-def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Scene) -> None:
-    """Twice as strong below the tip: after a way of two cone heights all of the face has it."""
-    two = Variation(
-        depth=np.zeros(2), strength_ratio=np.array([1.0, 2.0]), stiffness_ratio=np.ones(2)
-    )
-    soil = dataclasses.replace(cone.material, variation=two)
-    simulation = Simulation(dataclasses.replace(cone, material=soil, far_field=None))
-    contact = cone.contact
-    assert contact is not None
-    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
-    # The tip, at the very border, belongs to what is below it.
-    np.testing.assert_allclose(ratio, [2.0] + [1.0] * (len(ratio) - 1))
-    height = math.sqrt(3.0)
-    simulation.travel_to(2.0 * height)
-    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
-    on_face = cone.grid.rows[cone.grid.rows >= 0.0] < height
-    np.testing.assert_allclose(ratio[on_face], 2.0)
-
-
-def test_strength_beside_a_node_is_the_mean_of_the_points_in_the_cells_around_it(
-    cone: Scene,
-) -> None:
-    soil = dataclasses.replace(
-        cone.material,
-        variation=Variation(
-            depth=np.array([-5.0, 5.0]),
-            strength_ratio=np.array([1.0, 3.0]),
-            stiffness_ratio=np.ones(2),
-        ),
-    )
-    scene = dataclasses.replace(cone, material=soil, far_field=None)
-    simulation = Simulation(scene)
-    grid = scene.grid
-    nodes = np.array([grid.node(0, 5), grid.node(2, 4)]).ravel()
-    beside = strength_ratio_beside(simulation, scene, nodes)
-    # Linear in depth, and the lattice is even about a row: the value of the row itself.
-    expected = soil.strength_ratio_at(grid.node_positions[nodes])
-    np.testing.assert_allclose(beside, expected, rtol=2e-2)

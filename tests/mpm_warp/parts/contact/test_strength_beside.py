@@ -1,8 +1,9 @@
-"""Adhesion beside soil that softens: that of the strength in the cells beside each node."""
+"""Adhesion beside soil that softens or varies: that of the strength beside each node."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
@@ -73,3 +75,22 @@ def test_a_surface_elsewhere_than_along_the_first_column_is_refused(softening: S
     elsewhere = dataclasses.replace(softening.contact, nodes=nodes)
     with pytest.raises(SceneError, match=r"nodes\[3\] is not in the first column"):
         dataclasses.replace(softening, contact=elsewhere)
+
+
+def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Scene) -> None:
+    """Twice as strong below the tip: after a way of two cone heights all of the face has it."""
+    two = Variation(
+        depth=np.zeros(2), strength_ratio=np.array([1.0, 2.0]), stiffness_ratio=np.ones(2)
+    )
+    soil = dataclasses.replace(cone.material, variation=two)
+    simulation = Simulation(dataclasses.replace(cone, material=soil, far_field=None))
+    contact = cone.contact
+    assert contact is not None
+    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
+    # The tip, at the very border, belongs to what is below it.
+    np.testing.assert_allclose(ratio, [2.0] + [1.0] * (len(ratio) - 1))
+    height = math.sqrt(3.0)
+    simulation.travel_to(2.0 * height)
+    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
+    on_face = cone.grid.rows[cone.grid.rows >= 0.0] < height
+    np.testing.assert_allclose(ratio[on_face], 2.0)
