@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from harness.references.cone_factors import Conditions, cone_factor_reference
 from mpm_warp.scenes.cone.known_error import (
     FACE,
     FACE_ERRORS,
@@ -74,3 +76,34 @@ def test_the_interval_holds_for_cases_that_were_not_used_for_it() -> None:
     ]
     assert len(inside) == len(held_out) == HELD_OUT
     assert sum(inside) >= math.floor(CONFIDENCE * len(inside))
+
+
+def test_the_formula_of_the_cone_factor_is_that_of_its_table() -> None:
+    """Coefficients by least squares as they stand in the code, and residuals as it says."""
+    cases = table("cone_factor_table")
+
+    def column(name: str) -> np.ndarray:
+        return np.array([it[name] for it in cases])
+
+    conditions = Conditions(
+        rigidity_index=column("rigidity_index"),
+        face_adhesion=column("adhesion_factor"),
+        shaft_adhesion=column("shaft_adhesion_factor"),
+        stress_anisotropy=column("stress_anisotropy"),
+    )
+    terms = [
+        np.ones(len(cases)),
+        np.log(conditions.rigidity_index),
+        conditions.face_adhesion,
+        conditions.shaft_adhesion,
+        conditions.stress_anisotropy,
+    ]
+    found, *_ = np.linalg.lstsq(np.stack(terms, axis=1), column("cone_factor"), rcond=None)
+    formula = cone_factor_reference("this_project")
+    stated = [float(it) for it in re.findall(r"[0-9]+\.[0-9]+", formula.formula)]
+    assert len(cases) == 200
+    # The code has two decimals.
+    np.testing.assert_allclose(np.abs(found), stated, rtol=0, atol=0.0051)
+    residuals = np.abs(column("cone_factor") - formula.evaluate(conditions))
+    assert np.quantile(residuals, CONFIDENCE) < 0.095
+    assert residuals.max() < 0.125
