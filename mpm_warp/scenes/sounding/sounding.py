@@ -39,8 +39,8 @@ class Sounding(SoundingTest):
 
     @property
     def _test(self) -> ConePenetration:
-        """The test in uniform clay as strong and as stiff as the ground is anywhere."""
-        ground = self.ground
+        """The test in uniform clay as strong and as stiff as the ground is anywhere on the way."""
+        ground = self.ground_passed
         strength, shear_modulus = float(ground.strength.max()), float(ground.shear_modulus.max())
         softest = float(ground.shear_modulus.min())
         return ConePenetration(
@@ -67,7 +67,7 @@ class Sounding(SoundingTest):
     def build(self) -> Scene:
         """The scene of a cone test, in clay that varies."""
         scene = self._test.build()
-        variation = self.ground.variation(origin_depth=self.start_depth)
+        variation = self.ground_passed.variation(origin_depth=self.start_depth)
         return replace(scene, material=replace(scene.material, variation=variation))
 
     def run_size(self) -> RunSize:
