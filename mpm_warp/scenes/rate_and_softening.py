@@ -107,7 +107,11 @@ def clay_of(
         strength: su, of intact clay at the reference strain rate [Pa], > 0.
         speed_up: speed of the run over that in reality, > 0: strain rates count as in reality.
     """
-    elastic = {"shear_modulus": shear_modulus, "poissons_ratio": poissons_ratio, "density": density}
+    elastic: dict[str, Any] = {
+        "shear_modulus": shear_modulus,
+        "poissons_ratio": poissons_ratio,
+        "density": density,
+    }
     criterion = CRITERIA[scene.material]
     if scene.rate_factor == 0.0 and scene.remoulded_strength_ratio == 1.0:
         return criterion(strength=strength, **elastic)

@@ -228,7 +228,7 @@ class SoundingTest(CatalogueScene):
             layer_top=self.layer_top,
             layer_thickness=self.layer_thickness,
             layer_strength_ratio=self.layer_strength_ratio,
-            last_depth=LAST_DEPTH if self.to_depth is None else self.to_depth,
+            last_depth=LAST_DEPTH,
         )
 
     @property
