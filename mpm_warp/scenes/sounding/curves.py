@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import xarray as xr
 
@@ -32,8 +30,9 @@ def sounding_curves(
     strength = ground.strength_at(depth)
     around = ground.mean_strength_around(depth, AROUND * sounding.cone_radius)
     vertical = ground.vertical_stress_at(depth)
-    correction, half_width = sample_error(sounding, depth)
-    net = given.penetration_resistance.values + correction * around
+    simulated = given.penetration_resistance.values
+    correction, half_width = sample_error(sounding, depth, simulated)
+    net = simulated + correction * around
     own = curves(
         "depth",
         (depth, "m", "depth of the tip"),
@@ -79,19 +78,23 @@ def sounding_curves(
         contact_share=(given.contact_share.values, "1", "share of cone and shaft in contact"),
     )
     costs = recorded.drop_dims("penetration")
-    return own.merge(costs).assign(_last_factor(own))
+    return own.merge(costs)
 
 
-def _last_factor(own: xr.Dataset) -> dict[str, xr.Variable]:
-    """The cone factor at the end: a mean over two radii, in which the noise of samples is small."""
-    count = min(STEADY_SAMPLES, own.sizes["depth"])
-    last = own.isel(depth=slice(-count, None)) if count else own
+def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
+    """The cone factor at the end: a mean over two radii, in which the noise of samples is small.
+
+    Args:
+        recorded: what `sounding_curves` gives, of one depth or more.
+    """
+    count = min(STEADY_SAMPLES, recorded.sizes["depth"])
+    last = recorded.isel(depth=slice(-count, None))
     half_width = last.net_resistance_uncertainty / last.strength
     described = f"mean over the last {count * SAMPLE_SPACING:g} radii"
     return labelled(
         role="headline",
         last_cone_factor=(
-            float(last.cone_factor_at_tip.mean()) if count else math.nan,
+            float(last.cone_factor_at_tip.mean()),
             "1",
             "cone factor over strength at the tip, at the end",
             described,
@@ -99,7 +102,7 @@ def _last_factor(own: xr.Dataset) -> dict[str, xr.Variable]:
     ) | labelled(
         role="uncertainty",
         last_cone_factor_uncertainty=(
-            float(half_width.max()) if count else math.nan,
+            float(half_width.max()),
             "1",
             "uncertainty of the cone factor at the end",
             "half width, 95 %: the greatest of its samples",

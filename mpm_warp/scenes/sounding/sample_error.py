@@ -8,12 +8,11 @@ shift by one cell changes is a part of the half width.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone import known_error as known
+from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.cone.stated_error import (
     LARGEST_CELL,
     LARGEST_INERTIA,
@@ -28,13 +27,21 @@ SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
 deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
 
+START, FORGOTTEN = 0.01, 45.0
+"""Half width of what the start in undisturbed ground takes from the resistance, over it, where the
+curves begin; and the way in which it falls to a third, in cone radii. In 150 radii of soft clay the
+resistance rose by 0.9 % of itself in this way."""
 
-def sample_error(sounding: SoundingTest, depth: Floats) -> tuple[Floats, Floats]:
+
+def sample_error(
+    sounding: SoundingTest, depth: Floats, resistance: Floats
+) -> tuple[Floats, Floats]:
     """Correction of the resistance over the mean strength around the tip, and half width [Pa].
 
     Args:
         sounding: what was run.
         depth: of the tip [m], shape [n].
+        resistance: net, as simulated [Pa], shape [n].
     """
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
     strength = ground.strength_at(depth)
@@ -56,9 +63,8 @@ def sample_error(sounding: SoundingTest, depth: Floats) -> tuple[Floats, Floats]
     inertia = sounding.dynamic_pressure / around
     bottom = known.BOTTOM_ERROR * index / below**2
     correction = bottom - known.SPEED_ERROR * inertia - mesh
-    factor = 4.0 / 3.0 * (1.0 + np.log(index)) + sounding.adhesion_factor / math.tan(
-        math.radians(30.0)
-    )
+    factor = resistance / around
+    way = np.arange(depth.size) * SAMPLE_SPACING
     shift = ground.mean_strength_around(depth + cell, AROUND * radius)
     shift = shift - ground.mean_strength_around(depth - cell, AROUND * radius)
     parts = [
@@ -68,6 +74,7 @@ def sample_error(sounding: SoundingTest, depth: Floats) -> tuple[Floats, Floats]
         known.BOTTOM * bottom,
         known.INERTIA * inertia,
         POINTS * factor,
+        START * factor * np.exp(-way / FORGOTTEN),
         SAMPLE_NOISE * np.ones_like(depth),
         0.25 * factor * np.abs(shift) / around,
     ]
