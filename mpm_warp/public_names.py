@@ -47,6 +47,8 @@ from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.impact.struck_bar import StruckBar
 from mpm_warp.scenes.impact.struck_column import StruckColumn
 from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots, soil_fields

@@ -21,6 +21,7 @@ from harness.pictures.drawing.plot_parts import image
 from harness.pictures.effects import effects_figure, shows_effects
 from harness.pictures.map import map_figure, shows_map
 from harness.pictures.resistance import resistance_figure, shows_resistance
+from harness.pictures.sounding import shows_sounding, sounding_figure
 from harness.pictures.stability.outcomes import shows_stability
 from harness.pictures.stability.stability_map import stability_figure
 from harness.pictures.tornado import shows_tornado, tornado_figure
@@ -35,6 +36,7 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "work_precision": (shows_work_precision, study_figure),
     "resistance": (shows_resistance, resistance_figure),
     "stability": (shows_stability, stability_figure),
+    "sounding": (shows_sounding, sounding_figure),
 }
 """By name: whether a picture is meant for a result, and the picture; the main ones first."""
 

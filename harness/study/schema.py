@@ -18,6 +18,7 @@ from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
 from harness.study.study import LARGEST_SEED, MOST_REPEATS
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
+from mpm_warp.scenes.sounding.profile import NAME
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
@@ -51,6 +52,10 @@ def study_schema() -> Schema:
         "exclude": texts,
         "case": {"type": "array", "items": {"type": "object"}},
         SNAPSHOTS: {},
+        NAME: {
+            "type": "object",
+            "description": "ground by depth: columns as 'depth [m]', or file, a CSV file",
+        },
         "scenes": _table(
             {name: _of_scene(name) for name in scene_names()},
             description="what holds for one scene of several",

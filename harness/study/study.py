@@ -33,6 +33,7 @@ from harness.references.experience import experience_ids
 from harness.study.cases import Case, cases_of
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.study.files import find_study, joined, lineage, study_names
+from harness.study.ground_profile import with_profile
 from harness.study.scene_part import (
     LARGEST_STUDY,
     SNAPSHOTS,
@@ -127,7 +128,7 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         )
     path = find_study(study)
     assignments = dict(parse_setting(setting) for setting in settings)
-    *bases, (_, own) = lineage(path)
+    *bases, (_, own) = [(it, with_profile(it, said)) for it, said in lineage(path)]
     values: dict[str, Any] = {}
     for base, its_own in bases:
         values = _standing_on(values, its_own)

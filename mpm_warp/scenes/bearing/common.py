@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -14,14 +13,12 @@ import xarray as xr
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.limit_load import PLATEAU_CHANGE, PLATEAU_SHARE, LoadSampler
-from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -33,11 +30,6 @@ POISSONS_RATIO = 0.45
 """The limit load does not depend on it."""
 NO_PARTING = 100.0 * STRENGTH
 """In-situ stress above any that the soil can pull with: the body and the soil do not part."""
-LARGEST_DEPTH = 100.0 * RADIUS
-"""Depth below which there is no soil in any grid [m]."""
-SLIP_LINE_SOURCE = (
-    "slip lines with the hypothesis of Haar and von Karman, integrated for this project to 0.2 %"
-)
 SAMPLE_COUNT = 60
 TIME_STEP_FRACTION = 0.85
 
@@ -50,8 +42,6 @@ class Bearing(CatalogueScene):
     below a cell, where the free surface is as sharp as the grid.
     """
 
-    uniform_exact_source: ClassVar[str]
-    """Where the exact load on uniform soil comes from, and how exact it is."""
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_radius",
         "rigidity_index",
@@ -59,57 +49,28 @@ class Bearing(CatalogueScene):
         "speed_ratio",
     )
 
-    strength_gradient_ratio: float = parameter(
-        0.0,
-        unit="1",
-        meaning="growth of strength with depth: k R / su0, su0 at the surface",
-        minimum=0,
-        maximum=10,
-    )
     cells_per_radius: int = parameter(
         8, unit="1", meaning="cells per radius of the body", minimum=1, maximum=40
     )
     rigidity_index: float = parameter(
-        10_000.0, unit="1", meaning="rigidity index G/su0", minimum=100, maximum=1e6
+        10_000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=1e6
     )
-    displacement: float | None = parameter(
-        None,
-        unit="1",
-        meaning="displacement over radius times G/su0 (default: 30, and 15 more for each "
-        "strength_gradient_ratio)",
-        above=0,
-        maximum=300,
+    displacement: float = parameter(
+        30.0, unit="1", meaning="displacement over radius times G/su", above=0, maximum=300
     )
     speed_ratio: float = parameter(
-        0.2, unit="1", meaning="speed over shear wave speed times G/su0", above=0, maximum=10
+        0.2, unit="1", meaning="speed over shear wave speed times G/su", above=0, maximum=10
     )
 
-    def derived(self) -> Mapping[str, float]:
-        """Where strength grows with depth the load is greater, and so is the way to its limit."""
-        return {"displacement": 30.0 + 15.0 * self.strength_gradient_ratio}
-
     @property
     @abstractmethod
-    def uniform_exact_load(self) -> float:
-        """Exact limit load over area and su on uniform soil; not a number where none is known."""
-
-    @property
-    @abstractmethod
-    def slip_lines(self) -> SlipLines | None:
-        """The slip lines of the problem; none where theirs is not the exact load."""
-
-    @property
     def exact_load(self) -> float:
-        """Exact limit load over area and su0; not a number where none is known."""
-        if self.strength_gradient_ratio == 0.0:
-            return self.uniform_exact_load
-        return math.nan if self.slip_lines is None else self.slip_lines.limit_load
+        """Exact limit load over area and su."""
 
     @property
+    @abstractmethod
     def exact_source(self) -> str:
         """Where the exact load comes from, and how exact it is."""
-        uniform = self.strength_gradient_ratio == 0.0
-        return self.uniform_exact_source if uniform else SLIP_LINE_SOURCE
 
     @abstractmethod
     def grid(self) -> Grid:
@@ -121,7 +82,7 @@ class Bearing(CatalogueScene):
 
     @abstractmethod
     def load(self, scene: Scene, nodal: Floats) -> float:
-        """Load over area and su0.
+        """Load over area and su.
 
         Args:
             scene: what is simulated.
@@ -132,35 +93,16 @@ class Bearing(CatalogueScene):
     @property
     def final_displacement(self) -> float:
         """How far the body is pressed [m]."""
-        assert self.displacement is not None
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
     def material(self) -> Tresca:
-        """The soil: its shear modulus is the same at all depths, on which no limit load depends."""
+        """The soil."""
         return Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,
             density=DENSITY,
             strength=STRENGTH,
-            variation=None if self.strength_gradient_ratio == 0.0 else self._growth,
-        )
-
-    @property
-    def surface_height(self) -> float:
-        """Height z of the surface of the ground in the grid [m]."""
-        return 0.0
-
-    @property
-    def _growth(self) -> Variation:
-        """Strength that grows linearly from su0 at the surface."""
-        return Variation(
-            depth=np.array([0.0, LARGEST_DEPTH]),
-            strength_ratio=np.array(
-                [1.0, 1.0 + self.strength_gradient_ratio * LARGEST_DEPTH / RADIUS]
-            ),
-            stiffness_ratio=np.ones(2),
-            origin_depth=self.surface_height,
         )
 
     @property

@@ -9,7 +9,8 @@ from typing import ClassVar
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.parameters import parameter
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH
+from mpm_warp.scenes.bearing.on_ground import OnGround
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
@@ -19,11 +20,10 @@ EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeBearing(Bearing):
+class ConeBearing(OnGround):
     """A cone that is pressed on from where its shoulder is at the surface.
 
     In uniform soil the exact load is known for 60 degrees and the adhesion factors of `EXACT`.
-    Adhesion is in proportion to the strength of the soil beside it.
     """
 
     summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"

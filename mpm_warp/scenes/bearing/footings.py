@@ -12,13 +12,14 @@ from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH
+from mpm_warp.scenes.bearing.on_ground import OnGround
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import Verification
 
 
 @dataclass(frozen=True, kw_only=True)
-class Footing(Bearing):
+class Footing(OnGround):
     """A rigid footing; in plane strain the radius is half the width."""
 
     planar: ClassVar[bool]

@@ -32,11 +32,6 @@ class FullFlowCylinder(Bearing):
 
     summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
     version: ClassVar[int] = 3
-    exact_source: ClassVar[str] = (
-        "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
-        "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
-        "Geotechnique 56(2):141-145)"
-    )
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",
@@ -57,6 +52,15 @@ class FullFlowCylinder(Bearing):
         delta = math.asin(self.adhesion_factor)
         fans = math.cos(0.5 * delta) + math.sin(0.5 * delta)
         return math.pi + 2.0 * delta + 2.0 * math.cos(delta) + 4.0 * fans
+
+    @property
+    def exact_source(self) -> str:
+        """Where the exact load comes from, and how exact it is."""
+        return (
+            "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
+            "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
+            "Geotechnique 56(2):141-145)"
+        )
 
     def grid(self) -> PolarGrid:
         """Half a ring around the cylinder, on rays."""

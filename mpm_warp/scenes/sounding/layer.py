@@ -12,11 +12,14 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.sounding.parameters import SoundingTest
+from mpm_warp.scenes.sounding.sample_error import START
 
 FELT = 0.05
 """Share of the whole change of the resistance from which on a border is felt."""
 SMOOTHED = 10
 """Samples of a running mean, one radius: the noise of one sample is a few hundredths."""
+NOISE = 0.002
+"""Half width of the noise of a mean over a radius, over the resistance."""
 UNDISTURBED = 20
 """Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
 
@@ -39,13 +42,25 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
     if thickness is not None:
         in_layer = (distance > 0.0) & (distance < thickness / sounding.cone_radius + 5.0)
         reached = float(np.nanmax(share[in_layer], initial=-math.inf))
+        # Errors of mesh and speed are in both resistances; the start is in the first alone.
+        relative = math.hypot(START, NOISE)
+        half_width = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
         return labelled(
+            role="headline",
             layer_share=(
                 reached,
                 "1",
                 "share of the layer's resistance that is reached",
                 "greatest change, mean over a radius, over that in a layer without end",
-            )
+            ),
+        ) | labelled(
+            role="uncertainty",
+            layer_share_uncertainty=(
+                half_width,
+                "1",
+                "uncertainty of the share of the layer's resistance",
+                "half width, 95 %",
+            ),
         )
     return labelled(
         felt_before=(

@@ -19,6 +19,10 @@ from mpm_warp.scenes.sounding.profile import Profile, layered
 LEAD = 2.5
 """Way before the first depth of the curves, beyond the extent of the window above the shoulder, in
 cone radii: the cone has then passed all soil beside the shaft."""
+LAST_DEPTH = 1e4
+"""Greatest depth that a sounding may have [m]."""
+WAY = 30.0
+"""Way from the first to the last depth of the curves by default, in cone radii."""
 APEX_ANGLE = math.radians(60.0)
 
 
@@ -79,10 +83,18 @@ class SoundingTest(CatalogueScene):
         maximum=1,
     )
     from_depth: float = parameter(
-        1.0, unit="m", meaning="depth of the tip where the curves begin", above=0, maximum=1e4
+        1.0,
+        unit="m",
+        meaning="depth of the tip where the curves begin",
+        above=0,
+        maximum=LAST_DEPTH,
     )
-    to_depth: float = parameter(
-        1.5, unit="m", meaning="depth of the tip where they end", above=0, maximum=1e4
+    to_depth: float | None = parameter(
+        None,
+        unit="m",
+        meaning="depth of the tip where they end (default: 30 radii deeper)",
+        above=0,
+        maximum=LAST_DEPTH,
     )
     stretch_count: int = parameter(
         1, unit="1", meaning="stretches that a sounding is cut into", minimum=1, maximum=1000
@@ -155,7 +167,10 @@ class SoundingTest(CatalogueScene):
         ground = self.ground
         index = float((ground.shear_modulus / ground.strength).max())
         extents = ConePenetration(rigidity_index=index).default_extents
-        return extents | {"shaft_adhesion_factor": self.adhesion_factor}
+        return extents | {
+            "shaft_adhesion_factor": self.adhesion_factor,
+            "to_depth": self.from_depth + WAY * self.cone_radius,
+        }
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -163,6 +178,7 @@ class SoundingTest(CatalogueScene):
         self._check_layers()
 
     def _check_depths(self) -> None:
+        assert self.to_depth is not None
         if self.to_depth < self.from_depth + SAMPLE_SPACING * self.cone_radius:
             raise ParameterError(
                 "to_depth",
@@ -212,8 +228,17 @@ class SoundingTest(CatalogueScene):
             layer_top=self.layer_top,
             layer_thickness=self.layer_thickness,
             layer_strength_ratio=self.layer_strength_ratio,
-            last_depth=self.to_depth,
+            last_depth=LAST_DEPTH,
         )
+
+    @property
+    def ground_passed(self) -> Profile:
+        """The ground that the window of the stretch passes: it sets speed and time step."""
+        assert self.domain_above is not None
+        assert self.domain_below is not None
+        above = self.penetrometer.cone_height + self.domain_above * self.cone_radius
+        below = self.travel + self.domain_below * self.cone_radius
+        return self.ground.between(self.start_depth - above, self.start_depth + below)
 
     @property
     def penetrometer(self) -> Penetrometer:
@@ -229,11 +254,12 @@ class SoundingTest(CatalogueScene):
     @property
     def dynamic_pressure(self) -> float:
         """Density times the square of the speed [Pa]."""
-        return self.speed_ratio**2 * float(self.ground.shear_modulus.min())
+        return self.speed_ratio**2 * float(self.ground_passed.shear_modulus.min())
 
     @property
     def samples(self) -> range:
         """Numbers of the samples of the stretch, 0 the first of the sounding."""
+        assert self.to_depth is not None
         count = max(1, round((self.to_depth - self.from_depth) / self.spacing))
         first = count * (self.stretch_number - 1) // self.stretch_count
         overlap = round(self.overlap / SAMPLE_SPACING) if self.stretch_number > 1 else 0

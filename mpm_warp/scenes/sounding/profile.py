@@ -10,7 +10,7 @@ new lines or by semicolons, values by commas:
     12, 80, 150, 19
     20, 90, 150, 19
 
-Two rows of one depth make the border of two layers.
+Two rows of one depth make the border of two layers. A row that begins with # is a remark.
 """
 
 from __future__ import annotations
@@ -89,7 +89,8 @@ class Profile:
         Raises:
             ParameterError: something in it is not allowed.
         """
-        header, *lines = [it.strip() for it in re.split(r"[;\n]", text) if it.strip()] or [""]
+        lines = [it.strip() for it in re.split(r"[;\n]", text)]
+        header, *lines = [it for it in lines if it and not it.startswith("#")] or [""]
         factors = _header(header)
         if not lines:
             raise _refused("has no rows below its header")
@@ -113,6 +114,21 @@ class Profile:
     def is_uniform(self) -> bool:
         """Whether strength and stiffness are the same everywhere."""
         return bool(np.ptp(self.strength) == 0.0 and np.ptp(self.shear_modulus) == 0.0)
+
+    def between(self, begin: float, end: float) -> Self:
+        """The ground from one depth to another [m], `begin` < `end`; beyond it goes on as there."""
+        inside = (self.depth > begin) & (self.depth < end)
+
+        def column(values: Floats) -> Floats:
+            first, last = np.interp([begin, end], self.depth, values)
+            return np.concatenate([[first], values[inside], [last]])
+
+        return type(self)(
+            depth=np.concatenate([[begin], self.depth[inside], [end]]),
+            strength=column(self.strength),
+            shear_modulus=column(self.shear_modulus),
+            unit_weight=column(self.unit_weight),
+        )
 
     def variation(self, origin_depth: float) -> Variation | None:
         """Strength and stiffness over the greatest of them; none in uniform ground.

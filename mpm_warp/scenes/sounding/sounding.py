@@ -19,7 +19,7 @@ from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.run_size import RunSize
-from mpm_warp.scenes.sounding.curves import sounding_curves
+from mpm_warp.scenes.sounding.curves import last_factor, sounding_curves
 from mpm_warp.scenes.sounding.layer import layer_values
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.simulation import Simulation
@@ -39,8 +39,8 @@ class Sounding(SoundingTest):
 
     @property
     def _test(self) -> ConePenetration:
-        """The test in uniform clay as strong and as stiff as the ground is anywhere."""
-        ground = self.ground
+        """The test in uniform clay as strong and as stiff as the ground is anywhere on the way."""
+        ground = self.ground_passed
         strength, shear_modulus = float(ground.strength.max()), float(ground.shear_modulus.max())
         softest = float(ground.shear_modulus.min())
         return ConePenetration(
@@ -67,7 +67,7 @@ class Sounding(SoundingTest):
     def build(self) -> Scene:
         """The scene of a cone test, in clay that varies."""
         scene = self._test.build()
-        variation = self.ground.variation(origin_depth=self.start_depth)
+        variation = self.ground_passed.variation(origin_depth=self.start_depth)
         return replace(scene, material=replace(scene.material, variation=variation))
 
     def run_size(self) -> RunSize:
@@ -108,7 +108,10 @@ class Sounding(SoundingTest):
                 error.curves = self._over_depth(error.curves)
             raise
         over_depth = self._over_depth(recorded)
-        results = over_depth.assign(layer_values(self, over_depth)).assign(
+        layer = layer_values(self, over_depth)
+        is_thin = "layer_share" in layer  # then that is what it was run for
+        values = layer if is_thin else last_factor(over_depth) | layer
+        results = over_depth.assign(values).assign(
             energy_error=energy_error(transferred_energy(simulation) / curves.work)
         )
         check_energy(results)

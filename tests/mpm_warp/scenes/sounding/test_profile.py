@@ -130,3 +130,12 @@ def test_a_layer_multiplies_the_strength_within_it(
     at = ground.strength_at(np.array([3.0, 4.5, 9.0]))
     np.testing.assert_allclose(at, strength)
     assert ground.thinnest_layer == (2.0 if thickness else np.inf)
+
+
+def test_a_part_of_the_ground_is_the_same_there_and_goes_on_beyond(profile: Profile) -> None:
+    part = profile.between(1.0, 3.0)
+    depth = np.array([1.0, 1.7, 2.0, 2.9])
+    for name in ("strength_at", "shear_modulus_at"):
+        np.testing.assert_allclose(getattr(part, name)(depth), getattr(profile, name)(depth))
+    np.testing.assert_allclose(part.strength_at(np.array([0.0, 5.0])), [25e3, 25e3])
+    assert part.strength.max() == 25e3  # less than in the crust

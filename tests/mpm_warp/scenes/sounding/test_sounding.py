@@ -142,6 +142,24 @@ def test_a_border_is_felt_before_and_behind_it() -> None:
     assert 0.0 < float(result.felt_behind) < 14.0
 
 
+def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
+    """Thinner than what the cone feels: a part of its resistance, with a half width."""
+    result = changed(
+        from_depth=16.0,
+        to_depth=24.0,
+        layer_top=20.0,
+        layer_thickness=1.0,
+        layer_strength_ratio=3.0,
+    ).run()
+    share = result.layer_share
+    assert 0.05 < float(share) < 0.7
+    assert share.attrs["role"] == "headline"
+    # 1 % of the whole resistance, which is 1 + 2 share times that of the soil around.
+    expected = 0.0102 * (1.0 + 2.0 * float(share)) / 2.0
+    assert float(result.layer_share_uncertainty) == pytest.approx(expected, rel=0.01)
+    assert "last_cone_factor" not in result
+
+
 def test_where_the_error_is_not_known_there_is_no_uncertainty(layered: xr.Dataset) -> None:
     """The cells are wider than those that the law of the error was measured on."""
     assert np.isnan(layered.net_resistance_uncertainty).all()
