@@ -26,6 +26,12 @@ MEANT: dict[tuple[str, ...], dict[str, str]] = {
         "friction_coefficient": "tan of the angle of friction",
         "friction": "tan of the angle of friction",
     },
+    ("sensitivity", "st", "delta_rem", "remoulded_strength"): {
+        "remoulded_strength_ratio": "1 / sensitivity"
+    },
+    ("xi_95", "xi95", "softening"): {
+        "ductility": "plastic shear strain at which 95 % of the loss of strength is done"
+    },
     ("nu", "poisson", "poisson_ratio"): {"poissons_ratio": ""},
     ("rho", "mass_density"): {"density": "in kg/m3"},
     ("gamma", "unit_weight"): {"density": "unit weight over 9.81 m/s2, in kg/m3"},

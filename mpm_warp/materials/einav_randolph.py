@@ -94,13 +94,13 @@ class EinavRandolph(PerfectlyPlastic):
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(su, delta, 3 / xi_95, G, mu, 1 / gd_ref)."""
+        """(su, delta, 3 / xi_95, G, mu / ln 10, 1 / gd_ref)."""
         return (
             self.strength,
             self.remoulded_strength_ratio,
             3.0 / self.ductility,
             self.shear_modulus,
-            self.rate_factor,
+            self.rate_factor / math.log(10.0),
             1.0 / self.reference_strain_rate,
         )
 
@@ -140,17 +140,18 @@ class EinavRandolph(PerfectlyPlastic):
 
 @functools.cache
 def _make_strength(softens: bool, precision: Precision) -> Any:
-    """The function (properties, xi, R - 1) -> (k, what is left of it by any strain) [Pa]."""
+    """The function (properties, xi) -> (k / R, what any strain leaves of it) [Pa]."""
     real, vec2, vec6 = precision.real, precision.vec2, precision.vector(6)
 
     @wp.func
-    def strength(properties: vec6, strain: real, rate_effect: real) -> vec2:
-        intact = properties[0] * (real(1.0) + rate_effect)
+    def strength(properties: vec6, strain: real) -> vec2:
+        intact, remoulded = properties[0], properties[0]
         if wp.static(softens):
             remoulded = properties[1] * intact
-            lost = (intact - remoulded) * wp.exp(-properties[2] * strain)
-            return vec2(remoulded + lost, remoulded)
-        return vec2(intact, intact)
+            if strain > real(0.0):  # most soil is intact, and exp takes its time
+                lost = (intact - remoulded) * wp.exp(-properties[2] * strain)
+                return vec2(remoulded + lost, remoulded)
+        return vec2(intact, remoulded)
 
     return strength
 
@@ -191,12 +192,13 @@ def _make_yield_function(
     recalled, _ = _make_memory(softens, depends_on_rate, precision)
     strength = _make_strength(softens, precision)
     measure: Any = law.yield_function
+    one = wp.constant(precision.real(1.0))
 
     @wp.func
     def measure_and_strength(stress: vec4, properties: vec6, state: state_type) -> vec2:
         known = recalled(state)
         f = measure(stress, vec1(properties[0]), vec1())
-        return vec2(f[0], strength(properties, known[0], known[1])[0])
+        return vec2(f[0], (one + known[1]) * strength(properties, known[0])[0])
 
     return measure_and_strength
 
@@ -216,14 +218,16 @@ def _make_update(law: Law, softens: bool, depends_on_rate: bool, precision: Prec
     ):
         su, G = vec1(properties[0]), properties[3]
         f = measure(trial, su, vec1())[0]
-        # No strain and no rate takes the strength below this.
-        if f <= properties[0] * properties[1]:
-            return trial, state
         xi, rate_effect = recalled(state)[0], real(0.0)
+        k = strength(properties, xi)
+        # No rate takes the strength below this.
+        if f <= k[0]:
+            return trial, state
         if wp.static(depends_on_rate):
             rate = real(2.0) * measure(strain, su, vec1())[0] / time_step
-            rate_effect = properties[4] * wp.log10(wp.max(rate * properties[5], real(1.0)))
-        k = strength(properties, xi, rate_effect)
+            rate_effect = properties[4] * wp.log(wp.max(rate * properties[5], real(1.0)))
+        R = real(1.0) + rate_effect
+        k *= R
         if f > k[0]:
             if wp.static(softens):
                 # Newton's method: in steps of 1e-3 its first error is 1e-6, its second 1e-12 of the
@@ -232,7 +236,7 @@ def _make_update(law: Law, softens: bool, depends_on_rate: bool, precision: Prec
                 for _ in range(2):
                     slope = properties[2] * (k[0] - k[1])
                     plastic += (f - G * plastic - k[0]) / (G - slope)
-                    k = strength(properties, xi + plastic, rate_effect)
+                    k = R * strength(properties, xi + plastic)
                 xi += plastic
             stress, _nothing = perfect_return(trial, strain, time_step, vec1(k[0]), vec1())
             return stress, remembered(xi, rate_effect)

@@ -27,7 +27,6 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.contact.contact_law import make_contact_law
-from mpm_warp.parts.contact.strength_beside import add_strength_beside
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -109,7 +108,7 @@ class SurfaceContact:
         if setting.material.state and setting.material.variation is not None:
             raise SceneError("contact: not beside a material that varies and has a state")
         inside = np.flatnonzero(np.asarray(self.nodes) % (setting.grid.column_count + 1))
-        if inside.size and (setting.material.state or self._passes_soil_that_varies(setting)):
+        if inside.size and (setting.material.state or self.passes_soil_that_varies(setting)):
             raise SceneError(
                 f"contact: nodes[{inside[0]}] is not in the first column of the grid, must be "
                 "where the strength beside it changes: with a state, or a variation and a window"
@@ -137,13 +136,10 @@ class SurfaceContact:
             speed=self.speed,
             window_motion=window_motion,
         )
-        law = setting.material.law(plan.precision)
-        changes = law.remembers or self._passes_soil_that_varies(setting)
-        if changes and law.yield_function is not None and self.adhesion_forces.any():
-            add_strength_beside(plan, setting, law, self.adhesion_forces)
 
     @staticmethod
-    def _passes_soil_that_varies(setting: Setting) -> bool:
+    def passes_soil_that_varies(setting: Setting) -> bool:
+        """Whether other soil comes to be beside the surface, which may be of another strength."""
         return setting.material.variation is not None and setting.window is not None
 
     def share_in_touch(self, forces: Floats) -> float:

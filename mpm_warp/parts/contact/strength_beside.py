@@ -6,8 +6,8 @@ beside the node.
 
     a A = (a A)_0 sum m (k / k0) / sum m
 
-So a rough surface is as rough when the soil beside it is remoulded, or of another layer. The
-adhesion of a step is that of the strength after the step before.
+So a rough surface is as rough when the soil beside it is remoulded, or of another layer. Every 16th
+step brings the adhesion up to date: in that time soil moves by a small part of a cell.
 """
 
 import functools
@@ -15,43 +15,49 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Law, make_properties_of_point
+from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
 
-def add_strength_beside(plan: Plan, setting: Setting, law: Law, adhesion_forces: Floats) -> None:
-    """Add the launches that bring "contact.adhesion" up to date.
+def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -> None:
+    """Add the launches to the audited step of a plan that is complete.
 
     Args:
-        plan: of the run; it has the arrays of the contact, whose nodes are in the first column.
-        setting: the soil.
-        law: of its material, with a strength.
-        adhesion_forces: beside soil of the strength k0 [N], shape [contact node_count].
+        plan: of the run.
+        setting: the soil; nothing is added where the strength beside the surface stays.
+        contact: of the soil with the surface, whose nodes are in the first column; its adhesive
+            forces are those beside soil of the strength k0.
     """
-    grid = setting.grid
+    law, grid = setting.material.law(plan.precision), setting.grid
+    changes = law.remembers or contact.passes_soil_that_varies(setting)
+    if not changes or law.yield_function is None or not contact.adhesion_forces.any():
+        return
     own = (1.0,) if law.varies else ()  # the stiffness ratio
-    plan.add_array("contact.first_adhesion", "real", adhesion_forces)
+    plan.add_array("contact.first_adhesion", "real", contact.adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
-    plan.add_launch(
-        _make_sum_of_strength(law, plan.precision),
-        plan.arrays["particle.mass"].shape,
-        particle_state=plan.find("particle.state"),
-        properties=setting.material.properties_argument(law),
-        common=law.properties_type(*own, *setting.material.properties),
-        contact_strength_sum=ShareRow("contact.strength_sum"),
-    )
-    plan.add_launch(
-        _make_adhesion(plan.share_count, plan.precision),
-        len(adhesion_forces),
-        column_count=grid.column_count,
-        row_count=grid.row_count,
-    )
-    plan.add_launch(_make_clear(plan.precision), (plan.share_count, grid.row_count))
+    plan.audited_step = [
+        *(plan.audited_step or plan.step),
+        plan.launch(
+            _make_sum_of_strength(law, plan.precision),
+            plan.arrays["particle.mass"].shape,
+            particle_state=plan.find("particle.state"),
+            properties=setting.material.properties_argument(law),
+            common=law.properties_type(*own, *setting.material.properties),
+            contact_strength_sum=ShareRow("contact.strength_sum"),
+        ),
+        plan.launch(
+            _make_adhesion(plan.share_count, plan.precision),
+            len(contact.nodes),
+            column_count=grid.column_count,
+            row_count=grid.row_count,
+        ),
+        plan.launch(_make_clear(plan.precision), (plan.share_count, grid.row_count)),
+    ]
 
 
 @functools.cache

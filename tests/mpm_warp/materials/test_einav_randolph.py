@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.precision import FLOAT64
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
@@ -132,6 +134,14 @@ def test_each_kind_of_strength_law_has_a_key_of_its_own() -> None:
 def test_what_no_clay_is_like_is_refused(changed: dict[str, float], message: str) -> None:
     with pytest.raises(SceneError, match=message):
         clay(**changed)
+
+
+def test_clay_that_varies_from_place_to_place_is_refused() -> None:
+    varied = Variation(
+        depth=np.array([0.0, 1.0]), strength_ratio=np.ones(2), stiffness_ratio=np.ones(2)
+    )
+    with pytest.raises(SceneError, match="variation: not together with softening"):
+        replace(clay(**SOFT), variation=varied)
 
 
 def test_the_limit_pressure_is_that_of_hurried_intact_clay() -> None:

@@ -12,6 +12,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
+from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
@@ -43,7 +44,7 @@ def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening
     row = softening.grid.row_count - 2
     cell = simulation.array("particle.cell")
     simulation.array("particle.state")[(cell[:, 0] == 0) & (cell[:, 1] == row)] = 1e3
-    simulation.advance(1)
+    simulation.advance(AUDIT_INTERVAL)
     mass = simulation.array("particle.mass")
     in_row = [mass[(cell[:, 0] == 0) & (cell[:, 1] == it)].sum() for it in range(row + 2)]
     share = np.ones(len(softening.contact.nodes))
@@ -57,7 +58,7 @@ def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening
 def test_adhesion_beside_intact_soil_is_what_was_given(softening: Scene) -> None:
     assert softening.contact is not None
     simulation = Simulation(softening)
-    simulation.advance(3)
+    simulation.advance(AUDIT_INTERVAL)
     adhesion = simulation.array("contact.adhesion")
     np.testing.assert_allclose(adhesion, softening.contact.adhesion_forces, rtol=1e-14)
 
