@@ -12,6 +12,7 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed
@@ -96,7 +97,7 @@ class Bearing(CatalogueScene):
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
-    def material(self) -> Tresca:
+    def clay(self) -> PerfectlyPlastic:
         """The soil."""
         return Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
@@ -108,7 +109,7 @@ class Bearing(CatalogueScene):
     @property
     def speed(self) -> float:
         """Speed of the body [m/s]."""
-        return self.speed_ratio / self.rigidity_index * self.material.shear_wave_speed
+        return self.speed_ratio / self.rigidity_index * self.clay.shear_wave_speed
 
     def fixed(self, grid: Grid) -> Fixed:
         """Nodes on the axis, on the side of the soil and below it."""
@@ -122,7 +123,7 @@ class Bearing(CatalogueScene):
     def run_size(self) -> RunSize:
         """Cells of the ground, and the steps to the end of the displacement."""
         grid = self.grid()
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.material.pressure_wave_speed
+        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.clay.pressure_wave_speed
         step_count = self.final_displacement / self.speed / time_step
         return size_in_grid(grid, particles_per_cell=4, step_count=step_count)
 
@@ -131,7 +132,7 @@ class Bearing(CatalogueScene):
         grid = self.grid()
         return Scene(
             grid=grid,
-            material=self.material,
+            material=self.clay,
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,

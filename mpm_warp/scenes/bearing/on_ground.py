@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.bearing.common import RADIUS, Bearing
@@ -79,9 +79,9 @@ class OnGround(Bearing):
         return (1.0 + 0.5 * self.strength_gradient_ratio) * super().final_displacement
 
     @property
-    def material(self) -> Tresca:
+    def clay(self) -> PerfectlyPlastic:
         """The soil."""
-        uniform = super().material
+        uniform = super().clay
         if self.is_uniform:
             return uniform
         deepest = 1.0 + self.strength_gradient_ratio * LARGEST_DEPTH / RADIUS

@@ -35,6 +35,7 @@ SMALL: dict[str, dict[str, Value]] = {
     "elastic_column_wave": {"cell_count": 4, "period_count": 2},
     "flying_block": {"step_count": 100, "travel": 1.0},
     "full_flow_cylinder": {"cells_per_radius": 2},
+    "full_flow_sphere": {"cells_per_radius": 2},
     "gravity_column": {"cell_count": 2},
     "material_point": {"step_count": 10},
     "sliding_block": {"cells_per_length": 6, "height_ratio": 0.5},

@@ -64,7 +64,7 @@ def test_adhesion_is_that_of_the_soil_beside_it() -> None:
 
 def test_no_gradient_is_uniform_soil() -> None:
     scene = ConeBearing(strength_gradient_ratio=0.0)
-    assert scene.material.variation is None
+    assert scene.clay.variation is None
     assert scene.exact_load == 4.443
 
 
