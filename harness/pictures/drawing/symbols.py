@@ -24,6 +24,8 @@ SYMBOLS = {
     "undrained_shear_strength": "s_u",
     "in_situ_stress": "σ_v0",
     "stress_anisotropy": "Δ",
+    "remoulded_strength_ratio": "δ_rem",
+    "ductility": "ξ_95",
     "poissons_ratio": "ν",
     "poissons_ratio_bound": "ν_max",
     "density": "ρ",
