@@ -105,8 +105,6 @@ class SurfaceContact:
             SceneError: not so.
         """
         check_nodes("contact: nodes", self.nodes, setting.grid.node_count)
-        if setting.material.state and setting.material.variation is not None:
-            raise SceneError("contact: not beside a material that varies and has a state")
         inside = np.flatnonzero(np.asarray(self.nodes) % (setting.grid.column_count + 1))
         if inside.size and (setting.material.state or self.passes_soil_that_varies(setting)):
             raise SceneError(
