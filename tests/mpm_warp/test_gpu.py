@@ -29,6 +29,7 @@ OF_PROCESSORS = (
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {
     "cone_penetration": [{}, {"approach": 0}],
+    "sounding": [{"layer_top": 1.1, "layer_strength_ratio": 2.0, "adhesion_factor": 0.5}],
     "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],
 }
 """Parameters without choices that decide on kernels all the same, by scene."""

@@ -46,7 +46,7 @@ SMALL: dict[str, dict[str, Value]] = {
         "domain_radius": 8.0,
         "domain_above": 3.0,
         "domain_below": 3.0,
-        "speed_ratio": 0.2,
+        "speed_ratio": 0.1,
     },
     "step_cost": {"size": 500, "samples": 1, "sample_time": 1e-3},
     "stretched_bar": {"stretch": 1.1},
