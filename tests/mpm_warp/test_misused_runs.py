@@ -32,8 +32,12 @@ CELLS, NODES = SCENE.grid.cell_count, SCENE.grid.node_count
 assert SCENE.contact is not None
 CONTACT = SCENE.contact.nodes
 
+SLOTS = make_plan(SCENE).arrays["particle.cell"].shape[0]
+NO_COLUMN = np.tile((-1, 0), (SLOTS, 1))
+"""Cells of slots that have a row and no column; empty slots have neither."""
+
 ASSIGNED: Mapping[str, list[Any]] = {
-    "particle.cell": [CELLS, -2, (0, 0), (-1, 0), 0.0, NAN, "here"],
+    "particle.cell": [CELLS, -2, (0, 0), NO_COLUMN, 0.0, NAN, "here"],
     "contact.nodes": [NODES, -1, CONTACT[:3], CONTACT.astype(float), CONTACT + NODES],
     "far_field.nodes": [NODES, 10**9, 2**40],
     "fixed.nodes": [NODES, -5],

@@ -189,4 +189,4 @@ def test_table_shows_what_is_known_of_the_error_beside_the_cone_factor() -> None
     )
     known, unknown = rows(cone_factor_table(dataset))
     assert known.startswith("0 11.00 +- 0.08 ")
-    assert unknown.startswith("1 11 ")
+    assert unknown.startswith("1 11.0 ")
