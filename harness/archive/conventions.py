@@ -226,9 +226,10 @@ def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
             if case_dims(dataset) and it.ndim == 0 and "description" in it.attrs
         ]
     roles = dict.fromkeys(_MEASURED_BEFORE, Role.MEASURED)
-    roles |= dict.fromkeys(parameters, Role.PARAMETER)
     for role in (Role.REFERENCE, Role.DEVIATION):
         roles |= {str(name): role for name in dataset if str(name).startswith(f"{role}_")}
+    # A parameter may begin like a reference: reference_strain_rate.
+    roles |= dict.fromkeys(parameters, Role.PARAMETER)
     told = dataset.copy()
     for name in roles.keys() & set(told.variables):
         told.variables[name].attrs["role"] = roles[name]

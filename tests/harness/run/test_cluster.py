@@ -26,7 +26,7 @@ title = "Twenty cases that take a moment"
 scene = "gravity_column"
 
 [fixed]
-cell_count = 60
+cell_count = 120
 
 [vary]
 poissons_ratio = {[0.4 * i / CASE_COUNT for i in range(CASE_COUNT)]}

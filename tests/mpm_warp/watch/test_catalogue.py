@@ -7,7 +7,7 @@ import pytest
 
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.parameters import from_mapping
+from mpm_warp.parameters import Value
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.simulation import Simulation
@@ -15,7 +15,16 @@ from mpm_warp.simulation import Simulation
 NOTICED_WITHIN = 500
 BLOCK = 3
 """Cells along the side of a block that is watched for its soil."""
-COMPOSITIONS = {name: scene_class(name)().build() for name in scene_names()}
+PARAMETERS: dict[str, dict[str, Value]] = {
+    # With an approach a row of cells runs empty below at its speed, where no soil is let in.
+    "cone_penetration": {"approach": 0},
+    # So deep that the soil may not part from the penetrometer.
+    "sounding": {"from_depth": 20, "to_depth": 21},
+}
+"""What a scene has in place of its defaults."""
+COMPOSITIONS = {
+    name: scene_class(name)(**PARAMETERS.get(name, {})).build() for name in scene_names()
+}
 SOIL_SCENES = [name for name, scene in COMPOSITIONS.items() if isinstance(scene, Scene)]
 BODY_SCENES = [name for name, scene in COMPOSITIONS.items() if isinstance(scene, BodyScene)]
 FAULTS = [
@@ -27,12 +36,8 @@ FAULTS = [
 
 
 def started(name: str) -> Simulation:
-    """A scene at its defaults, a few steps on.
-
-    Without an approach: at its speed a row of cells runs empty below, where no soil is let in.
-    """
-    scene = from_mapping(scene_class(name), {"approach": 0} if name == "cone_penetration" else {})
-    simulation = Simulation(scene.build())
+    """A scene, a few steps on."""
+    simulation = Simulation(COMPOSITIONS[name])
     simulation.advance(3)
     return simulation
 
