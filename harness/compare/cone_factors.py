@@ -107,11 +107,14 @@ def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
     """Shear part of the cone factor by statics: adhesion factor / tan(half the apex angle).
 
     Exact where the whole face slips and adhesion alone resists; not a number where there is
-    friction beside it.
+    friction beside it, or where the strength of the clay, and its adhesion with it, changes.
     """
     conditions = conditions_of(dataset)
     exact = conditions.face_adhesion / np.tan(np.radians(conditions.apex_angle) / 2)
-    return xr.DataArray(exact).where(xr.DataArray(conditions.friction) == 0)
+    stays = xr.DataArray(conditions.friction) == 0
+    for name, without in (("rate_factor", 0.0), ("remoulded_strength_ratio", 1.0)):
+        stays = stays & (dataset.get(name, xr.DataArray(without)) == without)
+    return xr.DataArray(exact).where(stays)
 
 
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:

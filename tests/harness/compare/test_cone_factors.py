@@ -111,6 +111,8 @@ def test_exact_shear_is_that_of_statics() -> None:
     dataset = result(apex_angle=[60.0, 90.0])
     np.testing.assert_allclose(exact_shear(dataset), (np.sqrt(3) / 2, 0.5), rtol=1e-15)
     assert np.isnan(exact_shear(result(friction_coefficient=[0.1]))).all()
+    assert np.isnan(exact_shear(result(remoulded_strength_ratio=[0.2]))).all()
+    assert np.isnan(exact_shear(result(rate_factor=[0.1]))).all()
 
 
 def test_unknown_reference_is_refused() -> None:
