@@ -62,10 +62,12 @@ def map_figure(dataset: xr.Dataset) -> Figure:
     _draw_contours(figure, left, studied, across, up)
     _draw_curves(right, studied, across, up)
     bars = "error bars hold the value with 95 %" if studied.half_width is not None else ""
+    sound = np.isfinite(studied.computed).all()
+    crosses = "" if sound else ", crosses did not complete"
     write_caption(
         figure,
         dataset,
-        "Left: contours; dots are computed cases, crosses did not complete. "
+        f"Left: contours; dots are computed cases{crosses}. "
         f"Right: the same over one parameter{'; ' if bars else ''}{bars}.",
     )
     return figure
@@ -128,4 +130,5 @@ def _draw_curves(axes: Axes, studied: Studied, across: str, up: str) -> None:
             ends.append(CurveEnd(x.different[last], table[row, last], label, colour))
     x.dress(axes, room=5)
     axes.set_xlabel(axis_label(studied.dataset, across))
+    axes.set_ylabel(axis_label(studied.dataset, studied.headline))
     label_ends(axes, ends, size=7)

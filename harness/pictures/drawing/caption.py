@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import textwrap
 from collections.abc import Iterator, Mapping
@@ -10,9 +11,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import is_there, parameter_names
+from harness.archive.conventions import is_there, over_cases, parameter_names
 from harness.pictures.drawing.symbols import assigned, plain
-from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Value, from_mapping, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 LETTERS = 112
@@ -59,25 +61,43 @@ def fixed(dataset: xr.Dataset) -> str:
 def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
     """What they are called in the dataset."""
     scene = str(dataset.attrs.get("scene", ""))
-    definitions = parameters_of(scene_class(scene)) if scene in scene_names() else {}
     stored = parameter_names(dataset)
+    defaults = _defaults(dataset, scene_class(scene), stored) if scene in scene_names() else {}
     constant = {
         name: own
         for name, own in stored.items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
-    others = [it for it in constant if _is_chosen(dataset[constant[it]], it, definitions)]
+    others = [
+        it
+        for it in constant
+        if it in defaults and not _same(dataset[constant[it]].item(), defaults[it])
+    ]
     main = [name for name in SOIL_AND_CONE if name in constant]
     yield from (constant[name] for name in dict.fromkeys([*main, *others]))
 
 
-def _is_chosen(value: xr.DataArray, name: str, definitions: Mapping[str, Parameter]) -> bool:
-    """Whether a parameter differs from its default; what the scene derives is no choice."""
-    if name not in definitions or definitions[name].default is None:
+def _defaults(
+    dataset: xr.Dataset, scene: type, stored: Mapping[str, str]
+) -> dict[str, Value | None]:
+    """The defaults of a scene, and what it derives from the parameters of the first case."""
+    definitions = parameters_of(scene)
+    given = {
+        name: definition.kind(over_cases(dataset, stored[name])[0])
+        for name, definition in definitions.items()
+        if definition.default is not None and name in stored
+    }
+    try:
+        return dataclasses.asdict(from_mapping(scene, given))
+    except ParameterError:  # a case that the scene refuses has nothing derived
+        return {name: definition.default for name, definition in definitions.items()}
+
+
+def _same(value: Value, default: Value | None) -> bool:
+    """Whether a value is a default, to rounding."""
+    if default is None:
         return False
-    default = definitions[name].default
-    same = np.isclose(value, default) if isinstance(default, float) else value.item() == default
-    return not bool(same)
+    return bool(np.isclose(value, default)) if isinstance(default, float) else value == default
 
 
 def _wrapped(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import errno
 import os
 import re
@@ -21,9 +22,12 @@ from matplotlib.transforms import Bbox
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.study_files import write_study
 from harness.cli.main import main
+from harness.pictures.drawing.caption import fixed
 from harness.pictures.drawing.own_files import NotOwnFileError
 from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, image
 from harness.pictures.pictures import NothingToDrawError, draw, figures
+from mpm_warp import ConePenetration
+from mpm_warp.results import parameter_variables
 
 from .conftest import MADE, drawn, result
 
@@ -97,6 +101,15 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
             ("adhesion_factor", "$α$ = 0.5"),
         ):
             assert (written in caption) == (made_up[0][name].ndim == 0)
+
+
+def test_the_caption_names_what_was_given_instead_of_derived() -> None:
+    derived = dataclasses.asdict(ConePenetration())["cells_per_radius"]
+    for cells, told in ((derived, False), (2.31, True)):
+        case = ConePenetration(cells_per_radius=cells)
+        variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
+        dataset = xr.Dataset(variables, attrs={"scene": "cone_penetration"})
+        assert ("$R/h$" in fixed(dataset)) == told
 
 
 def test_a_title_with_dollars_is_no_mathematics() -> None:
