@@ -65,7 +65,7 @@ class ConePenetration(ConeTest):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 8
+    version: ClassVar[int] = 9
     snapshots_over: ClassVar[str | None] = AXIS
 
     def __post_init__(self) -> None:

@@ -12,6 +12,11 @@ and of the bottom of the window, H its distance from the tip over the cone's rad
 
     E_bottom = -D Ir / H^2
 
+and of the top, A its distance from the shoulder and w the way that the cone has gone beyond that
+of a test by default, both over the cone's radius:
+
+    E_top = T (Ir / A^2)^1.5 (1 - exp(-w / (1.7 (A + H))))
+
 All are taken from the cone factor. What they leave, and what only repetition tells, makes up the
 half width: its parts are added as squares. How all of it was measured is in the README.md of this
 folder; `studies/mesh_error.toml` measures B, `studies/held_out.toml` tests the half width.
@@ -24,14 +29,17 @@ import math
 import numpy as np
 import xarray as xr
 
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.stated_error import (
+    ALL_PASSED,
     growth_measure,
     inertia,
     parts_of_a_run,
     stated_error,
     why_no_law_holds,
 )
+from mpm_warp.scenes.cone.window import steady_penetration
 
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
@@ -43,10 +51,12 @@ SPEED_ERROR = 0.07
 """S."""
 BOTTOM_ERROR = 0.09
 """D."""
+TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
+"""T; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
 FACE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.3, 0.02, 0.004
 """Half widths: of B; of C; of the form of its law; of what a default window changes, over Nc."""
-BOTTOM = 0.3
-"""Half width of the effect of the bottom, over it."""
+BOTTOM, TOP = 0.3, 0.5
+"""Half widths of the effects of bottom and top, over them."""
 NEAREST_BOTTOM = 0.9
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 INERTIA, APPROACH = 0.05, 0.001
@@ -79,7 +89,10 @@ def known_error(test: ConeTest, *, cell_size: float, recorded: xr.Dataset) -> xr
     return stated_error(
         test,
         recorded,
-        correction=BOTTOM_ERROR * _nearness(test) - SPEED_ERROR * inertia(test) - error_of_mesh,
+        correction=BOTTOM_ERROR * _nearness(test)
+        - SPEED_ERROR * inertia(test)
+        - error_of_mesh
+        - _top_error(test, recorded),
         parts=_parts(test, cell_size, recorded),
         not_known=_not_known(test, cell_size, recorded),
     )
@@ -104,6 +117,39 @@ def mesh_error(
     return slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
 
 
+def top_error(
+    *, rigidity_index: Floats | float, above: float, below: float, way: Floats | float
+) -> Floats:
+    """What the top of the window adds to the cone factor, shape [...].
+
+    Args:
+        rigidity_index: G/su, shape [...].
+        above: extent of the window above the shoulder, over the cone's radius.
+        below: extent of the window below the tip, likewise.
+        way: of the cone since its start, likewise, shape [...].
+    """
+    index = np.asarray(rigidity_index, dtype=float)
+    of_a_test = above + ALL_PASSED + np.vectorize(steady_penetration)(index)
+    beyond = np.maximum(0.0, way - of_a_test)
+    grown = -np.expm1(-beyond / (TOP_WAY * (above + below)))
+    error: Floats = TOP_ERROR * (index / above**2) ** TOP_POWER * grown
+    return error
+
+
+def _top_error(test: ConeTest, recorded: xr.Dataset) -> float:
+    """What the top has added at the end of a test."""
+    assert test.domain_above is not None
+    assert test.domain_below is not None
+    return float(
+        top_error(
+            rigidity_index=test.rigidity_index,
+            above=test.domain_above,
+            below=test.domain_below,
+            way=float(recorded.penetration_reached),
+        )
+    )
+
+
 def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, float]:
     """The half widths by what they are of, each 95 %."""
     factor = float(recorded.cone_factor_simulated)
@@ -112,6 +158,7 @@ def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, 
         "growth": GROWTH * growth_measure(cell_size, test.cell_growth) + FORM_OF_GROWTH,
         "domain": DOMAIN * factor * _smallness(test) ** 2,
         "bottom": BOTTOM * BOTTOM_ERROR * _nearness(test),
+        "top": TOP * _top_error(test, recorded),
         "speed": INERTIA * inertia(test) + APPROACH * factor,
     } | parts_of_a_run(test, recorded)
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
+from mpm_warp.scenes.cone import known_error
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.sounding.parameters import SoundingTest
-from mpm_warp.scenes.sounding.sample_error import START
 
 FELT = 0.05
 """Share of the whole change of the resistance from which on a border is felt."""
@@ -42,8 +42,8 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
     if thickness is not None:
         in_layer = (distance > 0.0) & (distance < thickness / sounding.cone_radius + 5.0)
         reached = float(np.nanmax(share[in_layer], initial=-math.inf))
-        # Errors of mesh and speed are in both resistances; the start is in the first alone.
-        relative = math.hypot(START, NOISE)
+        # Errors of mesh and speed are in both resistances; that of the top grows on the way.
+        relative = math.hypot(_top(sounding, recorded.net_resistance.values / without), NOISE)
         half_width = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
         return labelled(
             role="headline",
@@ -76,6 +76,24 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
             f"the resistance lacks {FELT:.0%} of its whole change",
         ),
     )
+
+
+def _top(sounding: SoundingTest, factor: Floats) -> float:
+    """Half width of what the top of the window adds on the way, over the resistance.
+
+    Args:
+        sounding: what was run.
+        factor: net resistance over the strength that the soil would have without the layer, [n].
+    """
+    assert sounding.domain_above is not None
+    assert sounding.domain_below is not None
+    error = known_error.top_error(
+        rigidity_index=sounding.rigidity_index,
+        above=sounding.domain_above,
+        below=sounding.domain_below,
+        way=sounding.travel / sounding.cone_radius,
+    )
+    return known_error.TOP * float(error) / float(np.mean(factor[:UNDISTURBED]))
 
 
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:

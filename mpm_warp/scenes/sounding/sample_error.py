@@ -27,11 +27,6 @@ SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
 deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
 
-START, FORGOTTEN = 0.01, 45.0
-"""Half width of what the start in undisturbed ground takes from the resistance, over it, where the
-curves begin; and the way in which it falls to a third, in cone radii. In 150 radii of soft clay the
-resistance rose by 0.9 % of itself in this way."""
-
 
 def sample_error(
     sounding: SoundingTest, depth: Floats, resistance: Floats
@@ -48,6 +43,8 @@ def sample_error(
     around = ground.mean_strength_around(depth, AROUND * radius)
     index = ground.shear_modulus_at(depth) / strength
     h, g, below = cell / radius, sounding.cell_growth, sounding.domain_below
+    above = sounding.domain_above
+    assert above is not None
     assert below is not None
     mesh = np.array(
         [
@@ -62,9 +59,10 @@ def sample_error(
     )[np.unique(index, return_inverse=True)[1]]
     inertia = sounding.dynamic_pressure / around
     bottom = known.BOTTOM_ERROR * index / below**2
-    correction = bottom - known.SPEED_ERROR * inertia - mesh
+    way = SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size))
+    top = known.top_error(rigidity_index=index, above=above, below=below, way=way)
+    correction = bottom - known.SPEED_ERROR * inertia - mesh - top
     factor = resistance / around
-    way = np.arange(depth.size) * SAMPLE_SPACING
     shift = ground.mean_strength_around(depth + cell, AROUND * radius)
     shift = shift - ground.mean_strength_around(depth - cell, AROUND * radius)
     parts = [
@@ -74,7 +72,7 @@ def sample_error(
         known.BOTTOM * bottom,
         known.INERTIA * inertia,
         POINTS * factor,
-        START * factor * np.exp(-way / FORGOTTEN),
+        known.TOP * top,
         SAMPLE_NOISE * np.ones_like(depth),
         0.25 * factor * np.abs(shift) / around,
     ]

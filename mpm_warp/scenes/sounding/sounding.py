@@ -35,7 +35,7 @@ class Sounding(SoundingTest):
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
 
     @property
     def _test(self) -> ConePenetration:

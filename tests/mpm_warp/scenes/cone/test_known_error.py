@@ -10,11 +10,16 @@ import pytest
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.known_error import FACE_ERRORS, known_error, mesh_error
+from mpm_warp.scenes.cone.known_error import (
+    FACE_ERRORS,
+    known_error,
+    mesh_error,
+    top_error,
+)
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
-PARTS = ("face", "growth", "domain", "bottom", "steadiness", "speed", "points", "noise")
+PARTS = ("face", "growth", "domain", "bottom", "top", "steadiness", "speed", "points", "noise")
 
 
 def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) -> xr.Dataset:
@@ -39,7 +44,9 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
     mesh = mesh_error(rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4)
     speed = 0.07 * 100.0 * TEST.speed_ratio**2
     bottom = -0.09 * 100.0 / 14.0**2
-    correction = -mesh - speed - bottom
+    assert TEST.penetration == 24.0  # 4 radii beyond those of a test that is steady at once
+    top = 0.19 * (100.0 / 13.0**2) ** 1.5 * (1.0 - math.exp(-(24.0 - 20.0) / (1.7 * 27.0)))
+    correction = -mesh - speed - bottom - top
     assert float(known.cone_factor_correction) == pytest.approx(correction, rel=1e-12)
     assert float(known.cone_factor) == pytest.approx(10.0 + correction, rel=1e-12)
     assert float(known.cone_factor_normal) == float(known.cone_factor)
@@ -80,6 +87,7 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
         ("domain", {"domain_above": 10.0}),
         ("domain", {"domain_radius": 20.0}),
         ("bottom", {"domain_below": 10.0}),
+        ("top", {"penetration": 50.0}),
         ("speed", {"speed_ratio": 0.1}),
     ],
 )
@@ -90,6 +98,15 @@ def test_a_worse_choice_has_a_larger_part(part: str, changes: dict[str, float]) 
     before = known_error(TEST, cell_size=CELL, recorded=recorded(TEST))
     after = known_error(worse, cell_size=cell, recorded=recorded(worse))
     assert float(after[name]) > float(before[name])
+
+
+def test_the_top_takes_no_part_in_a_test_that_is_steady_at_once() -> None:
+    of_way = [
+        float(top_error(rigidity_index=100.0, above=13.0, below=14.0, way=way))
+        for way in (19.5, 20.0, 150.0, 1e4)
+    ]
+    assert of_way[:2] == [0.0, 0.0]
+    assert 0.0 < of_way[2] < of_way[3] == pytest.approx(0.19 * (100.0 / 169.0) ** 1.5)
 
 
 def test_a_resistance_that_still_changes_is_less_certain() -> None:

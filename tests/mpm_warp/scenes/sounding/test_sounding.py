@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 
 import numpy as np
@@ -154,8 +155,11 @@ def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     share = result.layer_share
     assert 0.05 < float(share) < 0.7
     assert share.attrs["role"] == "headline"
-    # 1 % of the whole resistance, which is 1 + 2 share times that of the soil around.
-    expected = 0.0102 * (1.0 + 2.0 * float(share)) / 2.0
+    # Half of what the top of the window adds on a way of 13.5 radii, and 0.2 % of noise, both of
+    # the whole resistance, which is 1 + 2 share times that of the soil around.
+    top = 0.19 * (100.0 / 3.0**2) ** 1.5 * (1.0 - math.exp(-(13.5 - 10.0) / (1.7 * 7.0)))
+    around = float(result.net_resistance[:20].mean()) / 20e3
+    expected = math.hypot(0.5 * top / around, 0.002) * (1.0 + 2.0 * float(share)) / 2.0
     assert float(result.layer_share_uncertainty) == pytest.approx(expected, rel=0.01)
     assert "last_cone_factor" not in result
 
