@@ -82,15 +82,16 @@ def _defaults(
 ) -> dict[str, Value | None]:
     """The defaults of a scene, and what it derives from the parameters of the first case."""
     definitions = parameters_of(scene)
+    defaults = {name: it.default for name, it in definitions.items() if it.default is not None}
     given = {
-        name: definition.kind(over_cases(dataset, stored[name])[0])
-        for name, definition in definitions.items()
-        if definition.default is not None and name in stored
+        name: definitions[name].kind(over_cases(dataset, stored[name])[0])
+        for name in defaults
+        if name in stored
     }
     try:
-        return dataclasses.asdict(from_mapping(scene, given))
+        return dataclasses.asdict(from_mapping(scene, given)) | defaults
     except ParameterError:  # a case that the scene refuses has nothing derived
-        return {name: definition.default for name, definition in definitions.items()}
+        return {**defaults}
 
 
 def _same(value: Value, default: Value | None) -> bool:

@@ -103,13 +103,21 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
             assert (written in caption) == (made_up[0][name].ndim == 0)
 
 
-def test_the_caption_names_what_was_given_instead_of_derived() -> None:
-    derived = dataclasses.asdict(ConePenetration())["cells_per_radius"]
-    for cells, told in ((derived, False), (2.31, True)):
-        case = ConePenetration(cells_per_radius=cells)
-        variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
-        dataset = xr.Dataset(variables, attrs={"scene": "cone_penetration"})
-        assert ("$R/h$" in fixed(dataset)) == told
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({}, False),
+        ({"cells_per_radius": ConePenetration().cells_per_radius}, False),
+        ({"cells_per_radius": 2.31}, True),  # a choice, where the scene would derive another
+        ({"cells_per_radius": 2.31, "cone_radius": 1.0}, True),
+    ],
+)
+def test_the_caption_names_what_is_not_the_default(given: dict[str, float], told: bool) -> None:
+    case = dataclasses.replace(ConePenetration(), **given)
+    variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
+    caption = fixed(xr.Dataset(variables, attrs={"scene": "cone_penetration"}))
+    assert ("$R/h$" in caption) == told
+    assert ("$R$" in caption) == ("cone_radius" in given)
 
 
 def test_a_title_with_dollars_is_no_mathematics() -> None:
