@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import Role, over_cases, stated, uncertainty_of
+from harness.archive.conventions import Role, over_cases, uncertainty_of
 from harness.compare.cone_factors import (
     conditions_of,
     cone_factor_of,
@@ -23,6 +23,7 @@ from harness.compare.text_table import (
     parameter_columns,
     run_columns,
     table_lines,
+    with_half_width,
 )
 from harness.references.cone_factors import ENVELOPE, ConeFactor, envelope, envelope_applies
 
@@ -52,7 +53,7 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
 def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
     factors = zip(over_cases(dataset, "cone_factor"), uncertainty_of(dataset), strict=True)
     parts = [
-        Column(("cone", "factor"), [_stated(value, half) for value, half in factors]),
+        Column(("cone", "factor"), [with_half_width(value, half) for value, half in factors]),
         *(
             Column(heading, [number(value, "#.3g") for value in over_cases(dataset, name)])
             for name, heading in (
@@ -130,10 +131,6 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
         *(f"  {it.id}: {it.source}; {it.criterion}; {it.validity}" for it in shown),
         f"how known: {'; '.join(dict.fromkeys(it.how_known for it in shown))}",
     ]
-
-
-def _stated(value: float, half_width: float) -> str:
-    return stated(value, half_width) if np.isfinite(value) else MISSING
 
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:

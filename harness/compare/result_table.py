@@ -15,6 +15,7 @@ from harness.compare.text_table import (
     parameter_columns,
     run_columns,
     table_lines,
+    with_half_width,
 )
 from harness.references.cone_factors import COMPARED
 
@@ -38,7 +39,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
     columns = parameter_columns(dataset)
     notes = []
     for name in headlines:
-        columns.append(_column(dataset, name, ".4g"))
+        columns.append(_headline_column(dataset, name))
         notes.append(_note(dataset, name))
         exact = f"{name}_exact"
         if exact in dataset and _is_one_a_case(dataset, exact):
@@ -61,6 +62,14 @@ def _is_one_a_case(dataset: xr.Dataset, name: str) -> bool:
 
 def _column(dataset: xr.Dataset, name: str, form: str) -> Column:
     return Column(heading(name), [number(value, form) for value in over_cases(dataset, name)])
+
+
+def _headline_column(dataset: xr.Dataset, name: str) -> Column:
+    half_width = f"{name}_uncertainty"
+    if half_width not in with_role(dataset, Role.UNCERTAINTY):
+        return _column(dataset, name, ".4g")
+    pairs = zip(over_cases(dataset, name), over_cases(dataset, half_width), strict=True)
+    return Column(heading(name), [with_half_width(value, half) for value, half in pairs])
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import over_cases, varied_names
+from harness.archive.conventions import over_cases, stated, varied_names
 
 MISSING = "-"
 """In the place of a number that there is not."""
@@ -65,6 +65,11 @@ def heading(name: str) -> tuple[str, str]:
 def number(value: float, form: str) -> str:
     """A number in a format, a dash where there is none."""
     return format(value, form) if np.isfinite(value) else MISSING
+
+
+def with_half_width(value: float, half_width: float) -> str:
+    """A number and its half width, where that is known; a dash where there is no number."""
+    return stated(value, half_width) if np.isfinite(value) else MISSING
 
 
 def _text(value: object) -> str:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import Role, over_cases, with_role
 from harness.compare.cone_factors import NothingToCompareError, conditions_of
+from harness.compare.soundings import STRETCH
 from harness.pictures.convergence import shows_convergence
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.experience_band import draw_experience
@@ -40,10 +41,11 @@ FINE = 400
 def shows_curve(dataset: xr.Dataset) -> bool:
     """Whether a result is that of one varied parameter, or of two that make no map.
 
-    A cone factor alone is shown too, beside the literature's.
+    A cone factor alone is shown too, beside the literature's. The stretches of a sounding are no
+    curve: their picture joins them.
     """
     studied = Studied.of(dataset)
-    if studied is None or not studied.is_combined:
+    if studied is None or not studied.is_combined or STRETCH in studied.varied:
         return False
     if shows_map(dataset) or shows_convergence(dataset):
         return False

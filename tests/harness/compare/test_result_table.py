@@ -34,6 +34,18 @@ def test_a_result_without_cone_factor_stands_beside_its_exact_values() -> None:
     assert "bearing_capacity_exact: exact limit load; Shield" in lines
 
 
+def test_a_headline_has_the_half_width_that_is_stated_of_it() -> None:
+    half_width = ([0.02, np.nan], "1", "uncertainty of the limit load")
+    stated = footings(["completed", "completed"]).assign(
+        labelled(
+            dims=("adhesion_factor",), role="uncertainty", bearing_capacity_uncertainty=half_width
+        )
+    )
+    lines = result_table(stated).splitlines()
+    assert lines[3].split()[1:4] == ["5.75", "+-", "0.02"]
+    assert lines[4].split()[1] == "6.10"
+
+
 def test_nothing_is_compared_where_nothing_completed() -> None:
     dataset = footings(["diverged", "failed"])[["status"]]
     with pytest.raises(NothingToCompareError, match="no case of 2 completed"):
