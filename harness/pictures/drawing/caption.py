@@ -95,9 +95,9 @@ def _defaults(
 
 
 def _same(value: Value, default: Value | None) -> bool:
-    """Whether a value is a default, to rounding."""
+    """Whether a value is a default, to rounding; a table has no room in a caption."""
     if default is None:
-        return False
+        return isinstance(value, str)
     return bool(np.isclose(value, default)) if isinstance(default, float) else value == default
 
 
