@@ -44,7 +44,10 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
         reached = float(np.nanmax(share[in_layer], initial=-math.inf))
         # Errors of mesh and speed are in both resistances; that of the top grows on the way.
         relative = math.hypot(_top(sounding, recorded.net_resistance.values / without), NOISE)
-        half_width = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
+        of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
+        half_width = math.hypot(
+            of_resistances, _of_borders(reached, sounding.cell_size / thickness)
+        )
         return labelled(
             role="headline",
             layer_share=(
@@ -76,6 +79,19 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
             f"the resistance lacks {FELT:.0%} of its whole change",
         ),
     )
+
+
+def _of_borders(share: float, cell: float) -> float:
+    """Half width of the share because the places of the borders are known to a cell.
+
+    A share s = 1 - exp(-t / l) of a layer of thickness t grows with t by -(1 - s) ln(1 - s) / t.
+
+    Args:
+        share: s, of the layer's resistance.
+        cell: height of a cell over the thickness of the layer.
+    """
+    lacking = 1.0 - min(max(share, 0.0), 1.0 - NOISE)
+    return -lacking * math.log(lacking) * cell
 
 
 def _top(sounding: SoundingTest, factor: Floats) -> float:

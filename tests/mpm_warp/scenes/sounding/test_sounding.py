@@ -159,7 +159,10 @@ def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     # the whole resistance, which is 1 + 2 share times that of the soil around.
     top = 0.19 * (100.0 / 3.0**2) ** 1.5 * (1.0 - math.exp(-(13.5 - 10.0) / (1.7 * 7.0)))
     around = float(result.net_resistance[:20].mean()) / 20e3
-    expected = math.hypot(0.5 * top / around, 0.002) * (1.0 + 2.0 * float(share)) / 2.0
+    whole = math.hypot(0.5 * top / around, 0.002) * (1.0 + 2.0 * float(share)) / 2.0
+    # The layer of one radius is known to a cell; its share grows as 1 - exp(-thickness / length).
+    lacking = 1.0 - float(share)
+    expected = math.hypot(whole, -lacking * math.log(lacking) * COARSE.cell_size)
     assert float(result.layer_share_uncertainty) == pytest.approx(expected, rel=0.01)
     assert "last_cone_factor" not in result
 
