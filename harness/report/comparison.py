@@ -106,7 +106,10 @@ def _by_soil(studied: Studied) -> dict[Key, float]:
         for name, stored in parameter_names(dataset).items()
         if stored not in studied.method
     }
-    columns = [(name, over_cases(dataset, stored).tolist()) for name, stored in names.items()]
+    # By name: in which order a result holds its parameters depends on which of them vary.
+    columns = [
+        (name, over_cases(dataset, stored).tolist()) for name, stored in sorted(names.items())
+    ]
     cost = over_cases(dataset, "particle_updates").astype(float)
     found: dict[Key, float] = {}
     for case in np.argsort(np.nan_to_num(cost), kind="stable").tolist():

@@ -98,6 +98,15 @@ def test_studies_are_compared_where_they_share_parameters(results: list[xr.Datas
     ]
 
 
+def test_in_which_order_results_hold_their_parameters_does_not_matter(
+    results: list[xr.Dataset],
+) -> None:
+    one, other = (it.assign(apex_angle=((), 60.0, {"role": "parameter"})) for it in results)
+    turned = other[list(other.data_vars)[::-1]]
+    (found,), (expected,) = comparisons([one, turned]), comparisons(results)
+    assert found.rows == expected.rows
+
+
 def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
     other = results[1].copy()
     other["adhesion_factor"] = (), 1.0, results[1]["adhesion_factor"].attrs
