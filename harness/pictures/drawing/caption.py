@@ -21,6 +21,8 @@ LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
 MOST_FIXED = 14
 """Parameters that a caption names."""
+NO_BREAK = "\N{NO-BREAK SPACE}"
+"""Between a symbol and its value: they stay on one line."""
 SOIL_AND_CONE = (
     "rigidity_index",
     "adhesion_factor",
@@ -52,7 +54,8 @@ def fixed(dataset: xr.Dataset) -> str:
     Those that matter most are named, and all that differ from the scene's defaults.
     """
     names = list(_fixed_names(dataset))
-    shown = [assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED]]
+    told = (assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED])
+    shown = [it.replace(" ", NO_BREAK) for it in told]
     scene = plain(dataset.attrs.get("scene", ""))
     rest = f"all else by the defaults of {scene}" if scene in scene_names() else ""
     return f"Fixed: {', '.join(filter(None, [*shown, rest]))}." if shown or rest else ""
