@@ -68,8 +68,7 @@ class Scene:
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
         conservative_interpolation: whether particles follow a flow that changes volume alike all
-            over a cell; for soil that streams along a wall for long. The grid is axisymmetric, of
-            horizontal rows.
+            over a cell; for soil that streams along a wall for long. The grid has horizontal rows.
         energy_audit: whether to sample what energy the transfers create or dissipate.
         history: whether particles keep where they entered, and add up their plastic shear strain.
         precision: floating point numbers of the run, "float64" or "float32".
@@ -115,7 +114,6 @@ class Scene:
                 f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
             )
         leans = np.ptp(self.grid.surface_radius) > 0.0
-        has_rays_or_is_plane = self.grid.polar or self.grid.planar
         varies = self.material.variation is not None
         for name, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
@@ -123,7 +121,7 @@ class Scene:
             ("window", self.grid.polar, "a grid of rays"),
             ("surroundings", self.far_field, "a far field"),
             ("surroundings", self.window is None, "a grid at rest; give it a window"),
-            ("conservative_interpolation", has_rays_or_is_plane, "a grid of rays or that is plane"),
+            ("conservative_interpolation", self.grid.polar, "a grid of rays"),
             ("far_field", varies, "a material that varies; around a window give it surroundings"),
             ("moving_wall", varies, "a material that varies"),
         ):

@@ -4,7 +4,7 @@ The strain of a cell is one for all of it. The bilinear velocity between its nod
 only in the mean: here it gathers particles, there it parts them. Soil that stays for long where it
 gathers, beside a rough wall say, piles up without end. So particles also move with a flow within
 the cell that corrects this and vanishes on the edges that it would cross (Meyer & Jenny 2004, PAMM
-4:466-467), here about an axis.
+4:466-467), here about an axis or in plane strain.
 
 Symbols: xi, eta natural coordinates of the cell, u_ij velocity (r, z) of its nodes, d change over
 the step. At half the height, r0 and r1 radii of the left and right edge, r their mean, c centroid
@@ -20,7 +20,8 @@ in xi, w width; h height, l lean of the edges: the rise of their radius over the
 
 In an upright cell all heights, and along their length both edges, have the divergence of the cell
 exactly; in between it is off by about w / r of what it was, as where edges lean. In a cell on the
-axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same everywhere.
+axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same everywhere. So it is in
+upright cells in plane strain, where 1 / r is 0 in all this: c = 1/2, P = w T / (2 h), Q = 0.
 """
 
 import functools
@@ -58,7 +59,7 @@ def interpolation_weights(grid: Grid) -> Floats:
     """Factors of sums and differences of the velocities of the nodes of each cell.
 
     Args:
-        grid: axisymmetric, with horizontal rows.
+        grid: with horizontal rows.
 
     Returns:
         Ten dimensionless numbers a cell, in the order in which the kernel takes them; shape
@@ -72,6 +73,10 @@ def interpolation_weights(grid: Grid) -> Floats:
     centroid = (0.5 * r0 + w / 3.0) / r
     at_left = np.where(on_axis, 1.0 / 3.0, centroid)
     hoop = np.where(on_axis, 0.0, 0.25 * w / r)
+    if grid.planar:
+        none = np.zeros_like(w)
+        upright = [0.5 * w / h, none, none, none, none, 0.5 * h / w, none, none]
+        return np.stack([*upright, -0.5 * lean / w, lean / h], axis=-1)
     return np.stack(
         [
             at_left * w / h,

@@ -8,7 +8,7 @@ in the symbols of the contact law.
 """
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -27,6 +27,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.contact.contact_law import make_contact_law
+from mpm_warp.parts.contact.held_nodes import add_held_nodes
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -67,6 +68,9 @@ class SurfaceContact:
             part where the simulated traction pulls by more.
         speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
             the window has the speed and this one is not used.
+        held: numbers of those `nodes` at which nothing moves past the surface, because the axis
+            holds them too; shape [held_count], none by default. Where less soil is near such a node
+            than its least mass, as before a blunt nose, the body bears what that keeps from it.
 
     Raises:
         SceneError: a value is not allowed.
@@ -79,6 +83,7 @@ class SurfaceContact:
     friction: float
     in_situ_stress: float
     speed: float = 0.0
+    held: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
         count = np.size(self.nodes)
@@ -97,6 +102,7 @@ class SurfaceContact:
         check_number("contact: friction", self.friction, NOT_NEGATIVE)
         check_number("contact: in_situ_stress", self.in_situ_stress, NOT_NEGATIVE, unit="Pa")
         check_number("contact: speed", self.speed, unit="m/s")
+        check_nodes("contact: held", self.held, count)
 
     def check(self, setting: Setting) -> None:
         """Check that the grid has the nodes, and that those beside soil that changes can be told.
@@ -127,6 +133,8 @@ class SurfaceContact:
         plan.add_array("contact.adhesion", "real", adhesion)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
+        if self.held.size:
+            add_held_nodes(plan, self.held)
         plan.add_launch(
             _make_surface_contact(window_motion is not None, plan.precision),
             len(self.nodes),

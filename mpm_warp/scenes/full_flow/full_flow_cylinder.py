@@ -9,6 +9,19 @@ from typing import ClassVar
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.full_flow.common import FullFlow
 
+LIMIT_LOAD_SOURCE = (
+    "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
+    "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
+    "Geotechnique 56(2):141-145)"
+)
+
+
+def limit_load(adhesion_factor: float) -> float:
+    """Exact limit load of a cylinder in full flow over diameter and su; see `LIMIT_LOAD_SOURCE`."""
+    delta = math.asin(adhesion_factor)
+    fans = math.cos(0.5 * delta) + math.sin(0.5 * delta)
+    return math.pi + 2.0 * delta + 2.0 * math.cos(delta) + 4.0 * fans
+
 
 @dataclass(frozen=True, kw_only=True)
 class FullFlowCylinder(FullFlow):
@@ -34,15 +47,9 @@ class FullFlowCylinder(FullFlow):
     @property
     def exact_load(self) -> float:
         """Exact limit load over diameter and su."""
-        delta = math.asin(self.adhesion_factor)
-        fans = math.cos(0.5 * delta) + math.sin(0.5 * delta)
-        return math.pi + 2.0 * delta + 2.0 * math.cos(delta) + 4.0 * fans
+        return limit_load(self.adhesion_factor)
 
     @property
     def exact_source(self) -> str:
         """Where the exact load comes from, and how exact it is."""
-        return (
-            "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
-            "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
-            "Geotechnique 56(2):141-145)"
-        )
+        return LIMIT_LOAD_SOURCE

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
+from mpm_warp.parts.velocity_interpolation import interpolation_weights
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scene import Scene
@@ -151,6 +152,17 @@ def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
     found = simulation.array("particle.position")
     np.testing.assert_allclose(found[free], expected[free], atol=1e-12)
     assert np.abs(moved).max() > 1e-5
+
+
+def test_in_plane_strain_it_is_that_far_from_the_axis(fitted: Grid) -> None:
+    far = 1e7
+    distant = dataclasses.replace(
+        fitted,
+        surface_radius=far + fitted.surface_radius,
+        outer_radius=far + fitted.outer_radius,
+    )
+    planar = interpolation_weights(dataclasses.replace(fitted, planar=True))
+    np.testing.assert_allclose(planar, interpolation_weights(distant), atol=10 / far)
 
 
 def test_it_adds_weights_and_a_flow_to_cells_and_no_launch(floating: Scene) -> None:

@@ -21,6 +21,7 @@ from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.simulation import Simulation
 
 SMALL: dict[str, dict[str, Value]] = {
+    "ball_penetration": {"cells_per_radius": 2, "domain_extent": 4, "penetration": 6.0},
     "cavity_cylinder": {"expansion": 1.1, "cells_per_radius": 1, "rigidity_index": 10.0},
     "cavity_sphere": {"expansion": 1.1, "cells_per_radius": 2, "rigidity_index": 10.0},
     "circular_footing": {"cells_per_radius": 2},
@@ -53,6 +54,7 @@ SMALL: dict[str, dict[str, Value]] = {
     "strip_footing": {"cells_per_radius": 2},
     "struck_bar": {"cell_count": 20},
     "struck_column": {"cell_count": 20},
+    "t_bar_penetration": {"cells_per_radius": 2, "domain_extent": 4, "penetration": 6.0},
     "thick_cylinder": {"cell_count": 2},
 }
 """Parameters that make a run of each scene as short as can be."""

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
@@ -45,6 +46,11 @@ def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull(
         assert contact.can_part(material, speed=0.0) is may_part
         assert contact.can_part(elastic, speed=0.0)
         assert contact.can_part(material, speed=100.0)
+
+
+def test_only_nodes_of_the_surface_can_be_held(surface: SurfaceContact) -> None:
+    with pytest.raises(SceneError, match=r"^contact: held"):
+        dataclasses.replace(surface, held=np.array([len(surface.nodes)]))
 
 
 def after_a_step(scene: Scene, speed: float, **changes: object) -> tuple[Simulation, Floats]:

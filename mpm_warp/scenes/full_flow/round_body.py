@@ -1,0 +1,100 @@
+"""A ball or a T-bar that goes down: its outline, the grid fitted to it, its contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoundBody:
+    """A ball below a thin smooth shaft, or a cylinder in plane strain, its centre at z = 0.
+
+    Attributes:
+        radius: R [m], > 0.
+        shaft_radius: radius of the shaft above [m], 0 <= radius < R; 0: there is none.
+        planar: whether it is a cylinder in plane strain; otherwise it is a ball.
+    """
+
+    radius: float
+    shaft_radius: float = 0.0
+    planar: bool = False
+
+    def surface_radius(self, height: Floats) -> Floats:
+        """Distance of the surface from the line of travel at heights [m]; 0 where soil is on it."""
+        body = np.sqrt(np.clip(self.radius**2 - height**2, 0.0, None))
+        surface: Floats = np.maximum(body, np.where(height > 0.0, self.shaft_radius, 0.0))
+        return surface
+
+    def fitted_grid(self, *, cells_per_radius: int, columns: Floats, extent: int) -> Grid:
+        """A grid whose rows meet both poles and whose first column follows the surface.
+
+        Args:
+            cells_per_radius: rows of cells over a radius, >= 1; all rows are as high.
+            columns: distances of the columns of nodes from the widest place, from 0, rising [m].
+            extent: of the grid below and above the centre, over the radius, >= 2.
+        """
+        row = np.arange(-extent * cells_per_radius, extent * cells_per_radius + 1)
+        rows = self.radius / cells_per_radius * row
+        surface = self.surface_radius(rows)
+        # Exactly at the poles, whatever rounding made of their rows.
+        surface[row <= -cells_per_radius] = 0.0
+        surface[row >= cells_per_radius] = self.shaft_radius
+        return Grid(
+            columns=columns / columns[-1],
+            rows=rows,
+            surface_radius=surface,
+            outer_radius=self.radius + float(columns[-1]),
+            planar=self.planar,
+        )
+
+    def contact(self, grid: Grid, *, adhesion: float, in_situ_stress: float) -> SurfaceContact:
+        """Contact on all nodes of the surface, from the lower pole upward; the shaft is smooth.
+
+        Normals are those of the consistent area vectors, so that on the whole no soil flows
+        through. The line of travel and the surface together hold the soil at a pole, which the flow
+        leaves with few material points: its node is one of those that are held.
+
+        Args:
+            grid: fitted to the body.
+            adhesion: of ball or bar [Pa], >= 0.
+            in_situ_stress: isotropic stress in the ground before [Pa], >= 0.
+        """
+        beside = np.flatnonzero(grid.surface_radius > 0.0)
+        upper_end = min(beside[-1] + 1, grid.row_count)
+        rows = np.arange(beside[0] - 1, upper_end + 1, dtype=np.int32)
+        nodes = grid.node(0, rows)
+        radius, height = grid.surface_radius[rows], grid.rows[rows]
+        weight = grid.weight(radius)
+        rise, lean = np.diff(height), np.diff(radius)
+        vectors = np.stack([-nodal_areas(weight, rise), nodal_areas(weight, lean)], axis=-1)
+        held = np.flatnonzero(radius == 0.0)
+        vectors[held, 0] = 0.0
+        normal_areas = np.linalg.norm(vectors, axis=1)
+        of_body = np.where(lean != 0.0, np.hypot(lean, rise), 0.0)
+        return SurfaceContact(
+            nodes=nodes,
+            normals=vectors / normal_areas[:, None],
+            normal_areas=normal_areas,
+            adhesion_forces=adhesion * nodal_areas(weight, of_body),
+            friction=0.0,
+            in_situ_stress=in_situ_stress,
+            held=held,
+        )
+
+
+def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
+    """The force of the soil on a body along the line of travel, upward positive [N].
+
+    It is that on half a cylinder of unit length, or on a radian of a ball.
+
+    Args:
+        contact: of the soil with the body.
+        nodal: normal and tangential forces from the soil at its nodes [N], [node_count, 2].
+    """
+    normals = contact.normals
+    return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))

@@ -1,0 +1,73 @@
+"""A T-bar pushed down until soil flows round it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import xarray as xr
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.parameters import parameter
+from mpm_warp.results import labelled
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.full_flow.full_flow_cylinder import LIMIT_LOAD_SOURCE, limit_load
+from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
+from mpm_warp.scenes.full_flow.round_body import RoundBody
+from mpm_warp.simulation import Simulation
+
+
+@dataclass(frozen=True, kw_only=True)
+class TBarPenetration(FullFlowPenetration):
+    """A T-bar in plane strain, pushed through uniform clay to steady flow.
+
+    In perfectly plastic clay its resistance is the limit load of `full_flow_cylinder`.
+    """
+
+    summary: ClassVar[str] = "T-bar pushed through undrained clay to steady flow, plane strain"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(3, 4),
+            bounds={"error": 0.02},
+            settings={"adhesion_factor": adhesion_factor},
+        )
+        for adhesion_factor in (0.0, 0.5, 1.0)
+    )
+
+    bar_radius: float = parameter(
+        0.02, unit="m", meaning="radius of the T-bar", minimum=1e-6, maximum=1e3
+    )
+
+    @property
+    def body(self) -> RoundBody:
+        """The T-bar."""
+        return RoundBody(radius=self.bar_radius, planar=True)
+
+    def surroundings(self, grid: Grid) -> None:
+        """None: as much soil closes behind the bar as it pushes aside."""
+        return
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """See `FullFlowPenetration`; in perfectly plastic clay beside the limit load."""
+        results = super().record(simulation, progress)
+        if isinstance(self.clay, EinavRandolph):
+            return results
+        exact = limit_load(self.adhesion_factor)
+        error = abs(float(results.resistance_factor) / exact - 1.0)
+        return results.assign(
+            labelled(
+                resistance_factor_exact=(
+                    exact,
+                    "1",
+                    "limit load over projected area and su",
+                    LIMIT_LOAD_SOURCE,
+                )
+            )
+            | labelled(
+                role="error",
+                error=(error, "1", "error of the resistance", "relative to the limit load"),
+            )
+        )

@@ -1,0 +1,79 @@
+"""Ball and T-bar: outline, normals, areas, and the force read from them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
+
+ROUNDING = 1e-12
+RADIUS = 2.0
+BALL = RoundBody(radius=RADIUS)
+BALL_AND_SHAFT = RoundBody(radius=RADIUS, shaft_radius=0.6)
+BAR = RoundBody(radius=RADIUS, planar=True)
+
+
+def around(body: RoundBody, cells: int = 4) -> tuple[Grid, SurfaceContact]:
+    columns = np.array([0.0, 0.5, 1.0, 4.0])
+    grid = body.fitted_grid(cells_per_radius=cells, columns=columns, extent=3)
+    return grid, body.contact(grid, adhesion=5.0, in_situ_stress=0.0)
+
+
+@pytest.mark.parametrize("body", [BALL, BALL_AND_SHAFT, BAR])
+def test_the_first_column_stands_on_the_body_and_on_the_line_of_travel(body: RoundBody) -> None:
+    grid, contact = around(body)
+    r, z = grid.node_positions[contact.nodes].T
+    on_body = (np.abs(z) <= RADIUS) & (r > body.shaft_radius)
+    np.testing.assert_allclose(np.hypot(r, z)[on_body], RADIUS, rtol=ROUNDING)
+    assert RADIUS in r  # the widest place is a node, so that the projected area is exact
+    below = grid.rows <= -RADIUS
+    np.testing.assert_array_equal(grid.surface_radius[below], 0.0)
+    np.testing.assert_array_equal(grid.surface_radius[grid.rows >= RADIUS], body.shaft_radius)
+    assert z[0] == -RADIUS
+    assert z[-1] == (RADIUS if body.shaft_radius == 0.0 else grid.rows[-1])
+
+
+@pytest.mark.parametrize(("body", "area"), [(BALL, 0.0), (BALL_AND_SHAFT, 0.18), (BAR, 0.0)])
+def test_a_uniform_pressure_acts_on_the_area_of_the_shaft_alone(
+    body: RoundBody, area: float
+) -> None:
+    """On the whole it pushes by its value times the area where no soil is, pi rs^2 over 2 pi."""
+    _, contact = around(body)
+    pressure = np.stack([7.0 * contact.normal_areas, 0.0 * contact.normal_areas], axis=-1)
+    assert upward_force(contact, pressure) == pytest.approx(7.0 * area, abs=1e-11)
+    np.testing.assert_allclose(np.linalg.norm(contact.normals, axis=1), 1.0, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("body", "surface"), [(BALL, 2.0 * RADIUS**2), (BAR, np.pi * RADIUS)], ids=["ball", "bar"]
+)
+def test_adhesion_acts_on_the_surface_of_the_body(body: RoundBody, surface: float) -> None:
+    """A chord that spans the angle t misses t^2 / 24 of its arc: here at most that at the poles."""
+    cells = 16
+    _, contact = around(body, cells)
+    widest = np.arccos(1.0 - 1.0 / cells)
+    assert contact.adhesion_forces.sum() < 5.0 * surface
+    assert contact.adhesion_forces.sum() == pytest.approx(5.0 * surface, rel=widest**2 / 24)
+
+
+def test_the_shaft_is_smooth_and_shear_of_soil_that_flows_up_lifts_the_body() -> None:
+    grid, contact = around(BALL_AND_SHAFT)
+    height = grid.node_positions[contact.nodes, 1]
+    np.testing.assert_array_equal(contact.adhesion_forces[height > RADIUS], 0.0)
+    widest = np.flatnonzero(grid.node_positions[contact.nodes, 0] == RADIUS)
+    nodal = np.zeros((len(contact.nodes), 2))
+    # Soil that flows up past the body, d = (0, 1), drags it up: J = +1 along (n_z, -n_r) = (0, 1).
+    nodal[widest, 1] = 1.0
+    assert upward_force(contact, nodal) == pytest.approx(1.0, abs=0.1)
+
+
+def test_nodes_at_the_poles_are_held() -> None:
+    for body, count in ((BALL, 2), (BAR, 2), (BALL_AND_SHAFT, 1)):
+        grid, contact = around(body)
+        held = grid.node_positions[contact.nodes[contact.held]]
+        assert len(held) == count
+        np.testing.assert_allclose(held[:, 0], 0.0)
+        np.testing.assert_allclose(contact.normals[contact.held, 0], 0.0)

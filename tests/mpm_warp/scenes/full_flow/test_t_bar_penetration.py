@@ -1,0 +1,63 @@
+"""Steady flow round a T-bar against the limit load."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+
+CELLS = 4
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 0.5, 1.0])
+def test_steady_flow_has_the_limit_load(adhesion_factor: float) -> None:
+    bar = TBarPenetration(
+        cells_per_radius=CELLS,
+        particles_per_cell=4,
+        adhesion_factor=adhesion_factor,
+        penetration=5.0,
+    )
+    result = bar.run()
+    # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
+    assert float(result.error) <= 1 / (CELLS * result.resistance_factor_exact)
+    assert abs(float(result.energy_error)) < 0.02
+
+
+def test_clay_without_loss_and_rate_has_the_bits_of_perfectly_plastic_clay() -> None:
+    plain = TBarPenetration(cells_per_radius=2, domain_extent=4, penetration=6.0).run()
+    same = TBarPenetration(
+        cells_per_radius=2, domain_extent=4, penetration=6.0, ductility=10.0,
+        reference_strain_rate=3e-6,
+    ).run()  # fmt: skip
+    assert float(plain.resistance_factor) == float(same.resistance_factor)
+
+
+def test_clay_whose_strength_changes_is_held_against_nothing() -> None:
+    result = TBarPenetration(
+        cells_per_radius=2, domain_extent=4, penetration=6.0, adhesion_factor=0.5,
+        remoulded_strength_ratio=0.2, ductility=10.0,
+    ).run()  # fmt: skip
+    assert not {"error", "resistance_factor_exact"} & set(result)
+    plain = TBarPenetration(
+        cells_per_radius=2, domain_extent=4, penetration=6.0, adhesion_factor=0.5
+    ).run()
+    assert 0.2 * plain.resistance_factor < result.resistance_factor < plain.resistance_factor
+
+
+def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
+    """What is left of the speed is inertia, at most rho V^2."""
+    factors = []
+    for speed_ratio in (0.06, 0.03):
+        bar = TBarPenetration(
+            cells_per_radius=3, particles_per_cell=9, domain_extent=4, penetration=5.0,
+            speed_ratio=speed_ratio, rate_factor=0.1, reference_strain_rate=3e-6,
+        )  # fmt: skip
+        factors.append(float(bar.run().resistance_factor))
+    inertia = bar.rigidity_index * 0.06**2  # rho V^2 over su
+    assert factors[0] == pytest.approx(factors[1], abs=inertia)
+
+
+def test_a_rate_effect_needs_its_reference() -> None:
+    with pytest.raises(ParameterError, match=r"rate_factor = 0\.1 needs reference_strain_rate"):
+        TBarPenetration(rate_factor=0.1)
