@@ -25,7 +25,7 @@ from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import case_file, case_folder, read_case, read_outcome, write_case
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.study_files import read_study
-from harness.cli import run_commands
+from harness.cli.commands import run as run_commands
 from harness.cli.main import main
 from harness.pictures import pictures
 from harness.pictures.drawing.own_files import MAKER

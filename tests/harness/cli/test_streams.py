@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
+from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.cli.streams import safe_output
 from harness.errors import LONGEST_LINE
@@ -84,3 +86,12 @@ def test_an_option_of_100_kilobytes_is_a_short_line(capsys: pytest.CaptureFixtur
     (line,) = capsys.readouterr().err.splitlines()
     assert len(line) < LONGEST_LINE + 100
     assert line.isprintable()
+
+
+@pytest.mark.parametrize("closed", ["<&-", "2>&-"])
+def test_a_stream_that_is_closed_is_no_error(closed: str, small_file: Path, tmp_path: Path) -> None:
+    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {closed}"
+    end = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert end.returncode == 0
+    assert str(tmp_path / "small.nc") in end.stdout
+    assert COMPLETED in end.stderr or closed == "2>&-"

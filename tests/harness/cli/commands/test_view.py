@@ -15,7 +15,7 @@ from PIL import Image
 
 from harness.cli.main import main
 
-PAGE = Path(__file__).parents[3] / "harness" / "README.md"
+PAGE = Path(__file__).parents[4] / "harness" / "README.md"
 SHORT = ("penetration=1", "steady_tolerance=0", "cells_per_radius=1", "adhesion_factor=0.5")
 
 
