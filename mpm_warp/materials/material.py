@@ -10,7 +10,7 @@ import functools
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -75,9 +75,6 @@ class Material(ABC):
         SceneError: a value is not allowed.
     """
 
-    state: ClassVar[tuple[str, ...]] = ()
-    """Names of the numbers that a material point remembers; all are 0 at the start."""
-
     shear_modulus: float
     poissons_ratio: float
     density: float
@@ -96,6 +93,11 @@ class Material(ABC):
         The strength comes first, where there is one: it is what a variation varies.
         """
         return (0.0,)
+
+    @property
+    def state(self) -> tuple[str, ...]:
+        """Names of the numbers that a material point remembers; all are 0 at the start."""
+        return ()
 
     def stiffness_ratio_at(self, place: Floats) -> Floats:
         """Shear modulus over `shear_modulus` at places in the ground.

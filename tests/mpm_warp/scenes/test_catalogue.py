@@ -112,9 +112,14 @@ def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
     penetration: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
     test = ConePenetration(
-        cells_per_radius=1, domain_radius=8, domain_above=3, domain_below=3, approach=0,
-        penetration=penetration, steady_tolerance=0.1,
-    )  # fmt: skip
+        cells_per_radius=1,
+        domain_radius=8,
+        domain_above=3,
+        domain_below=3,
+        approach=0,
+        penetration=penetration,
+        steady_tolerance=0.1,
+    )
     result = test.run(progress=True)
     assert float(result.penetration_reached) <= 6.5
     shown = capsys.readouterr().err

@@ -31,7 +31,7 @@ LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
 def changed(**changes: object) -> Sounding:
-    return dataclasses.replace(COARSE, **changes)  # type: ignore[arg-type]
+    return dataclasses.replace(COARSE, **changes)
 
 
 @pytest.fixture(scope="module")
