@@ -224,6 +224,26 @@ def make_properties_of_point(law: Law) -> Any:
 
 
 @functools.cache
+def make_state_of_point(law: Law) -> Any:
+    """The function (states, number of a point) -> what that point remembers; see `Law`."""
+    state_type = law.state_type
+
+    if law.remembers:
+
+        @wp.func
+        def own_state(states: wp.array(dtype=state_type), point: int) -> state_type:
+            return states[point]
+
+        return own_state
+
+    @wp.func
+    def no_state(states: wp.array(dtype=state_type), point: int) -> state_type:
+        return state_type()
+
+    return no_state
+
+
+@functools.cache
 def _varied(law: Law, property_count: int, precision: Precision) -> Law:
     """The law of a material that varies: a stiffness ratio stands before the properties."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4

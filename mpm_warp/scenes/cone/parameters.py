@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes import rate_and_softening
+from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone import window
-from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
 
 CELLS_PER_RADIUS = {"standard": 3.0, "fine": 6.0}
 WINDOW = {"standard": 1.0, "fine": 1.3}
@@ -43,19 +42,9 @@ class ConeTest(CatalogueScene):
         "uncertainty",
     )
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
-    )
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the cone face", minimum=0, maximum=1
-    )
-    shaft_adhesion_factor: float | None = parameter(
-        None,
-        unit="1",
-        meaning="adhesion factor of the shaft (default: the face's)",
-        minimum=0,
-        maximum=1,
-    )
+    rigidity_index: float = shared_parameters.rigidity_index(2, 5000)
+    adhesion_factor: float = shared_parameters.adhesion_factor("cone face")
+    shaft_adhesion_factor: float | None = shared_parameters.shaft_adhesion_factor()
     friction_coefficient: float = parameter(
         0.0,
         unit="1",
@@ -63,24 +52,16 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=1,
     )
-    undrained_shear_strength: float = parameter(
-        20e3,
-        unit="Pa",
-        meaning="undrained shear strength su in pure shear",
-        minimum=1e-3,
-        maximum=1e9,
+    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
+        "undrained shear strength su in pure shear"
     )
-    material: str = yield_criterion()
+    material: str = shared_parameters.yield_criterion()
     rate_factor: float = rate_and_softening.rate_factor()
     reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
     remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
     ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = parameter(
-        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
-    density: float = parameter(
-        1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
-    )
+    poissons_ratio: float = shared_parameters.poissons_ratio()
+    density: float = shared_parameters.density_of_clay()
     in_situ_stress: float = parameter(
         400e3, unit="Pa", meaning="vertical total stress in the ground before", minimum=0
     )
@@ -92,9 +73,7 @@ class ConeTest(CatalogueScene):
         above=-1,
         below=1,
     )
-    cone_radius: float = parameter(
-        0.01785, unit="m", meaning="radius of the cone's base", minimum=1e-6, maximum=1e3
-    )
+    cone_radius: float = shared_parameters.cone_radius()
     penetration_speed: float = parameter(
         0.02,
         unit="m s-1",
@@ -103,9 +82,7 @@ class ConeTest(CatalogueScene):
         minimum=1e-9,
         maximum=1e3,
     )
-    apex_angle: float = parameter(
-        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
-    )
+    apex_angle: float = shared_parameters.apex_angle()
     penetration: float | None = parameter(
         None,
         unit="1",
@@ -156,44 +133,17 @@ class ConeTest(CatalogueScene):
         minimum=1,
         maximum=100,
     )
-    cell_growth: float = parameter(
-        0.4,
-        unit="1",
-        meaning="growth of the cells' width per distance from the penetrometer",
-        minimum=0.1,
-        maximum=2,
-    )
+    cell_growth: float = shared_parameters.cell_growth()
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
         4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
     )
-    time_step_fraction: float = parameter(
-        0.85, unit="1", meaning="time step over the critical one", minimum=0.01, maximum=1.2
+    time_step_fraction: float = shared_parameters.time_step_fraction()
+    domain_radius: float | None = shared_parameters.domain_radius(
+        "4 sqrt(Ir), 40 at least", accuracy=", to the nearest cell"
     )
-    domain_radius: float | None = parameter(
-        None,
-        unit="1",
-        meaning="radius of the grid over cone radius, to the nearest cell (default: 4 sqrt(Ir), "
-        "40 at least)",
-        minimum=5,
-        maximum=1000,
-    )
-    domain_above: float | None = parameter(
-        None,
-        unit="1",
-        meaning="extent of the grid above the shoulder over cone radius (default: 1.3 sqrt(Ir), "
-        "13 at least)",
-        minimum=2,
-        maximum=500,
-    )
-    domain_below: float | None = parameter(
-        None,
-        unit="1",
-        meaning="extent of the grid below the tip over cone radius (default: sqrt(Ir), 14 at "
-        "least)",
-        minimum=2,
-        maximum=500,
-    )
+    domain_above: float | None = shared_parameters.domain_above("1.3 sqrt(Ir), 13 at least")
+    domain_below: float | None = shared_parameters.domain_below("sqrt(Ir), 14 at least")
 
     poissons_ratio_bound: float = parameter(
         0.4999,
@@ -202,7 +152,7 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=0.4999,
     )
-    precision: str = floating_point()
+    precision: str = shared_parameters.floating_point()
     uncertainty: str = parameter(
         "known",
         unit="1",

@@ -112,7 +112,9 @@ def retyped(source: random.Random, content: Content) -> tuple[str, Content]:
         other = np.arange(values.size, dtype=float).reshape(values.shape)
     else:
         text = values.astype(str).astype(object)
-        other = source.choice([text, values.astype("S1"), values.astype("i1"), values * np.nan])
+        with np.errstate(invalid="ignore"):  # what is not a number is no integer
+            whole = values.astype("i1")
+        other = source.choice([text, values.astype("S1"), whole, values * np.nan])
     said = {key: it for key, it in said.items() if key != "_FillValue"}
     return f"{name} as {other.dtype}", with_variable(content, name, (dims, other, said))
 
