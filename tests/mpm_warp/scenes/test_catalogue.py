@@ -75,6 +75,7 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
     headlines = [it for it, values in result.variables.items() if _role(values) == "headline"]
     assert len(headlines) == 1
     assert result[headlines[0]].ndim == 0
+    assert scene.comparable in (None, *headlines)
     for label, values in result.variables.items():
         if values.dtype.kind != "U":
             assert values.attrs["units"], label
