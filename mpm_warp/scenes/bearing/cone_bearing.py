@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH

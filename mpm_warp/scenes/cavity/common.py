@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material, PerfectlyPlastic
 from mpm_warp.parameters import parameter

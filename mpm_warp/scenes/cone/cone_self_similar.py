@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, GroundGrid, graded
+from mpm_warp.grid.fitted import Floats, GroundGrid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed

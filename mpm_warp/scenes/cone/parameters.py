@@ -1,4 +1,4 @@
-"""The parameters of a cone penetration test."""
+"""The parameters of a cone penetration test, and what follows from them: clay, penetrometer."""
 
 from __future__ import annotations
 
@@ -7,14 +7,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone import window
+from mpm_warp.scenes.cone.penetrometer import Penetrometer
 
 CELLS_PER_RADIUS = {"standard": 3.0, "fine": 6.0}
 WINDOW = {"standard": 1.0, "fine": 1.3}
 """Cells per cone radius, and extents of the window over those of `default_extents`, by accuracy."""
+VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
+"""Strength of soil of von Mises in compression along one axis, over that of Tresca."""
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 
@@ -186,3 +193,46 @@ class ConeTest(CatalogueScene):
             "approach": approach,
             "penetration": approach + window.steady_penetration(self.rigidity_index) + SPARE,
         }
+
+    @property
+    def penetrometer(self) -> Penetrometer:
+        """The penetrometer."""
+        return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
+
+    @property
+    def cell_size(self) -> float:
+        """Width and height of the cells at the cone [m]."""
+        assert self.cells_per_radius is not None
+        rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
+        return self.penetrometer.cone_height / rows
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress of the ground before, over the vertical in-situ stress [Pa]."""
+        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
+        return np.array([horizontal, 0.0, 0.0, horizontal])
+
+    @property
+    def clay(self) -> PerfectlyPlastic:
+        """The clay, as stiff as it is simulated, its strain rates those of the real speed."""
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
+        return rate_and_softening.clay_of(
+            self,
+            shear_modulus=shear_modulus,
+            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
+            density=self.density,
+            strength=self.undrained_shear_strength,
+            speed_up=speed / self.penetration_speed,
+        )
+
+    @property
+    def strength_in_compression(self) -> float:
+        """Strength of intact clay in compression along one axis, over 2 su, at the cone's rate."""
+        of_criterion = VON_MISES_STRENGTH if self.material == "von_mises" else 1.0
+        if self.rate_factor == 0.0:
+            return of_criterion
+        assert self.reference_strain_rate is not None
+        rate = self.penetration_speed / self.cone_radius
+        cycles = math.log10(max(rate / self.reference_strain_rate, 1.0))
+        return of_criterion * (1.0 + self.rate_factor * cycles)

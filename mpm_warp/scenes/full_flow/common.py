@@ -7,8 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.scene import Scene
