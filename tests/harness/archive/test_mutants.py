@@ -129,10 +129,11 @@ def resized(source: random.Random, content: Content) -> tuple[str, Content]:
     if dims:
         sizes += [
             (dims[1:], values[0]),
-            (("shorter", *dims[1:]), values[:1]),
             (dims[::-1], values.T),
             (dims, np.broadcast_to(values.ravel()[0], values.shape)),
         ]
+    if dims and name not in dims:  # netCDF itself writes no dim whose variable has another one
+        sizes.append((("shorter", *dims[1:]), values[:1]))
     other_dims, other = source.choice(sizes)
     changed = (other_dims, other, said)
     return f"{name} over {other_dims}", with_variable(content, name, changed)

@@ -88,10 +88,15 @@ def test_an_option_of_100_kilobytes_is_a_short_line(capsys: pytest.CaptureFixtur
     assert line.isprintable()
 
 
-@pytest.mark.parametrize("closed", ["<&-", "2>&-"])
-def test_a_stream_that_is_closed_is_no_error(closed: str, small_file: Path, tmp_path: Path) -> None:
-    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {closed}"
-    end = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+@pytest.mark.parametrize("streams", ["<&-", "2>&-", "2>/dev/full", "<&- >&- 2>&-"])
+def test_a_stream_that_is_closed_or_full_is_no_error(
+    streams: str, small_file: Path, tmp_path: Path
+) -> None:
+    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {streams}"
+    end = subprocess.run(
+        ["sh", "-c", command], capture_output=True, text=True, check=False, timeout=300
+    )
     assert end.returncode == 0
-    assert str(tmp_path / "small.nc") in end.stdout
-    assert COMPLETED in end.stderr or closed == "2>&-"
+    assert (tmp_path / "small.nc").exists()
+    assert (str(tmp_path / "small.nc") in end.stdout) == (">&- " not in streams)
+    assert (COMPLETED in end.stderr) == ("2>" not in streams)

@@ -163,6 +163,7 @@ def offer(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     def offered(**values: str) -> None:
         points = [EntryPoint(name, value, discovery.GROUP) for name, value in values.items()]
         monkeypatch.setattr(discovery, "entry_points", lambda group: points)
+        monkeypatch.setattr(discovery, "_all_scenes", discovery._all_scenes.__wrapped__)
         monkeypatch.setattr("mpm_warp.HalfColumn", HalfColumn, raising=False)
 
     return offered
@@ -176,6 +177,14 @@ def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None])
     result = scene(cell_count=6).run()
     assert int(result.steps) == 3
     assert int(result.cell_count) == 6
+
+
+def test_packages_are_asked_for_scenes_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That opens a file of each installed package; a command asks for names a thousand times."""
+    scene_names()
+    monkeypatch.setattr(discovery, "entry_points", lambda group: pytest.fail("asked again"))
+    scene_names()
+    assert scene_class("gravity_column") is GravityColumn
 
 
 @pytest.mark.parametrize(
