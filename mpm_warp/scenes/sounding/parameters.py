@@ -150,6 +150,13 @@ class SoundingTest(CatalogueScene):
                 f"stretch_number = {self.stretch_number} is not allowed: must be <= "
                 f"stretch_count = {self.stretch_count}",
             )
+        if self.stretch_count > self.sample_count:
+            raise ParameterError(
+                "stretch_count",
+                f"stretch_count = {self.stretch_count} is not allowed: must be <= "
+                f"{self.sample_count}, the samples of {SAMPLE_SPACING:g} radii from from_depth "
+                "to to_depth",
+            )
         last = float(self.ground.depth[-1])
         if last < self.to_depth:
             raise ParameterError(
@@ -216,10 +223,15 @@ class SoundingTest(CatalogueScene):
         return self.speed_ratio**2 * float(self.ground_passed.shear_modulus.min())
 
     @property
+    def sample_count(self) -> int:
+        """Samples of the whole sounding."""
+        assert self.to_depth is not None
+        return max(1, round((self.to_depth - self.from_depth) / self.spacing))
+
+    @property
     def samples(self) -> range:
         """Numbers of the samples of the stretch, 0 the first of the sounding."""
-        assert self.to_depth is not None
-        count = max(1, round((self.to_depth - self.from_depth) / self.spacing))
+        count = self.sample_count
         first = count * (self.stretch_number - 1) // self.stretch_count
         overlap = round(self.overlap / SAMPLE_SPACING) if self.stretch_number > 1 else 0
         return range(max(0, first - overlap), count * self.stretch_number // self.stretch_count)
