@@ -1,7 +1,8 @@
 """Cases with random parameters over all that is allowed: each ends, with a result or a reason.
 
-``HARNESS_RANDOM=100 python -m pytest tests/harness/run/test_random_cases.py`` runs that many, of
-all scenes in turn.
+``HARNESS_RANDOM=100 python -m pytest -o faulthandler_timeout=0
+tests/harness/run/test_random_cases.py`` runs that many, of all scenes in turn; with cold kernels
+that takes longer than the suite lets a test take.
 """
 
 from __future__ import annotations
