@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.arguments import make_parser, options_of
+from harness.cli.arguments.command_line import make_parser
+from harness.cli.arguments.parser import options_of
 from harness.cli.main import COMMANDS, main
 from harness.cli.slips import slip
 from harness.study.study import is_scene, load_study

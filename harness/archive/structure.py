@@ -169,8 +169,9 @@ def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[s
     """What the parameters that are texts are called in a result."""
     roles = {name: it.attributes.get("role") for name, it in forms.items()}
     stored = {parameter_of(name): name for name, role in roles.items() if role == Role.PARAMETER}
+    is_from_before_roles = not any(roles.values())
     for scene in scenes:
         if scene in scene_names():
             for name, definition in parameters_of(scene_class(scene)).items():
-                if definition.kind is str:
+                if definition.kind is str and (name in stored or is_from_before_roles):
                     yield stored.get(name, name)

@@ -9,7 +9,8 @@ import signal
 import sys
 from collections.abc import Sequence
 
-from harness.cli.arguments import make_parser, options_of
+from harness.cli.arguments.command_line import make_parser
+from harness.cli.arguments.parser import options_of
 from harness.cli.exit_codes import BAD_INPUT, Terminated
 from harness.cli.slips import slip, unrecognised
 from harness.cli.streams import complete_streams, safe_output, safe_remarks, send_nowhere
@@ -17,28 +18,29 @@ from harness.errors import HarnessError, tell
 from mpm_warp.errors import UnknownSceneError
 
 COMMANDS = {
-    "new": "study_commands.new",
-    "run": "run_commands.run",
-    "rerun": "run_commands.rerun_case",
-    "verify": "run_commands.verify_scenes",
-    "bench": "run_commands.bench",
-    "status": "archive_commands.status",
-    "collect": "archive_commands.collect",
-    "clean": "archive_commands.clean",
-    "list": "study_commands.list_names",
-    "describe": "study_commands.describe",
-    "schema": "study_commands.schema",
-    "plan": "plan_commands.show_plan",
-    "compare": "result_commands.compare",
-    "plot": "result_commands.plot",
-    "view": "view_command.view",
-    "report": "result_commands.report",
-    "recommend": "result_commands.show_recommendation",
-    "references": "reference_commands.references",
-    "help": "help_commands.show_help",
+    "new": "studies.new",
+    "run": "run.run",
+    "rerun": "run.rerun_case",
+    "verify": "run.verify_scenes",
+    "bench": "run.bench",
+    "status": "archive.status",
+    "collect": "archive.collect",
+    "clean": "archive.clean",
+    "list": "studies.list_names",
+    "describe": "studies.describe",
+    "schema": "studies.schema",
+    "plan": "plan.show_plan",
+    "compare": "results.compare",
+    "plot": "results.plot",
+    "view": "view.view",
+    "report": "results.report",
+    "recommend": "results.show_recommendation",
+    "references": "references.references",
+    "help": "help.show_help",
     "completion": "completion.completion",
 }
-"""Module and function of each command; it is given the options and returns the exit code."""
+"""Module of `harness.cli.commands` and function of each command; the function is given the options
+and returns the exit code."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     complete_streams()
     parser = make_parser()
     if "_ARGCOMPLETE" in os.environ:
-        importlib.import_module("harness.cli.completion").complete(parser)
+        importlib.import_module("harness.cli.commands.completion").complete(parser)
     given = sys.argv[1:] if arguments is None else list(arguments)
     with safe_remarks():
         return _exit_code(parser, given)
@@ -68,7 +70,7 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
             options = _parsed(parser, given)
             # Imported only now: help is at once, and what a command does not need is not loaded.
             module, function = COMMANDS[options.command].split(".")
-            command = getattr(importlib.import_module(f"harness.cli.{module}"), function)
+            command = getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
             code: int = command(options)
     except BrokenPipeError:
         # The reader of the output has gone, as in `harness run ... | head`: no message is needed.

@@ -26,7 +26,8 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
     """What the literature's formulas depend on, out of the parameters stored in `dataset`.
 
     A shaft adhesion that is not a number, as older results have it, means the face's; a stress
-    anisotropy that the scene does not have means isotropic.
+    anisotropy that the scene does not have means isotropic; clay without parameters of softening
+    and of a rate effect has neither.
 
     Raises:
         NothingToCompareError: the dataset has no rigidity index or no adhesion factor.
@@ -43,7 +44,15 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
         stress_anisotropy=dataset.get("stress_anisotropy", xr.DataArray(0.0)),
         apex_angle=dataset.get("apex_angle", xr.DataArray(60.0)),
         friction=dataset.get("friction_coefficient", xr.DataArray(0.0)),
+        strength_stays=_strength_stays(dataset),
     )
+
+
+def _strength_stays(dataset: xr.Dataset) -> xr.DataArray:
+    """Whether neither strain nor its rate changes the strength of the clay."""
+    rate_factor = dataset.get("rate_factor", xr.DataArray(0.0))
+    remoulded = dataset.get("remoulded_strength_ratio", xr.DataArray(1.0))
+    return (rate_factor == 0.0) & (remoulded == 1.0)
 
 
 def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dataset:
@@ -111,10 +120,7 @@ def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
     """
     conditions = conditions_of(dataset)
     exact = conditions.face_adhesion / np.tan(np.radians(conditions.apex_angle) / 2)
-    stays = xr.DataArray(conditions.friction) == 0
-    for name, without in (("rate_factor", 0.0), ("remoulded_strength_ratio", 1.0)):
-        stays = stays & (dataset.get(name, xr.DataArray(without)) == without)
-    return xr.DataArray(exact).where(stays)
+    return xr.DataArray(exact).where(conditions.strength_stays & (conditions.friction == 0))
 
 
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:

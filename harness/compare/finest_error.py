@@ -15,7 +15,7 @@ from harness.archive.conventions import (
     uncertainty_of,
     with_role,
 )
-from harness.study import study
+from harness.study.compared import ERROR, ERROR_FINEST
 
 FLOOR = "error_floor"
 """What an error against a reference of a stated uncertainty cannot be told from nothing by."""
@@ -23,7 +23,7 @@ FLOOR = "error_floor"
 
 def error_name(dataset: xr.Dataset) -> str | None:
     """The error that a result holds, the exact one first; None where it holds neither."""
-    return next((name for name in (study.ERROR, study.ERROR_FINEST) if name in dataset), None)
+    return next((name for name in (ERROR, ERROR_FINEST) if name in dataset), None)
 
 
 def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
@@ -39,7 +39,7 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
         method: the parameters of the method, which the scene names.
     """
     headlines = with_role(dataset, Role.HEADLINE)
-    if study.ERROR in dataset or not (method and headlines and "particle_updates" in dataset):
+    if ERROR in dataset or not (method and headlines and "particle_updates" in dataset):
         return dataset
     values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, "particle_updates")
     half_width = uncertainty_of(dataset)
@@ -67,7 +67,7 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
         "role": Role.ERROR,
     }
     status = dataset["status"]
-    added = {study.ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)}
+    added = {ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)}
     if np.isfinite(floor).any():
         of_reference = {
             "units": "1",

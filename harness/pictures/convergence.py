@@ -26,7 +26,7 @@ from harness.pictures.drawing.plot_parts import (
 from harness.pictures.drawing.symbols import assigned, axis_label, number
 from harness.pictures.drawing.values import Floats, apart
 from harness.pictures.studied import Studied
-from harness.study.study import ERROR
+from harness.study.compared import ERROR
 
 LEAST_POINTS = 3
 """Values that an order is observed from."""

@@ -19,6 +19,7 @@ import xarray as xr
 from harness.references.lookup import entry_of
 
 Quantity: TypeAlias = float | np.ndarray | xr.DataArray
+Truth: TypeAlias = bool | np.ndarray | xr.DataArray
 COMPARED = "cone_factor"
 """The result that the references are of."""
 NEEDED = ("rigidity_index", "adhesion_factor")
@@ -38,6 +39,8 @@ class Conditions:
         stress_anisotropy: (sigma_v0 - sigma_h0) / (2 su) in the ground before.
         apex_angle: of the cone [degree]; no formula uses it, all are made for 60.
         friction: Coulomb coefficient of the penetrometer; no formula knows any.
+        strength_stays: whether neither strain nor its rate changes the strength of the clay; all
+            formulas are made for such clay.
     """
 
     rigidity_index: Quantity
@@ -46,6 +49,7 @@ class Conditions:
     stress_anisotropy: Quantity = 0.0
     apex_angle: Quantity = 60.0
     friction: Quantity = 0.0
+    strength_stays: Truth = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +89,10 @@ class ConeFactor:
         """The conditions that the formula is meant for, in words."""
         low, high = self.rigidity_index_range
         smooth = "" if self.has_adhesion_term else ", smooth face"
-        return f"60 degree cone, no friction, rigidity index {low:g} to {high:g}{smooth}"
+        return (
+            "60 degree cone, no friction, no softening or rate effect, "
+            f"rigidity index {low:g} to {high:g}{smooth}"
+        )
 
     def applies(self, conditions: Conditions) -> Quantity:
         """Whether `conditions` lie within the :attr:`validity`, element by element.
@@ -98,6 +105,7 @@ class ConeFactor:
             & (conditions.rigidity_index <= high)
             & (conditions.apex_angle == 60.0)
             & (conditions.friction == 0.0)
+            & conditions.strength_stays
         )
         return inside if self.has_adhesion_term else inside & (conditions.face_adhesion == 0)
 

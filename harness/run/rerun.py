@@ -157,7 +157,10 @@ def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
             dims = {dim: stored.get(dim, dim) for dim in array.dims}
             places = {dim: again[own].values for own, dim in dims.items() if dim in cell.indexes}
             values = cell[stored[name]].sel(places).values
-            variables[name] = xr.Variable(array.dims, values).astype(array.dtype)
+            # What has no integer stays as it is, and differs.
+            is_kept = array.dtype.kind in "iu" and not np.isfinite(values).all()
+            kept = values if is_kept else values.astype(array.dtype)
+            variables[name] = xr.Variable(array.dims, kept)
     return xr.Dataset(variables)
 
 

@@ -23,14 +23,13 @@ harness/README.md has all keys.
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.references.cone_factors import COMPARED, NEEDED, reference_ids
-from harness.references.experience import experience_ids
 from harness.study.cases import Case, cases_of
+from harness.study.compared import read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.study.files import find_study, joined, lineage, study_names
 from harness.study.ground_profile import with_profile
@@ -45,8 +44,6 @@ from harness.study.scene_part import (
 from harness.study.tables import Assignments, StudyError, Table, parse_setting, parse_value, shown
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import (
-    Parameter,
-    did_you_mean,
     known_names,
     nearest_name,
     parameters_of,
@@ -56,12 +53,6 @@ from mpm_warp.scenes import scene_class, scene_names
 MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
 LARGEST_SEED = 2**32 - 1
-ERROR = "error"
-"""Result with the error against the exact solution, of scenes that have one."""
-ERROR_FINEST = "error_finest"
-"""Result with the error against the finest case of the study, of scenes without an exact one."""
-MISSPELT = 0.85
-"""Likeness from which on a name is a slip; two results of a scene are less alike."""
 
 OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
 OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
@@ -201,18 +192,15 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         _check_assignments(document, of_scene)
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
-    compare = document.table("compare")
-    compare.allow("references", "experience", "tolerance")
-    references = _ids(compare, "references", "reference", reference_ids(), parts)
-    experience = _ids(compare, "experience", "band of experience", experience_ids(), parts)
+    compared = read_compared(document.table("compare"), parts)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
-        references=references,
-        experience=experience,
-        tolerances=_tolerances(compare.table("tolerance"), references, parts),
+        references=compared.references,
+        experience=compared.experience,
+        tolerances=compared.tolerances,
         timing_repeats=_timing_repeats(document),
         source=path,
     )
@@ -273,43 +261,3 @@ def _timing_repeats(document: Table) -> int:
     table = document.table("timing")
     table.allow("repeats")
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
-
-
-def _ids(
-    table: Table, key: str, noun: str, known: Sequence[str], parts: Sequence[ScenePart]
-) -> tuple[str, ...]:
-    """What a study is compared with, under one key: each known, and named once."""
-    ids = table.list(key)
-    for given in ids:
-        if not isinstance(given, str) or given not in known:
-            raise table.refuse(
-                key, f"unknown {noun} {shown(given)}{nearest_name(shown(given), known)}"
-            )
-    if len(set(ids)) < len(ids):
-        raise table.refuse(key, f"names a {noun} twice")
-    if ids and not any(takes_references(it.parameters) for it in parts):
-        needed = " and ".join(NEEDED)
-        raise table.refuse(key, f"no scene here has the {needed} that cone factors depend on")
-    return tuple(ids)
-
-
-def takes_references(parameters: Mapping[str, Parameter]) -> bool:
-    """Whether a scene with these parameters has what the cone factors of the literature need."""
-    return parameters.keys() >= set(NEEDED)
-
-
-def _tolerances(
-    table: Table, references: Sequence[str], parts: Sequence[ScenePart]
-) -> dict[str, float]:
-    """Tolerances by name, which may be that of any result: slips in known names are refused."""
-    unused = set(reference_ids()) - set(references)
-    verified = {name for it in parts for check in it.scene.verifications for name in check.bounds}
-    known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
-    for name in table.values:
-        if name in experience_ids():
-            raise table.refuse(name, "is a band of experience, from which no result deviates")
-        if name in unused:
-            raise table.refuse(name, "is not among the references of [compare]")
-        if name not in known and (near := did_you_mean(name, known, MISSPELT)):
-            raise table.refuse(name, f"is neither a reference nor a result{near}")
-    return {name: table.positive(name) for name in table.values}

@@ -9,7 +9,7 @@ from collections.abc import Set as AbstractSet
 
 from harness.references.cone_factors import ENVELOPE
 from harness.references.experience import EXPERIENCE
-from harness.study.study import takes_references
+from harness.study.compared import takes_references
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
@@ -54,9 +54,9 @@ def study_text(name: str, scene_name: str) -> str:
     if method & others.keys():
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
         parts += _defaults(it for key, it in others.items() if key in method)
-    if takes_references(parameters):
+    if takes_references(scene):
         ids = ", ".join(_toml(it.id) for it in ENVELOPE)
-        parts += ["", "# The literature beside it, for a scene that has a cone factor:"]
+        parts += ["", "# The literature beside its cone factor:"]
         parts += ["#[compare]", f"#references = [{ids}]"]
         parts += ["# and a band of factors measured in the field; others: `harness references`"]
         parts += [f"#experience = [{_toml(EXPERIENCE[0].id)}]"]

@@ -39,11 +39,11 @@ def make_batched_kernel(kernel: Any) -> Any:
     for name, kind in _arguments(kernel):
         signature[name + OF_CASES if name in own else name] = _batched(kind)
     source = kernel.func
-    function = types.FunctionType(
+    function: Any = types.FunctionType(
         source.__code__, source.__globals__, source.__name__, None, source.__closure__
     )
     function.__annotations__ = signature
-    function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+    function.__signature__ = inspect.Signature(
         [
             inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=kind)
             for name, kind in signature.items()

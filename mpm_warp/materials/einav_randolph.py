@@ -87,7 +87,7 @@ class EinavRandolph(PerfectlyPlastic):
         return fall * self._greatest_strength / self.shear_modulus
 
     @property
-    def state(self) -> tuple[str, ...]:  # type: ignore[override]
+    def state(self) -> tuple[str, ...]:
         """Plastic shear strain xi, and R - 1 when last near yield: what changes the strength."""
         softening = ("plastic_shear_strain",) if self.softens else ()
         return (*softening, "rate_effect") if self.depends_on_rate else softening

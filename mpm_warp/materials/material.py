@@ -10,7 +10,7 @@ import functools
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -75,9 +75,6 @@ class Material(ABC):
         SceneError: a value is not allowed.
     """
 
-    state: ClassVar[tuple[str, ...]] = ()
-    """Names of the numbers that a material point remembers; all are 0 at the start."""
-
     shear_modulus: float
     poissons_ratio: float
     density: float
@@ -96,6 +93,11 @@ class Material(ABC):
         The strength comes first, where there is one: it is what a variation varies.
         """
         return (0.0,)
+
+    @property
+    def state(self) -> tuple[str, ...]:
+        """Names of the numbers that a material point remembers; all are 0 at the start."""
+        return ()
 
     def stiffness_ratio_at(self, place: Floats) -> Floats:
         """Shear modulus over `shear_modulus` at places in the ground.
@@ -219,6 +221,26 @@ def make_properties_of_point(law: Law) -> Any:
         return properties
 
     return common_properties
+
+
+@functools.cache
+def make_state_of_point(law: Law) -> Any:
+    """The function (states, number of a point) -> what that point remembers; see `Law`."""
+    state_type = law.state_type
+
+    if law.remembers:
+
+        @wp.func
+        def own_state(states: wp.array(dtype=state_type), point: int) -> state_type:
+            return states[point]
+
+        return own_state
+
+    @wp.func
+    def no_state(states: wp.array(dtype=state_type), point: int) -> state_type:
+        return state_type()
+
+    return no_state
 
 
 @functools.cache

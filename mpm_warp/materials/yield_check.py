@@ -6,7 +6,12 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.materials.material import Law, Material, make_properties_of_point
+from mpm_warp.materials.material import (
+    Law,
+    Material,
+    make_properties_of_point,
+    make_state_of_point,
+)
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -42,9 +47,8 @@ def add_yield_check(plan: Plan, material: Material) -> None:
 def _make_yield_check(law: Law, precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
     properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point = make_properties_of_point(law)
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     yield_function: Any = law.yield_function
-    remembers = law.remembers
     one = wp.constant(real(1.0))
     roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(precision.numpy_name).eps))
 
@@ -67,9 +71,7 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
         for p in range(first, wp.min(first + wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
                 s = particle_stress[p]
-                remembered = state_type()
-                if wp.static(remembers):
-                    remembered = particle_state[p]
+                remembered = state_of_point(particle_state, p)
                 measured = yield_function(s, properties_of_point(properties, p), remembered)
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))

@@ -5,7 +5,12 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import Law, Material, make_properties_of_point
+from mpm_warp.materials.material import (
+    Law,
+    Material,
+    make_properties_of_point,
+    make_state_of_point,
+)
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -34,9 +39,8 @@ def _make_yield_share(law: Law, precision: Precision) -> Any:
     """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
     real, vec4 = precision.real, precision.vec4
     properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point = make_properties_of_point(law)
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     yield_function: Any = law.yield_function
-    remembers = law.remembers
 
     @wp.kernel(
         module=f"mpm_warp.yield_share.{law.key}.{precision.numpy_name}", enable_backward=False
@@ -48,9 +52,7 @@ def _make_yield_share(law: Law, precision: Precision) -> Any:
         yield_share: wp.array(dtype=real),
     ):
         p = wp.tid()
-        remembered = state_type()
-        if wp.static(remembers):
-            remembered = particle_state[p]
+        remembered = state_of_point(particle_state, p)
         own = properties_of_point(properties, p)
         measured = yield_function(particle_stress[p], own, remembered)
         yield_share[p] = measured[0] / measured[1]

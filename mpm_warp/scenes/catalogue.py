@@ -71,6 +71,8 @@ class CatalogueScene(ABC):
     """Parameters of the method alone: without its error, the headline would not depend on them."""
     verifications: ClassVar[tuple[Verification, ...]] = ()
     """Comparisons with the exact solution, where there is one: its results hold `error`."""
+    comparable: ClassVar[str | None] = None
+    """Result that published values can be set beside, as ``cone_factor``; or none."""
     snapshots_over: ClassVar[str | None] = None
     """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
 

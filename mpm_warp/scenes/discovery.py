@@ -54,7 +54,9 @@ def scene_class(name: str) -> type[CatalogueScene]:
     return _loaded(scene) if isinstance(scene, EntryPoint) else scene
 
 
+@functools.cache
 def _all_scenes() -> Mapping[str, Offered]:
+    """All scenes, by name; looked for once, because that opens a file of each installed package."""
     others = [(it.name, it) for it in entry_points(group=GROUP)]
     return _by_name([*own_scenes().items(), *others])
 

@@ -17,7 +17,12 @@ import warp as wp
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
 from mpm_warp.materials.elasticity import make_stress_update
-from mpm_warp.materials.material import Law, Material, make_properties_of_point
+from mpm_warp.materials.material import (
+    Law,
+    Material,
+    make_properties_of_point,
+    make_state_of_point,
+)
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 
@@ -69,7 +74,7 @@ def _make_grid_to_particles(
     location = make_location(polar, precision)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
     stress_update, remembers = make_stress_update(law, precision), law.remembers
-    properties_of_point = make_properties_of_point(law)
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     properties_argument, state_type = law.properties_argument, law.state_type
     interpolated = flow_displacement is not None
     flow = flow_displacement.key if flow_displacement is not None else "bilinear"
@@ -121,9 +126,7 @@ def _make_grid_to_particles(
         particle_velocity[p] += v - u
 
         c = j * cell_counts[0] + i
-        remembered = state_type()
-        if wp.static(remembers):
-            remembered = particle_state[p]
+        remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],
             cell_stress_increment[c],

@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid, graded
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries.far_field import FarField
@@ -19,6 +20,7 @@ from mpm_warp.parts.boundaries.moving_wall import MovingWall
 from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 from mpm_warp.parts.window.window import Window
 from mpm_warp.scene import Scene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
 @pytest.fixture
@@ -86,6 +88,20 @@ def cone(fitted: Grid) -> Scene:
         window=Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),
         conservative_interpolation=True,
         energy_audit=True,
+    )
+
+
+@pytest.fixture(scope="session")
+def short_test() -> ConePenetration:
+    """A cone test of next to no cost, in a small window: its curves are no good cone factors."""
+    return ConePenetration(
+        adhesion_factor=0.5,
+        cells_per_radius=1.5,
+        domain_radius=8,
+        domain_above=3,
+        domain_below=3,
+        penetration=2,
+        steady_tolerance=0,
     )
 
 

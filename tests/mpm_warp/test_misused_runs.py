@@ -148,7 +148,7 @@ def test_values_of_a_run_may_be_given_back_to_it() -> None:
     """Else all of the above could be refused for another reason."""
     for name in soil().plan.arrays:
         soil().assign(name, soil().array(name).copy())
-    soil().advance(np.int64(3))  # type: ignore[arg-type]
+    soil().advance(np.int64(3))
     simulation = Simulation(SlidingBlock().build())
     assert isinstance(simulation.scene, BodyScene)
     simulation.assign("particle.body", simulation.array("particle.body").copy())

@@ -77,9 +77,13 @@ def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None
     simulation, told = Simulation(floating), []
     sampler = Steps(simulation)
     follow(
-        simulation, [5, 10, 15, 20], simulation.advance_to_step, [sampler], told.append,
+        simulation,
+        [5, 10, 15, 20],
+        simulation.advance_to_step,
+        [sampler],
+        told.append,
         is_over=lambda: simulation.step_count >= 10,
-    )  # fmt: skip
+    )
     assert sampler.taken == [5, 10]
     assert told == [0.25, 0.5, 1.0]
 

@@ -9,27 +9,19 @@ import xarray as xr
 from mpm_warp import ConePenetration, GravityColumn, SceneError, Simulation, Snapshots, soil_fields
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 
-CONE = ConePenetration(
-    adhesion_factor=0.5,
-    cells_per_radius=1.5,
-    domain_radius=8,
-    domain_above=3,
-    domain_below=3,
-    penetration=2,
-    steady_tolerance=0,
-)
-
 
 @pytest.fixture(scope="module")
-def run() -> tuple[xr.Dataset, xr.Dataset]:
+def run(short_test: ConePenetration) -> tuple[xr.Dataset, xr.Dataset]:
     """The result of a short penetration, and its snapshots."""
     snapshots = Snapshots([1, 0.55, 5, 7])
-    result = CONE.run(snapshots=snapshots)
+    result = short_test.run(snapshots=snapshots)
     return result, snapshots.dataset()
 
 
-def test_snapshots_change_no_bit_of_a_result(run: tuple[xr.Dataset, xr.Dataset]) -> None:
-    bare = CONE.run()
+def test_snapshots_change_no_bit_of_a_result(
+    run: tuple[xr.Dataset, xr.Dataset], short_test: ConePenetration
+) -> None:
+    bare = short_test.run()
     for name, variable in bare.variables.items():
         if variable.attrs.get("role") != "measured":
             np.testing.assert_array_equal(run[0][name], variable, err_msg=str(name))
@@ -46,7 +38,9 @@ def test_they_are_taken_at_the_first_sample_and_once_at_the_end(
     np.testing.assert_array_equal(fields.resistance, samples)
 
 
-def test_the_traction_integrates_to_the_resistance(run: tuple[xr.Dataset, xr.Dataset]) -> None:
+def test_the_traction_integrates_to_the_resistance(
+    run: tuple[xr.Dataset, xr.Dataset], short_test: ConePenetration
+) -> None:
     """Linear between the nodes of the surface, weighted by the radius: exact but for rounding."""
     fields = run[1].where(run[1].surface_part == "face", drop=True)
     r, z = fields.surface_r.values, fields.surface_z.values
@@ -59,10 +53,10 @@ def test_the_traction_integrates_to_the_resistance(run: tuple[xr.Dataset, xr.Dat
 
     normal, shear = (fields[f"{it}_traction"].values for it in ("normal", "shear"))
     force = sine * integral(normal) + np.cos(np.radians(30)) * integral(shear)
-    resistance = force / (0.5 * CONE.cone_radius**2)
+    resistance = force / (0.5 * short_test.cone_radius**2)
     np.testing.assert_allclose(resistance, run[1].resistance, rtol=1e-12)
     # What the soil bears at most by shear.
-    assert np.abs(shear).max() == pytest.approx(0.5 * CONE.undrained_shear_strength)
+    assert np.abs(shear).max() == pytest.approx(0.5 * short_test.undrained_shear_strength)
 
 
 def test_every_array_has_a_unit_and_a_meaning(run: tuple[xr.Dataset, xr.Dataset]) -> None:
@@ -73,7 +67,9 @@ def test_every_array_has_a_unit_and_a_meaning(run: tuple[xr.Dataset, xr.Dataset]
             assert "units" in variable.attrs or name == "surface_part"
 
 
-def test_points_are_those_of_the_run(run: tuple[xr.Dataset, xr.Dataset]) -> None:
+def test_points_are_those_of_the_run(
+    run: tuple[xr.Dataset, xr.Dataset], short_test: ConePenetration
+) -> None:
     _, fields = run
     present = fields.point_r.notnull()
     assert present.sum("point").values.min() > 200
@@ -81,23 +77,25 @@ def test_points_are_those_of_the_run(run: tuple[xr.Dataset, xr.Dataset]) -> None
         xr.testing.assert_equal(fields[name].notnull(), present)
     # Soil goes down with the cone, and aside; most shear stress is borne where it yields.
     at_end = fields.isel(penetration=-1)
-    assert -2.5 < float(at_end.displacement_z.min()) / CONE.cone_radius < -0.5
+    assert -2.5 < float(at_end.displacement_z.min()) / short_test.cone_radius < -0.5
     assert float(at_end.deviatoric_stress.max()) == pytest.approx(1.0, abs=1e-6)
     assert float(at_end.plastic_shear_strain.max()) > 1.0
 
 
-def test_a_run_that_fails_keeps_what_was_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_fails_keeps_what_was_taken(
+    short_test: ConePenetration, monkeypatch: pytest.MonkeyPatch
+) -> None:
     sample = PenetrationCurves.sample
 
     def fails(self: PenetrationCurves) -> None:
         sample(self)
-        if self.next_distance > 0.8 * CONE.cone_radius:
+        if self.next_distance > 0.8 * short_test.cone_radius:
             raise ArithmeticError("lost")
 
     monkeypatch.setattr(PenetrationCurves, "sample", fails)
     snapshots = Snapshots([0.5, 1.0])
     with pytest.raises(ArithmeticError, match="lost"):
-        CONE.run(snapshots=snapshots)
+        short_test.run(snapshots=snapshots)
     assert snapshots.dataset().penetration.values.tolist() == [0.5]
 
 

@@ -6,6 +6,7 @@ import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps, style
@@ -76,7 +77,7 @@ def draw_series(
     x: ArrayLike,
     y: ArrayLike,
     half_width: ArrayLike | None = None,
-    **look: object,
+    **look: Any,
 ) -> None:
     """Draw computed values with markers, and their half widths as error bars where they are known.
 
@@ -87,7 +88,7 @@ def draw_series(
         half_width: of y, in its unit.
         look: as of `matplotlib.axes.Axes.errorbar`.
     """
-    axes.errorbar(np.asarray(x), np.asarray(y), yerr=half_width, **look)  # type: ignore[arg-type]
+    axes.errorbar(np.asarray(x), np.asarray(y), yerr=half_width, **look)
 
 
 def mark_failures(axes: Axes, positions: Floats, label: str = "not completed") -> None:

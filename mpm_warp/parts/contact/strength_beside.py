@@ -15,7 +15,11 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import Law, make_properties_of_point
+from mpm_warp.materials.material import (
+    Law,
+    make_properties_of_point,
+    make_state_of_point,
+)
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.launch import ShareRow
@@ -67,7 +71,7 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
     properties_type, state_type = law.properties_type, law.state_type
     properties_argument = law.properties_argument
     yield_function: Any = law.yield_function
-    remembers, properties_of_point = law.remembers, make_properties_of_point(law)
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
 
     @wp.kernel(
         module=f"mpm_warp.sum_of_strength.{law.key}.{precision.numpy_name}", enable_backward=False
@@ -85,9 +89,7 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
         p = offset + wp.tid()
         cell = particle_cell[p]
         if cell[0] == 0:
-            remembered = state_type()
-            if wp.static(remembers):
-                remembered = particle_state[p]
+            remembered = state_of_point(particle_state, p)
             own = properties_of_point(properties, p)
             k = yield_function(particle_stress[p], own, remembered)[1]
             k0 = yield_function(vec4(), common, state_type())[1]

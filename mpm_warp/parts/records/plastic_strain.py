@@ -20,7 +20,12 @@ from mpm_warp.materials.elasticity import (
     make_increment_of_point,
     make_stress_update,
 )
-from mpm_warp.materials.material import Law, Material, make_properties_of_point
+from mpm_warp.materials.material import (
+    Law,
+    Material,
+    make_properties_of_point,
+    make_state_of_point,
+)
 from mpm_warp.materials.von_mises import make_j2
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
 from mpm_warp.precision import Precision
@@ -58,10 +63,10 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
     """The kernel, launched over slots of particles."""
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point = make_properties_of_point(law)
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     increment_of_point, varies = make_increment_of_point(law, precision), law.varies
     elastic_trial, j2 = make_elastic_trial(precision), make_j2(precision)
-    stress_update, remembers = make_stress_update(law, precision), law.remembers
+    stress_update = make_stress_update(law, precision)
     steps = wp.constant(real(AUDIT_INTERVAL))
 
     key = f"{law.key}.{precision.numpy_name}"
@@ -85,9 +90,7 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
         if cell[0] < 0:
             return
         increment = cell_stress_increment[cell[1] * column_count + cell[0]]
-        remembered = state_type()
-        if wp.static(remembers):
-            remembered = particle_state[p]
+        remembered = state_of_point(particle_state, p)
         own = properties_of_point(properties, p)
         trial = elastic_trial(particle_stress[p], increment_of_point(increment, own))
         sigma, _ = stress_update(

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
-from mpm_warp.parameters import parameter
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH
 from mpm_warp.scenes.bearing.on_ground import OnGround
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
@@ -43,12 +44,8 @@ class ConeBearing(OnGround):
         for adhesion_factor in EXACT
     )
 
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the cone", minimum=0, maximum=1
-    )
-    apex_angle: float = parameter(
-        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
-    )
+    adhesion_factor: float = shared_parameters.adhesion_factor("cone")
+    apex_angle: float = shared_parameters.apex_angle()
 
     @property
     def uniform_exact_load(self) -> float:

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene

@@ -20,11 +20,11 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import variable
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.run_size import RunSize
-from mpm_warp.scenes.shared_parameters import floating_point
 from mpm_warp.simulation import Simulation
 
 BLOCK = 10_000
@@ -56,7 +56,7 @@ class StepCost(CatalogueScene):
     cases: int = parameter(
         1, unit="1", meaning="cases that are computed together", minimum=1, maximum=10_000
     )
-    precision: str = floating_point()
+    precision: str = shared_parameters.floating_point()
     samples: int = parameter(7, unit="1", meaning="timed samples", minimum=1, maximum=1000)
     sample_time: float = parameter(
         0.3, unit="s", meaning="time of a sample, about", above=0, maximum=100

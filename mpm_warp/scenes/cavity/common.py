@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material, PerfectlyPlastic
 from mpm_warp.parameters import parameter
@@ -20,13 +21,12 @@ from mpm_warp.parts.boundaries.moving_wall import MovingWall
 from mpm_warp.results import variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import rate_and_softening
+from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cavity.changing_strength import ChangingStrengthCavity
 from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
 from mpm_warp.scenes.cavity.pressure_curve import PressureCurve
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
-from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -59,10 +59,8 @@ class Cavity(CatalogueScene):
     von_mises_strength: ClassVar[float]
     """Strength of soil of von Mises over su where the cavity takes it to yield."""
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=2000
-    )
-    material: str = yield_criterion()
+    rigidity_index: float = shared_parameters.rigidity_index(10, 2000)
+    material: str = shared_parameters.yield_criterion()
     rate_factor: float = rate_and_softening.rate_factor()
     reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
     remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
@@ -74,9 +72,7 @@ class Cavity(CatalogueScene):
         minimum=1e-12,
         maximum=1e6,
     )
-    poissons_ratio: float = parameter(
-        0.495, unit="1", meaning="Poisson's ratio", minimum=0.4, maximum=0.4999
-    )
+    poissons_ratio: float = shared_parameters.poissons_ratio(0.495, minimum=0.4)
     expansion: float = parameter(
         4.0, unit="1", meaning="final over initial radius of the cavity", minimum=1.1, maximum=10
     )

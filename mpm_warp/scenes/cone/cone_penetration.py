@@ -6,13 +6,12 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Floats, Grid, growing
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.spacing import growing
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.travelling_source import TravellingSource
@@ -27,7 +26,7 @@ from mpm_warp.scenes.cone.known_error import known_error
 from mpm_warp.scenes.cone.measured_error import Run, further_tests, with_measured_error
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
-from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
@@ -46,8 +45,6 @@ from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing, siz
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 
-VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
-"""Strength of soil of von Mises in compression along one axis, over that of Tresca."""
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
 the middle of the volume that it puts into the ground."""
@@ -66,11 +63,12 @@ class ConePenetration(ConeTest):
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
     version: ClassVar[int] = 9
+    comparable: ClassVar[str | None] = "cone_factor"
     snapshots_over: ClassVar[str | None] = AXIS
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        rate_and_softening.check_clay(self, lambda: self._clay)
+        rate_and_softening.check_clay(self, lambda: self.clay)
         # Stress in the ground before must be within the yield surface.
         bound = 1.0 if self.material == "tresca" else 0.5 * math.sqrt(3.0)
         if abs(self.stress_anisotropy) >= bound:
@@ -84,7 +82,7 @@ class ConePenetration(ConeTest):
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
-        strength, grid, material = self.undrained_shear_strength, self._grid, self._clay
+        strength, grid, material = self.undrained_shear_strength, self._grid, self.clay
         assert self.shaft_adhesion_factor is not None
         return Scene(
             grid=grid,
@@ -93,10 +91,10 @@ class ConePenetration(ConeTest):
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=0.2,
             fixed=Fixed.axis(grid),
-            stress_at_rest=self._stress_at_rest,
+            stress_at_rest=self.stress_at_rest,
             surroundings=SurroundingGround.around(grid, material, self._source),
             contact=PenetrometerContact.of(
-                self._penetrometer,
+                self.penetrometer,
                 grid,
                 face_adhesion=self.adhesion_factor * strength,
                 shaft_adhesion=self.shaft_adhesion_factor * strength,
@@ -110,25 +108,14 @@ class ConePenetration(ConeTest):
         )
 
     @property
-    def _penetrometer(self) -> Penetrometer:
-        return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
-
-    @property
-    def cell_size(self) -> float:
-        """Width and height of the cells at the cone [m]."""
-        assert self.cells_per_radius is not None
-        rows = self._penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
-        return self._penetrometer.cone_height / rows
-
-    @property
     def _grid(self) -> Grid:
         assert self.domain_radius is not None
         assert self.domain_above is not None
         assert self.domain_below is not None
         radius, size = self.cone_radius, self.cell_size
         span = (self.domain_radius - 1.0) * radius
-        return self._penetrometer.fitted_grid(
-            rows_on_face=self._penetrometer.rows_on_face(size),
+        return self.penetrometer.fitted_grid(
+            rows_on_face=self.penetrometer.rows_on_face(size),
             columns=growing(size, span, 1.0 + self.cell_growth * size / radius),
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,
@@ -138,39 +125,9 @@ class ConePenetration(ConeTest):
     def _source(self) -> TravellingSource:
         return TravellingSource(
             radius=self.cone_radius,
-            height=SOURCE_HEIGHT * self._penetrometer.cone_height,
-            shear_modulus=self._clay.shear_modulus,
+            height=SOURCE_HEIGHT * self.penetrometer.cone_height,
+            shear_modulus=self.clay.shear_modulus,
         )
-
-    @property
-    def _stress_at_rest(self) -> Floats:
-        """Stress of the ground before, over the vertical in-situ stress [Pa]."""
-        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
-        return np.array([horizontal, 0.0, 0.0, horizontal])
-
-    @property
-    def _clay(self) -> PerfectlyPlastic:
-        shear_modulus = self.rigidity_index * self.undrained_shear_strength
-        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
-        return rate_and_softening.clay_of(
-            self,
-            shear_modulus=shear_modulus,
-            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
-            density=self.density,
-            strength=self.undrained_shear_strength,
-            speed_up=speed / self.penetration_speed,
-        )
-
-    @property
-    def _strength_in_compression(self) -> float:
-        """Strength of intact clay in compression along one axis, over 2 su, at the cone's rate."""
-        of_criterion = VON_MISES_STRENGTH if self.material == "von_mises" else 1.0
-        if self.rate_factor == 0.0:
-            return of_criterion
-        assert self.reference_strain_rate is not None
-        rate = self.penetration_speed / self.cone_radius
-        cycles = math.log10(max(rate / self.reference_strain_rate, 1.0))
-        return of_criterion * (1.0 + self.rate_factor * cycles)
 
     @property
     def _window(self) -> Window:
@@ -179,7 +136,7 @@ class ConePenetration(ConeTest):
         assert self.penetration is not None
         return window_of_test(
             radius=self.cone_radius,
-            shear_wave_speed=self._clay.shear_wave_speed,
+            shear_wave_speed=self.clay.shear_wave_speed,
             speed_ratio=self.speed_ratio,
             approach_speed_ratio=self.approach_speed_ratio,
             approach=self.approach,
@@ -203,13 +160,13 @@ class ConePenetration(ConeTest):
     def _run_size(self) -> RunSize:
         grid, window, size = self._grid, self._window, self.cell_size
         # Above and below the cone all cells at the surface are alike: one row of them will do.
-        around_cone = self._penetrometer.fitted_grid(
-            rows_on_face=self._penetrometer.rows_on_face(size),
+        around_cone = self.penetrometer.fitted_grid(
+            rows_on_face=self.penetrometer.rows_on_face(size),
             columns=grid.columns * (grid.outer_radius - self.cone_radius),
             depth_below=size,
             height_above=size,
         )
-        speed = self._clay.pressure_wave_speed + window.first_speed
+        speed = self.clay.pressure_wave_speed + window.first_speed
         time_step = self.time_step_fraction * shortest_crossing(around_cone) / speed
         return size_in_grid(
             grid,
@@ -268,7 +225,7 @@ class ConePenetration(ConeTest):
         assert window is not None
         assert self.penetration is not None
         slowing = slowing_penetration(window, self.cone_radius)
-        pressures = PorePressureCurves(simulation, penetrometer=self._penetrometer, slowing=slowing)
+        pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=slowing)
         curves = PenetrationCurves(
             simulation,
             radius=self.cone_radius,
@@ -314,7 +271,7 @@ class ConePenetration(ConeTest):
         check_bound(
             results,
             rigidity_index=self.rigidity_index,
-            strength_ratio=self._strength_in_compression,
+            strength_ratio=self.strength_in_compression,
             face_shear=1.0 if self.friction_coefficient > 0.0 else self.adhesion_factor,
             apex_angle=math.radians(self.apex_angle),
         )

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, GroundGrid, graded
+from mpm_warp.grid.fitted import Floats, GroundGrid
+from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed
@@ -17,6 +18,7 @@ from mpm_warp.parts.window.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
@@ -51,15 +53,9 @@ class ConeSelfSimilar(CatalogueScene):
         ),
     )
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=10, maximum=1000
-    )
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the cone", minimum=0, maximum=1
-    )
-    apex_angle: float = parameter(
-        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=120
-    )
+    rigidity_index: float = shared_parameters.rigidity_index(10, 1000)
+    adhesion_factor: float = shared_parameters.adhesion_factor("cone")
+    apex_angle: float = shared_parameters.apex_angle(120)
     cells_per_radius: int = parameter(
         16, unit="1", meaning="cells per radius of the cone's base", minimum=4, maximum=40
     )

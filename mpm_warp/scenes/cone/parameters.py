@@ -1,4 +1,4 @@
-"""The parameters of a cone penetration test."""
+"""The parameters of a cone penetration test, and what follows from them: clay, penetrometer."""
 
 from __future__ import annotations
 
@@ -7,15 +7,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes import rate_and_softening
+from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone import window
-from mpm_warp.scenes.shared_parameters import floating_point, yield_criterion
+from mpm_warp.scenes.cone.penetrometer import Penetrometer
 
 CELLS_PER_RADIUS = {"standard": 3.0, "fine": 6.0}
 WINDOW = {"standard": 1.0, "fine": 1.3}
 """Cells per cone radius, and extents of the window over those of `default_extents`, by accuracy."""
+VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
+"""Strength of soil of von Mises in compression along one axis, over that of Tresca."""
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 
@@ -43,19 +49,9 @@ class ConeTest(CatalogueScene):
         "uncertainty",
     )
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
-    )
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the cone face", minimum=0, maximum=1
-    )
-    shaft_adhesion_factor: float | None = parameter(
-        None,
-        unit="1",
-        meaning="adhesion factor of the shaft (default: the face's)",
-        minimum=0,
-        maximum=1,
-    )
+    rigidity_index: float = shared_parameters.rigidity_index(2, 5000)
+    adhesion_factor: float = shared_parameters.adhesion_factor("cone face")
+    shaft_adhesion_factor: float | None = shared_parameters.shaft_adhesion_factor()
     friction_coefficient: float = parameter(
         0.0,
         unit="1",
@@ -63,24 +59,16 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=1,
     )
-    undrained_shear_strength: float = parameter(
-        20e3,
-        unit="Pa",
-        meaning="undrained shear strength su in pure shear",
-        minimum=1e-3,
-        maximum=1e9,
+    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
+        "undrained shear strength su in pure shear"
     )
-    material: str = yield_criterion()
+    material: str = shared_parameters.yield_criterion()
     rate_factor: float = rate_and_softening.rate_factor()
     reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
     remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
     ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = parameter(
-        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
-    density: float = parameter(
-        1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
-    )
+    poissons_ratio: float = shared_parameters.poissons_ratio()
+    density: float = shared_parameters.density_of_clay()
     in_situ_stress: float = parameter(
         400e3, unit="Pa", meaning="vertical total stress in the ground before", minimum=0
     )
@@ -92,9 +80,7 @@ class ConeTest(CatalogueScene):
         above=-1,
         below=1,
     )
-    cone_radius: float = parameter(
-        0.01785, unit="m", meaning="radius of the cone's base", minimum=1e-6, maximum=1e3
-    )
+    cone_radius: float = shared_parameters.cone_radius()
     penetration_speed: float = parameter(
         0.02,
         unit="m s-1",
@@ -103,9 +89,7 @@ class ConeTest(CatalogueScene):
         minimum=1e-9,
         maximum=1e3,
     )
-    apex_angle: float = parameter(
-        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
-    )
+    apex_angle: float = shared_parameters.apex_angle()
     penetration: float | None = parameter(
         None,
         unit="1",
@@ -156,44 +140,17 @@ class ConeTest(CatalogueScene):
         minimum=1,
         maximum=100,
     )
-    cell_growth: float = parameter(
-        0.4,
-        unit="1",
-        meaning="growth of the cells' width per distance from the penetrometer",
-        minimum=0.1,
-        maximum=2,
-    )
+    cell_growth: float = shared_parameters.cell_growth()
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
         4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
     )
-    time_step_fraction: float = parameter(
-        0.85, unit="1", meaning="time step over the critical one", minimum=0.01, maximum=1.2
+    time_step_fraction: float = shared_parameters.time_step_fraction()
+    domain_radius: float | None = shared_parameters.domain_radius(
+        "4 sqrt(Ir), 40 at least", accuracy=", to the nearest cell"
     )
-    domain_radius: float | None = parameter(
-        None,
-        unit="1",
-        meaning="radius of the grid over cone radius, to the nearest cell (default: 4 sqrt(Ir), "
-        "40 at least)",
-        minimum=5,
-        maximum=1000,
-    )
-    domain_above: float | None = parameter(
-        None,
-        unit="1",
-        meaning="extent of the grid above the shoulder over cone radius (default: 1.3 sqrt(Ir), "
-        "13 at least)",
-        minimum=2,
-        maximum=500,
-    )
-    domain_below: float | None = parameter(
-        None,
-        unit="1",
-        meaning="extent of the grid below the tip over cone radius (default: sqrt(Ir), 14 at "
-        "least)",
-        minimum=2,
-        maximum=500,
-    )
+    domain_above: float | None = shared_parameters.domain_above("1.3 sqrt(Ir), 13 at least")
+    domain_below: float | None = shared_parameters.domain_below("sqrt(Ir), 14 at least")
 
     poissons_ratio_bound: float = parameter(
         0.4999,
@@ -202,7 +159,7 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=0.4999,
     )
-    precision: str = floating_point()
+    precision: str = shared_parameters.floating_point()
     uncertainty: str = parameter(
         "known",
         unit="1",
@@ -236,3 +193,46 @@ class ConeTest(CatalogueScene):
             "approach": approach,
             "penetration": approach + window.steady_penetration(self.rigidity_index) + SPARE,
         }
+
+    @property
+    def penetrometer(self) -> Penetrometer:
+        """The penetrometer."""
+        return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
+
+    @property
+    def cell_size(self) -> float:
+        """Width and height of the cells at the cone [m]."""
+        assert self.cells_per_radius is not None
+        rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
+        return self.penetrometer.cone_height / rows
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress of the ground before, over the vertical in-situ stress [Pa]."""
+        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
+        return np.array([horizontal, 0.0, 0.0, horizontal])
+
+    @property
+    def clay(self) -> PerfectlyPlastic:
+        """The clay, as stiff as it is simulated, its strain rates those of the real speed."""
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
+        return rate_and_softening.clay_of(
+            self,
+            shear_modulus=shear_modulus,
+            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
+            density=self.density,
+            strength=self.undrained_shear_strength,
+            speed_up=speed / self.penetration_speed,
+        )
+
+    @property
+    def strength_in_compression(self) -> float:
+        """Strength of intact clay in compression along one axis, over 2 su, at the cone's rate."""
+        of_criterion = VON_MISES_STRENGTH if self.material == "von_mises" else 1.0
+        if self.rate_factor == 0.0:
+            return of_criterion
+        assert self.reference_strain_rate is not None
+        rate = self.penetration_speed / self.cone_radius
+        cycles = math.log10(max(rate / self.reference_strain_rate, 1.0))
+        return of_criterion * (1.0 + self.rate_factor * cycles)

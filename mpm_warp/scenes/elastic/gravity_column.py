@@ -17,6 +17,7 @@ from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.waves.column import Column
@@ -47,9 +48,7 @@ class GravityColumn(CatalogueScene):
     cell_count: int = parameter(
         40, unit="1", meaning="cells along the height", minimum=2, maximum=1000
     )
-    poissons_ratio: float = parameter(
-        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
+    poissons_ratio: float = shared_parameters.poissons_ratio(0.3)
     settlement_ratio: float = parameter(
         1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
     )

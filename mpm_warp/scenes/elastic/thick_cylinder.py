@@ -19,6 +19,7 @@ from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -69,9 +70,7 @@ class ThickCylinder(CatalogueScene):
     radius_ratio: float = parameter(
         3.0, unit="1", meaning="outer over inner radius", minimum=1.1, maximum=100
     )
-    poissons_ratio: float = parameter(
-        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
+    poissons_ratio: float = shared_parameters.poissons_ratio(0.3)
 
     @property
     def pressure(self) -> float:

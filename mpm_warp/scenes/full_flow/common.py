@@ -7,12 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.parameters import parameter
+from mpm_warp.grid.spacing import graded
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
 
 OUTER_RADIUS = 6.0
@@ -29,9 +30,7 @@ class FullFlow(Bearing):
     planar: ClassVar[bool]
     """Whether the body is a cylinder in plane strain; otherwise it is a sphere."""
 
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the body", minimum=0, maximum=1
-    )
+    adhesion_factor: float = shared_parameters.adhesion_factor("body")
 
     def grid(self) -> PolarGrid:
         """Half a ring around the body, on rays."""

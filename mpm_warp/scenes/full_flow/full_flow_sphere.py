@@ -11,9 +11,9 @@ import xarray as xr
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.results import labelled
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.full_flow.common import FullFlow
-from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
 
 ROUGH_VON_MISES = 2.0 / 0.143
@@ -51,7 +51,7 @@ class FullFlowSphere(FullFlow):
         ),
     )
 
-    material: str = yield_criterion()
+    material: str = shared_parameters.yield_criterion()
 
     @property
     def clay(self) -> PerfectlyPlastic:

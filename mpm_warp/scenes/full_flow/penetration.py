@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
-from mpm_warp.grid.fitted import Grid, growing
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.spacing import growing
 from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed

@@ -14,12 +14,11 @@ from mpm_warp.parameters import Value, parameter
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
-from mpm_warp.scenes import rate_and_softening
+from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.scenes.run_size import RunSize
-from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
 
 RANDOM_PATHS = 200
@@ -56,19 +55,15 @@ class MaterialPoint(CatalogueScene):
         for settings in ({}, *({"material": material, **CHANGING} for material in CRITERIA))
     )
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
-    )
-    material: str = yield_criterion()
+    rigidity_index: float = shared_parameters.rigidity_index(2, 5000)
+    material: str = shared_parameters.yield_criterion()
     rate_factor: float = rate_and_softening.rate_factor()
     reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
     remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
     ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = parameter(
-        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
-    undrained_shear_strength: float = parameter(
-        20e3, unit="Pa", meaning="undrained shear strength su", minimum=1e-3, maximum=1e9
+    poissons_ratio: float = shared_parameters.poissons_ratio()
+    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
+        "undrained shear strength su"
     )
     step_count: int = parameter(
         10_000, unit="1", meaning="strain steps of each path", minimum=1, maximum=1_000_000

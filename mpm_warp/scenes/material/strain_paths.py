@@ -19,7 +19,7 @@ from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import make_stress_increment, make_stress_update
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.material import Law, Material, make_state_of_point
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
@@ -137,7 +137,7 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     real, vec4, vec5 = precision.real, precision.vec4, precision.vec5
     one = wp.constant(real(1.0))
     stress_increment = make_stress_increment(precision)
-    stress_update = make_stress_update(law, precision)
+    stress_update, state_of_point = make_stress_update(law, precision), make_state_of_point(law)
     remembers, yields = law.remembers, law.yield_function is not None
     yield_function: Any = law.yield_function
     properties_type, state_type = law.properties_type, law.state_type
@@ -159,9 +159,7 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
         p = offset + wp.tid()
         gradient = particle_velocity_gradient[p]
         increment = stress_increment(gradient, time_step, shear_modulus, bulk_modulus)
-        remembered = state_type()
-        if wp.static(remembers):
-            remembered = particle_state[p]
+        remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],
             increment,

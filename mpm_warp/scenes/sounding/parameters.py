@@ -9,11 +9,11 @@ from typing import ClassVar
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameter
+from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
-from mpm_warp.scenes.shared_parameters import floating_point
 from mpm_warp.scenes.sounding.profile import Profile, layered
 
 LEAD = 2.5
@@ -47,15 +47,13 @@ class SoundingTest(CatalogueScene):
         meaning="ground by depth, as a table of one line, see Profile (default: made of the "
         "parameters of strength and layer)",
     )
-    undrained_shear_strength: float = parameter(
-        20e3, unit="Pa", meaning="strength su at the surface", minimum=1e-3, maximum=1e9
+    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
+        "strength su at the surface"
     )
     strength_gradient: float = parameter(
         0.0, unit="Pa m-1", meaning="growth of strength with depth", minimum=0, maximum=1e9
     )
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=20, maximum=1000
-    )
+    rigidity_index: float = shared_parameters.rigidity_index(20, 1000)
     layer_top: float | None = parameter(
         None, unit="m", meaning="depth of the top of the layer (default: no layer)", above=0
     )
@@ -72,16 +70,8 @@ class SoundingTest(CatalogueScene):
     unit_weight: float = parameter(
         17e3, unit="N m-3", meaning="total unit weight of the clay", minimum=0, maximum=1e6
     )
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the cone face", minimum=0, maximum=1
-    )
-    shaft_adhesion_factor: float | None = parameter(
-        None,
-        unit="1",
-        meaning="adhesion factor of the shaft (default: the face's)",
-        minimum=0,
-        maximum=1,
-    )
+    adhesion_factor: float = shared_parameters.adhesion_factor("cone face")
+    shaft_adhesion_factor: float | None = shared_parameters.shaft_adhesion_factor()
     from_depth: float = parameter(
         1.0,
         unit="m",
@@ -109,15 +99,9 @@ class SoundingTest(CatalogueScene):
         minimum=2,
         maximum=1000,
     )
-    cone_radius: float = parameter(
-        0.01785, unit="m", meaning="radius of the cone's base", minimum=1e-6, maximum=1e3
-    )
-    poissons_ratio: float = parameter(
-        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
-    density: float = parameter(
-        1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
-    )
+    cone_radius: float = shared_parameters.cone_radius()
+    poissons_ratio: float = shared_parameters.poissons_ratio()
+    density: float = shared_parameters.density_of_clay()
     speed_ratio: float = parameter(
         0.05,
         unit="1",
@@ -128,39 +112,14 @@ class SoundingTest(CatalogueScene):
     cells_per_radius: float = parameter(
         3.0, unit="1", meaning="cells per cone radius at the cone, about", minimum=1, maximum=100
     )
-    cell_growth: float = parameter(
-        0.4,
-        unit="1",
-        meaning="growth of the cells' width per distance from the penetrometer",
-        minimum=0.1,
-        maximum=2,
+    cell_growth: float = shared_parameters.cell_growth()
+    time_step_fraction: float = shared_parameters.time_step_fraction()
+    domain_radius: float | None = shared_parameters.domain_radius(
+        "as for cone_penetration, by the greatest rigidity index"
     )
-    time_step_fraction: float = parameter(
-        0.85, unit="1", meaning="time step over the critical one", minimum=0.01, maximum=1.2
-    )
-    domain_radius: float | None = parameter(
-        None,
-        unit="1",
-        meaning="radius of the grid over cone radius (default: as for cone_penetration, by the "
-        "greatest rigidity index)",
-        minimum=5,
-        maximum=1000,
-    )
-    domain_above: float | None = parameter(
-        None,
-        unit="1",
-        meaning="extent of the grid above the shoulder over cone radius (default: likewise)",
-        minimum=2,
-        maximum=500,
-    )
-    domain_below: float | None = parameter(
-        None,
-        unit="1",
-        meaning="extent of the grid below the tip over cone radius (default: likewise)",
-        minimum=2,
-        maximum=500,
-    )
-    precision: str = floating_point()
+    domain_above: float | None = shared_parameters.domain_above("likewise")
+    domain_below: float | None = shared_parameters.domain_below("likewise")
+    precision: str = shared_parameters.floating_point()
 
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; the window follows the greatest rigidity index."""
@@ -190,6 +149,13 @@ class SoundingTest(CatalogueScene):
                 "stretch_number",
                 f"stretch_number = {self.stretch_number} is not allowed: must be <= "
                 f"stretch_count = {self.stretch_count}",
+            )
+        if self.stretch_count > self.sample_count:
+            raise ParameterError(
+                "stretch_count",
+                f"stretch_count = {self.stretch_count} is not allowed: must be <= "
+                f"{self.sample_count}, the samples of {SAMPLE_SPACING:g} radii from from_depth "
+                "to to_depth",
             )
         last = float(self.ground.depth[-1])
         if last < self.to_depth:
@@ -257,10 +223,15 @@ class SoundingTest(CatalogueScene):
         return self.speed_ratio**2 * float(self.ground_passed.shear_modulus.min())
 
     @property
+    def sample_count(self) -> int:
+        """Samples of the whole sounding."""
+        assert self.to_depth is not None
+        return max(1, round((self.to_depth - self.from_depth) / self.spacing))
+
+    @property
     def samples(self) -> range:
         """Numbers of the samples of the stretch, 0 the first of the sounding."""
-        assert self.to_depth is not None
-        count = max(1, round((self.to_depth - self.from_depth) / self.spacing))
+        count = self.sample_count
         first = count * (self.stretch_number - 1) // self.stretch_count
         overlap = round(self.overlap / SAMPLE_SPACING) if self.stretch_number > 1 else 0
         return range(max(0, first - overlap), count * self.stretch_number // self.stretch_count)

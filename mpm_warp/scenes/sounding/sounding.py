@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import SimulationDiverged
+from mpm_warp.errors import ParameterError, SimulationDiverged
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scene import Scene
@@ -36,6 +36,15 @@ class Sounding(SoundingTest):
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
     version: ClassVar[int] = 2
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        try:
+            _ = self._test
+        except ParameterError as refusal:
+            raise ParameterError(
+                refusal.key, f"in the ground that the cone passes: {refusal}"
+            ) from None
 
     @property
     def _test(self) -> ConePenetration:

@@ -25,7 +25,7 @@ from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import case_file, case_folder, read_case, read_outcome, write_case
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.study_files import read_study
-from harness.cli import run_commands
+from harness.cli.commands import run as run_commands
 from harness.cli.main import main
 from harness.pictures import pictures
 from harness.pictures.drawing.own_files import MAKER
@@ -112,7 +112,9 @@ def retyped(source: random.Random, content: Content) -> tuple[str, Content]:
         other = np.arange(values.size, dtype=float).reshape(values.shape)
     else:
         text = values.astype(str).astype(object)
-        other = source.choice([text, values.astype("S1"), values.astype("i1"), values * np.nan])
+        with np.errstate(invalid="ignore"):  # what is not a number is no integer
+            whole = values.astype("i1")
+        other = source.choice([text, values.astype("S1"), whole, values * np.nan])
     said = {key: it for key, it in said.items() if key != "_FillValue"}
     return f"{name} as {other.dtype}", with_variable(content, name, (dims, other, said))
 
@@ -127,10 +129,11 @@ def resized(source: random.Random, content: Content) -> tuple[str, Content]:
     if dims:
         sizes += [
             (dims[1:], values[0]),
-            (("shorter", *dims[1:]), values[:1]),
             (dims[::-1], values.T),
             (dims, np.broadcast_to(values.ravel()[0], values.shape)),
         ]
+    if dims and name not in dims:  # netCDF itself writes no dim whose variable has another one
+        sizes.append((("shorter", *dims[1:]), values[:1]))
     other_dims, other = source.choice(sizes)
     changed = (other_dims, other, said)
     return f"{name} over {other_dims}", with_variable(content, name, changed)

@@ -36,6 +36,12 @@ FAULTS: list[tuple[str, Change]] = [
         "cone_factor is no number",
         lambda dataset: dataset.assign(cone_factor=dataset.status.assign_attrs(units="1")),
     ),
+    (
+        "precision is no number",
+        lambda dataset: dataset.assign(
+            precision=dataset.precision.assign_attrs(role="error", units="1")
+        ),
+    ),
     ("the role of cone_factor is unknown", with_attribute("cone_factor", "role", "guess")),
     ("long_name of cone_factor is no text", with_attribute("cone_factor", "long_name", 7)),
     ("limit of cone_factor is no number", with_attribute("cone_factor", "limit", "much")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
+from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.cli.streams import safe_output
 from harness.errors import LONGEST_LINE
@@ -84,3 +86,17 @@ def test_an_option_of_100_kilobytes_is_a_short_line(capsys: pytest.CaptureFixtur
     (line,) = capsys.readouterr().err.splitlines()
     assert len(line) < LONGEST_LINE + 100
     assert line.isprintable()
+
+
+@pytest.mark.parametrize("streams", ["<&-", "2>&-", "2>/dev/full", "<&- >&- 2>&-"])
+def test_a_stream_that_is_closed_or_full_is_no_error(
+    streams: str, small_file: Path, tmp_path: Path
+) -> None:
+    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {streams}"
+    end = subprocess.run(
+        ["sh", "-c", command], capture_output=True, text=True, check=False, timeout=300
+    )
+    assert end.returncode == 0
+    assert (tmp_path / "small.nc").exists()
+    assert (str(tmp_path / "small.nc") in end.stdout) == (">&- " not in streams)
+    assert (COMPLETED in end.stderr) == ("2>" not in streams)

@@ -176,6 +176,18 @@ def test_table_brackets_what_is_outside_the_validity() -> None:
     assert "[" not in inside
 
 
+@pytest.mark.parametrize(
+    "varied", [{"remoulded_strength_ratio": [0.2, 1.0]}, {"rate_factor": [0.1, 0.0]}]
+)
+def test_table_brackets_formulas_beside_clay_whose_strength_changes(
+    varied: dict[str, list[float]],
+) -> None:
+    """They are all of clay that keeps its strength."""
+    changing, perfectly_plastic = rows(cone_factor_table(with_references(result(**varied), THREE)))
+    assert changing.count("[") == 4
+    assert "[" not in perfectly_plastic
+
+
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 def test_table_tells_the_difference_of_the_finest_two(order: slice) -> None:
     dataset = result(cells_per_radius=[2.0, 4.0, 8.0], adhesion_factor=[0.0, 1.0])

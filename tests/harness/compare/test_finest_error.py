@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from harness.compare.finest_error import FLOOR, with_finest_error
-from harness.study.study import ERROR_FINEST
+from harness.study.compared import ERROR_FINEST
 
 
 def test_error_is_against_the_costliest_case_of_the_same_soil(two_soils: xr.Dataset) -> None:

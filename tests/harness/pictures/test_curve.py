@@ -81,6 +81,17 @@ def test_rigidity_index_has_a_logarithmic_axis_and_dashes_outside_the_validity()
     assert legend(figure).count("outside its validity") == 1
 
 
+@pytest.mark.parametrize("varied", ["ductility", "penetration_speed"])
+def test_formulas_are_dashed_beside_clay_whose_strength_changes(varied: str) -> None:
+    dataset = result({varied: [1.0, 3.0, 10.0]}).assign(remoulded_strength_ratio=0.2)
+    figure = curve_figure(dataset)
+    drawn = [line for line in curves(figure) if np.isfinite(line.get_ydata()).any()]
+    assert len(drawn) == len(REFERENCES)
+    assert all(line.is_dashed() for line in drawn)
+    assert "outside its validity" in legend(figure)
+    assert ENVELOPE not in legend(figure)
+
+
 @pytest.mark.parametrize(
     ("varied", "scale"),
     [

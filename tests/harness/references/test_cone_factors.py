@@ -64,6 +64,7 @@ def conditions(
     adhesion: float = 0.0,
     anisotropy: float = 0.0,
     apex_angle: float = 60.0,
+    strength_stays: bool = True,
 ) -> Conditions:
     return Conditions(
         rigidity_index=rigidity_index,
@@ -71,6 +72,7 @@ def conditions(
         shaft_adhesion=adhesion,
         stress_anisotropy=anisotropy,
         apex_angle=apex_angle,
+        strength_stays=strength_stays,
     )
 
 
@@ -134,6 +136,7 @@ def test_floats_numpy_and_xarray_agree(reference: ConeFactor) -> None:
         ("lu_2004", {"rigidity_index": 49.0}, False),
         ("lu_2004", {"rigidity_index": 501.0}, False),
         ("lu_2004", {"apex_angle": 90.0}, False),
+        ("lu_2004", {"strength_stays": False}, False),
         ("vesic_1977", {}, True),
         ("vesic_1977", {"adhesion": 0.5}, False),
     ],

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.arguments import make_parser
+from harness.cli.arguments.command_line import make_parser
 from harness.cli.main import main
 from harness.run import limits
 from harness.run.limits import PROCESS_MEMORY, TooLarge, check_memory, default_memory_limit

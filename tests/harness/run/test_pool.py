@@ -8,7 +8,6 @@ import os
 import re
 import signal
 import time
-from collections.abc import Iterable
 from pathlib import Path
 from typing import NoReturn
 
@@ -17,59 +16,22 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.archive import collection as archive
-from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.case_files import Outcome
+from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability.outcomes import shows_stability
 from harness.pictures.stability.stability_map import stability_rows
-from harness.run.pool import Watcher, cases_at_once, run_cases, share_of_cores
+from harness.run.pool import cases_at_once, run_cases, share_of_cores
 from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+
+from .conftest import Record, collected, prepared, run
 
 DONE = xr.Dataset(
     {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
 )
 """What a case has at the least that has completed: a headline."""
-
-
-class Record:
-    """A watcher that remembers the outcomes, by the cases' keys."""
-
-    def __init__(self) -> None:
-        self.outcomes: dict[str, Outcome] = {}
-
-    def advanced(self, case: Case, fraction: float) -> None:
-        assert 0 <= fraction <= 1
-
-    def finished(self, case: Case, outcome: Outcome) -> None:
-        assert case.key not in self.outcomes
-        self.outcomes[case.key] = outcome
-
-    def statuses(self, cases: Iterable[Case]) -> list[str]:
-        """How each of some cases has ended."""
-        return [self.outcomes[case.key].status for case in cases]
-
-
-def prepared(study: Study, out: Path) -> Path:
-    """The folder of a study's cases in `out`, ready to be written to."""
-    folder = case_files.case_folder(out, study)
-    prepare(folder)
-    return folder
-
-
-def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
-    """Run a study in `out` and collect it."""
-    folder = prepared(study, out)
-    run_cases(study.cases, folder, workers, watcher)
-    return collected(study, folder)
-
-
-def collected(study: Study, folder: Path) -> xr.Dataset:
-    """What was computed."""
-    return archive.collect(study, folder)
 
 
 def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
@@ -145,22 +107,6 @@ def test_the_death_of_a_worker_takes_one_case(
     assert re.fullmatch(rf"worker killed by {number.name}, at \d+% of the case", message)
     assert dataset.cone_factor.isnull().values.tolist() == [True, False]
     assert record.outcomes[study.cases[0].key].status == CRASHED
-
-
-@pytest.fixture
-def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
-    """The folder of two cases, and the cases: one that takes minutes, one that is soon done.
-
-    The kernels are there, for a case alone and for two together: to compile them takes time too.
-    """
-    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03, 0.04]"]
-    study = load_study(str(small_file), settings)
-    long, *warm = study.cases
-    folder = prepared(study, tmp_path)
-    for batch in (1, 2):
-        run_cases(warm, folder, 1, Record(), batch=batch)
-        case_files.discard(folder, warm)
-    return folder, long, warm[0]
 
 
 def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
@@ -261,79 +207,6 @@ def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Stu
         run_cases(cases, tmp_path / "not there", 1, record)
     assert record.outcomes == {}
     assert not multiprocessing.active_children()
-
-
-def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
-    """How many cases each of some was run with, itself among them."""
-    kept = [case_files.read_case(folder, case) for case in cases]
-    return [it.attrs["cases_together"] for it in kept if it is not None]
-
-
-def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: Study) -> None:
-    alone = run(small, tmp_path / "alone", 1, Record())
-    folder = prepared(small, tmp_path / "together")
-    record = Record()
-    run_cases(small.cases, folder, 1, record, batch=10)
-    together = collected(small, folder)
-    assert differing(alone, together) == []
-    assert record.statuses(small.cases) == [COMPLETED] * 3
-    assert run_together(folder, small.cases) == [3, 3, 3]
-    assert (together.case_time >= together.run_time).all()
-
-
-def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
-    folder = prepared(small, tmp_path)
-    run_cases(small.cases, folder, 2, Record(), batch=10)
-    assert run_together(folder, small.cases) == [2, 2, 1]
-
-
-def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run_alone(
-    tmp_path: Path, small_file: Path
-) -> None:
-    study = load_study(str(small_file), ["adhesion_factor=[0, 1]", "penetration=[1, 20]"])
-    folder = prepared(study, tmp_path)
-
-    class Killer(Record):
-        """Kills the first worker as soon as a case is done."""
-
-        def finished(self, case: Case, outcome: Outcome) -> None:
-            super().finished(case, outcome)
-            if len(self.outcomes) == 1:
-                (worker,) = multiprocessing.active_children()
-                worker.kill()
-
-    record = Killer()
-    run_cases(study.cases, folder, 1, record, batch=4)
-    assert record.statuses(study.cases) == [COMPLETED] * 4
-    assert set(run_together(folder, study.cases)) == {1, 4}
-
-
-def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
-    long_and_short: tuple[Path, Case, Case],
-) -> None:
-    folder, long, short = long_and_short
-    record = Record()
-    run_cases([long, short], folder, 1, record, time_limit=4, batch=2)
-    assert record.statuses([long, short]) == [TIMED_OUT, COMPLETED]
-
-
-def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
-    tmp_path: Path, small_file: Path
-) -> None:
-    study = load_study(str(small_file), ["adhesion_factor=0", "penetration=[200, 1, 2]"])
-    folder = prepared(study, tmp_path)
-
-    class Killer(Record):
-        """Kills each worker that has come on with the long case."""
-
-        def advanced(self, case: Case, fraction: float) -> None:
-            if case.parameters["penetration"] == 200 and fraction > 0:
-                for worker in multiprocessing.active_children():
-                    worker.kill()
-
-    record = Killer()
-    run_cases(study.cases, folder, 1, record, batch=3)
-    assert record.statuses(study.cases) == [CRASHED, COMPLETED, COMPLETED]
 
 
 def test_the_time_of_a_case_begins_with_its_computation(tmp_path: Path, small: Study) -> None:

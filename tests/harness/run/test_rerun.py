@@ -6,15 +6,16 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.conventions import CRASHED
+from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
-from harness.run.rerun import read_for_rerun
+from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
 from harness.study.study import Study, load_study
 
 SETTINGS = ["material=['von_mises']", "rigidity_index=[50, 100]", "adhesion_factor=0.5"]
@@ -71,6 +72,17 @@ def test_another_bit_is_noticed(
     assert told.startswith(f"{case.key}: differs in penetration_resistance; ")
     assert "; commit other -> " in told
     assert "same machine" not in told
+
+
+def test_an_integer_that_has_none_in_a_collected_file_differs() -> None:
+    """And it is no warning that a number is not one."""
+    said = dict.fromkeys(PROVENANCE, "the same")
+    said |= {"scene": "cone_penetration", "status": COMPLETED}
+    before = xr.Dataset({"status": COMPLETED, "step_count": np.nan}, attrs=said)
+    again = xr.Dataset({"step_count": 7}, attrs=said)
+    same, words = verdict(before, again)
+    assert not same
+    assert words.startswith("differs in step_count")
 
 
 def test_a_case_that_had_crashed_is_run_but_not_compared(

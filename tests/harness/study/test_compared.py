@@ -37,15 +37,19 @@ REFUSED = {
     ),
     "experience of no cone": (
         POINT + 'experience = ["karlsrud_2005"]',
-        "no scene here has the rigidity_index and adhesion_factor that cone factors depend on",
+        "no scene here gives a cone_factor, which they are of",
     ),
     "tolerance of a band": (
         CONE + 'experience = ["karlsrud_2005"]\ntolerance = { karlsrud_2005 = 0.1 }',
         "is a band of experience, from which no result deviates",
     ),
-    "no scene that has what they depend on": (
+    "references of a footing": (
+        POINT.replace("material_point", "strip_footing") + 'references = ["lu_2004"]',
+        "no scene here gives a cone_factor, which they are of",
+    ),
+    "references of no cone": (
         POINT + 'references = ["lu_2004"]',
-        "no scene here has the rigidity_index and adhesion_factor that cone factors depend on",
+        "no scene here gives a cone_factor, which they are of",
     ),
 }
 

@@ -210,7 +210,7 @@ def outcome_of_run(path: Path) -> tuple[object, str, str]:
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
             code: object = main(["run", str(path), "--out", str(path.parent / "out")])
-        except BaseException as error:  # noqa: BLE001, RUF100 - whatever it is, it is a failure
+        except BaseException as error:  # whatever it is, it is a failure
             code = error
     return code, out.getvalue(), err.getvalue()
 

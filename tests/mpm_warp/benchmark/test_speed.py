@@ -34,10 +34,7 @@ def test_gains_are_over_one_thread_alone(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_less_physics_has_fewer_stages() -> None:
     stages = {
-        physics: {
-            launch.name
-            for launch in StepCost(physics=physics, size=600).plan().step  # type: ignore[union-attr]
-        }
+        physics: {launch.name for launch in StepCost(physics=physics, size=600).plan().step}
         for physics in ("cone", "plastic", "elastic")
     }
     left_out = {"surface_contact", "moving_side", "moving_ends", "advance_window"}

@@ -207,10 +207,10 @@ def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
     def scaled(
         first: int,
         factor: wp.float64,
-        one: VECTOR_1,  # type: ignore[valid-type]
+        one: VECTOR_1,
         x: wp.array[wp.vec2d],
         y: wp.array2d[wp.float64],
-        z: wp.array(dtype=wp.float64, ndim=2),  # type: ignore[valid-type]
+        z: wp.array(dtype=wp.float64, ndim=2),
     ) -> None:
         i = first + wp.tid()
         y[i, 0] = factor * x[i][0]
@@ -228,7 +228,7 @@ def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
 
 def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
     @wp.kernel(enable_backward=False)
-    def first_above(limit: float, values: wp.array(dtype=float), found: wp.array(dtype=int)):  # type: ignore[valid-type]
+    def first_above(limit: float, values: wp.array(dtype=float), found: wp.array(dtype=int)):
         i = wp.tid()
         for j in range(i):
             if values[j] > limit:

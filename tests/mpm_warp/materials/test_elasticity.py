@@ -21,7 +21,9 @@ vec5 = FLOAT64.vec5
 class Recording(Material):
     """Elastic; it remembers what its law is told in a step: the strain (rr, zz, rz, tt) and dt."""
 
-    state = ("rr", "zz", "rz", "tt", "time_step")
+    @property
+    def state(self) -> tuple[str, ...]:
+        return ("rr", "zz", "rz", "tt", "time_step")
 
     def update(self, precision: Precision) -> Any:
         return _make_recording(precision)

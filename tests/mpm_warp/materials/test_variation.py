@@ -50,7 +50,7 @@ def test_ratios_are_linear_between_depths_and_jump_where_two_are_equal() -> None
 )
 def test_what_is_not_allowed_is_named(changed: dict[str, object], message: str) -> None:
     with pytest.raises(SceneError, match=re.escape(message)):
-        dataclasses.replace(TWO_LAYERS, **changed)  # type: ignore[arg-type]
+        dataclasses.replace(TWO_LAYERS, **changed)
 
 
 def test_uniform_clay_has_no_array_for_it(cone: Scene) -> None:

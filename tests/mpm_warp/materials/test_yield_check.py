@@ -20,7 +20,7 @@ CLAY = Tresca(shear_modulus=1e6, poissons_ratio=0.3, density=1e3, strength=STREN
 
 
 def clay_of(floating: Scene, **changes: object) -> Simulation:
-    return Simulation(dataclasses.replace(floating, material=CLAY, **changes))  # type: ignore[arg-type]
+    return Simulation(dataclasses.replace(floating, material=CLAY, **changes))
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])

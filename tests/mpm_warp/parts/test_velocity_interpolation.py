@@ -181,9 +181,14 @@ def test_no_soil_piles_up_beside_a_rough_shaft() -> None:
     A box with n layers of particles to its side holds n + 1 layers at most.
     """
     cone = ConePenetration(
-        friction_coefficient=1.0, poissons_ratio=0.2, cells_per_radius=1.5, penetration=160,
-        domain_radius=20, domain_above=7, domain_below=7,
-    )  # fmt: skip
+        friction_coefficient=1.0,
+        poissons_ratio=0.2,
+        cells_per_radius=1.5,
+        penetration=160,
+        domain_radius=20,
+        domain_above=7,
+        domain_below=7,
+    )
     scene = cone.build()
     assert isinstance(scene.contact, PenetrometerContact)
     grid, simulation, resistance = scene.grid, Simulation(scene), []

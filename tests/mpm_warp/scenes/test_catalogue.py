@@ -77,6 +77,7 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
     headlines = [it for it, values in result.variables.items() if _role(values) == "headline"]
     assert len(headlines) == 1
     assert result[headlines[0]].ndim == 0
+    assert scene.comparable in (None, *headlines)
     for label, values in result.variables.items():
         if values.dtype.kind != "U":
             assert values.attrs["units"], label
@@ -114,9 +115,14 @@ def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
     penetration: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
     test = ConePenetration(
-        cells_per_radius=1, domain_radius=8, domain_above=3, domain_below=3, approach=0,
-        penetration=penetration, steady_tolerance=0.1,
-    )  # fmt: skip
+        cells_per_radius=1,
+        domain_radius=8,
+        domain_above=3,
+        domain_below=3,
+        approach=0,
+        penetration=penetration,
+        steady_tolerance=0.1,
+    )
     result = test.run(progress=True)
     assert float(result.penetration_reached) <= 6.5
     shown = capsys.readouterr().err
@@ -159,6 +165,7 @@ def offer(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     def offered(**values: str) -> None:
         points = [EntryPoint(name, value, discovery.GROUP) for name, value in values.items()]
         monkeypatch.setattr(discovery, "entry_points", lambda group: points)
+        monkeypatch.setattr(discovery, "_all_scenes", discovery._all_scenes.__wrapped__)
         monkeypatch.setattr("mpm_warp.HalfColumn", HalfColumn, raising=False)
 
     return offered
@@ -172,6 +179,14 @@ def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None])
     result = scene(cell_count=6).run()
     assert int(result.steps) == 3
     assert int(result.cell_count) == 6
+
+
+def test_packages_are_asked_for_scenes_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That opens a file of each installed package; a command asks for names a thousand times."""
+    scene_names()
+    monkeypatch.setattr(discovery, "entry_points", lambda group: pytest.fail("asked again"))
+    scene_names()
+    assert scene_class("gravity_column") is GravityColumn
 
 
 @pytest.mark.parametrize(

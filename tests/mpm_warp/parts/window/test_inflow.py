@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +23,9 @@ from mpm_warp.simulation import Simulation
 class Ageing(Material):
     """Elastic soil that remembers how many steps it has been simulated for, and how long [s]."""
 
-    state: ClassVar[tuple[str, ...]] = ("steps", "age")
+    @property
+    def state(self) -> tuple[str, ...]:
+        return ("steps", "age")
 
     def update(self, precision: Precision) -> Any:
         return _make_ageing(precision)

@@ -103,9 +103,10 @@ def test_anisotropic_ground_rests(anisotropy: float) -> None:
     soil = simulation.array("particle.cell")[:, 0] >= 0
     horizontal = 2.0 * anisotropy * SHORT.undrained_shear_strength
     np.testing.assert_allclose(
-        stress[soil], np.tile([horizontal, 0.0, 0.0, horizontal], (soil.sum(), 1)),
+        stress[soil],
+        np.tile([horizontal, 0.0, 0.0, horizontal], (soil.sum(), 1)),
         atol=1e-6 * abs(horizontal),
-    )  # fmt: skip
+    )
 
 
 def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) -> None:

@@ -44,7 +44,7 @@ def test_adhesion_does_not_depend_on_pressure_shape_or_mass(
     normal_pressure: float, interface_radius: float | None, mass_scale: float
 ) -> None:
     block = SlidingBlock(
-        **PUSHED,  # type: ignore[arg-type]
+        **PUSHED,
         normal_pressure=normal_pressure,
         interface_radius=interface_radius,
         mass_scale=mass_scale,
@@ -61,7 +61,7 @@ def test_adhesion_does_not_depend_on_pressure_shape_or_mass(
 )
 @pytest.mark.parametrize("grid_angle", [0.0, 20.0])
 def test_block_held_below_slip_does_not_creep(held: dict[str, Value], grid_angle: float) -> None:
-    result = SlidingBlock(**held, grid_angle=grid_angle).run()  # type: ignore[arg-type]
+    result = SlidingBlock(**held, grid_angle=grid_angle).run()
     assert float(result.creep) <= 1e-4
 
 
@@ -126,7 +126,7 @@ def test_sliding_block_without_its_exact_solution_is_refused(
     parameters: dict[str, Value], key: str
 ) -> None:
     with pytest.raises(ParameterError) as refusal:
-        SlidingBlock(**parameters)  # type: ignore[arg-type]
+        SlidingBlock(**parameters)
     assert refusal.value.key == key
     assert key in str(refusal.value)
 

@@ -20,9 +20,13 @@ from mpm_warp.simulation import Simulation
 ROUNDING = 1e-9
 """What sums over samples and nodes are exact to, generously."""
 SHORT = ConePenetration(
-    cells_per_radius=2, penetration=3, domain_radius=20, domain_above=6, domain_below=6,
+    cells_per_radius=2,
+    penetration=3,
+    domain_radius=20,
+    domain_above=6,
+    domain_below=6,
     steady_tolerance=0,
-)  # fmt: skip
+)
 
 
 def run(**changes: float | str) -> xr.Dataset:
@@ -137,9 +141,14 @@ def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
 
 def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     hasty = ConePenetration(
-        cells_per_radius=1.5, penetration=1, domain_radius=8, domain_above=3, domain_below=3,
-        speed_ratio=0.5, approach=0,
-    )  # fmt: skip
+        cells_per_radius=1.5,
+        penetration=1,
+        domain_radius=8,
+        domain_above=3,
+        domain_below=3,
+        speed_ratio=0.5,
+        approach=0,
+    )
     with pytest.raises(InaccurateRun, match=r"took \d+\.\d% of the penetrometer's work") as end:
         hasty.run()
     assert end.value.status == "inaccurate"

@@ -82,7 +82,7 @@ def test_the_noise_of_all_runs_counts() -> None:
     shifts = []
     for shifted in (TEST, *further_tests(TEST).values()):
 
-        def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> Run:  # type: ignore[no-untyped-def]
+        def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> Run:
             made = run(test, progress)
             if test == shifted:
                 results = made.results.assign(cone_factor_simulated=made.factor + NOISE)

@@ -33,7 +33,7 @@ def sampled(
     # Shear has no part in it, and a shift of stress from one direction to another none either.
     without_pressure = np.array([4e3, -6e3, 7e3, 2e3])
     change = np.outer(pressure, [-1.0, -1.0, 0.0, -1.0]) + without_pressure
-    curves = PorePressureCurves(simulation, penetrometer=test._penetrometer, slowing=slowing)
+    curves = PorePressureCurves(simulation, penetrometer=test.penetrometer, slowing=slowing)
     simulation.assign("cell.stress", soil_scene(simulation).stress_at_rest + change)
     for _ in range(times):
         curves.sample()

@@ -17,9 +17,13 @@ def test_a_run_takes_the_steps_that_its_plan_says() -> None:
     either number is a whole one.
     """
     cone = ConePenetration(
-        cells_per_radius=1.5, domain_radius=10, domain_above=5, domain_below=5, penetration=12,
+        cells_per_radius=1.5,
+        domain_radius=10,
+        domain_above=5,
+        domain_below=5,
+        penetration=12,
         steady_tolerance=0,
-    )  # fmt: skip
+    )
     result = cone.run()
     assert abs(int(result.step_count) - int(result.step_count_bound)) <= 2
     assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)
@@ -37,7 +41,7 @@ def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float)
 
 def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
     def approach(**changes: float) -> Approach | None:
-        window = ConePenetration(**changes).build().window  # type: ignore[arg-type]
+        window = ConePenetration(**changes).build().window
         assert window is not None
         return window.approach
 
@@ -50,9 +54,14 @@ def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
 def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
     """Two radii until the end of the approach, and half a radius after it."""
     cone = ConePenetration(
-        cells_per_radius=1, domain_radius=10, domain_above=3, domain_below=3, approach=5,
-        penetration=12, steady_tolerance=0,
-    )  # fmt: skip
+        cells_per_radius=1,
+        domain_radius=10,
+        domain_above=3,
+        domain_below=3,
+        approach=5,
+        penetration=12,
+        steady_tolerance=0,
+    )
     result = cone.run()
     slowed = (result.penetration > 3.0) & (result.penetration < 5.5)
     for curve in ("penetration_resistance", "excess_pore_pressure_shoulder"):

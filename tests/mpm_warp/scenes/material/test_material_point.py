@@ -4,7 +4,7 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,7 +65,9 @@ def test_the_number_of_paths_is_known_before_they_are() -> None:
 class Remembering(LinearElastic):
     """Elastic soil that remembers its largest mean stress, with the sign of tension."""
 
-    state: ClassVar[tuple[str, ...]] = ("largest_mean_stress",)
+    @property
+    def state(self) -> tuple[str, ...]:
+        return ("largest_mean_stress",)
 
     def update(self, precision: Precision) -> Any:
         return _make_update(precision)

@@ -31,7 +31,7 @@ LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
 def changed(**changes: object) -> Sounding:
-    return dataclasses.replace(COARSE, **changes)  # type: ignore[arg-type]
+    return dataclasses.replace(COARSE, **changes)
 
 
 @pytest.fixture(scope="module")
@@ -121,6 +121,11 @@ def test_two_stretches_agree_where_they_overlap() -> None:
             "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
         ),
         ({"profile": "depth [m], strength [kPa]; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
+        ({"stretch_count": 31}, "stretch_count = 31 is not allowed: must be <= 30, the samples"),
+        (
+            {"strength_gradient": 1e9},
+            "in the ground that the cone passes: undrained_shear_strength = ",
+        ),
     ],
 )
 def test_what_is_not_allowed_is_told_in_one_line(changes: dict[str, object], message: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from harness.cli.arguments import make_parser
+from harness.cli.arguments.command_line import make_parser
 from harness.cli.exit_codes import DONE
 
 

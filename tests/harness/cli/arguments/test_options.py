@@ -1,16 +1,13 @@
-"""Options and streams that a command is given, or is not: nothing is ignored, nothing is lost."""
+"""Options that a command is given: nothing is ignored, nothing is lost."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
-from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.run import pool
 
@@ -75,15 +72,6 @@ def test_a_limit_beyond_what_the_system_can_wait_for_is_waited_for(
     monkeypatch.setattr(pool, "wait", lambda them, left: (waits.append(left), wait(them, left))[1])
     assert main(["run", str(small_file), f"--out={tmp_path}", "--case-timeout=1e9"]) == 0
     assert max(left for left in waits if left is not None) <= pool.LONGEST_WAIT
-
-
-@pytest.mark.parametrize("closed", ["<&-", "2>&-"])
-def test_a_stream_that_is_closed_is_no_error(closed: str, small_file: Path, tmp_path: Path) -> None:
-    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {closed}"
-    end = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
-    assert end.returncode == 0
-    assert str(tmp_path / "small.nc") in end.stdout
-    assert COMPLETED in end.stderr or closed == "2>&-"
 
 
 def test_uncertainty_is_measured_on_request(

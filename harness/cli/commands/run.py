@@ -13,8 +13,8 @@ from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import provenance
 from harness.archive.study_files import study_file, working_on
+from harness.cli.commands.results import list_misses, show
 from harness.cli.exit_codes import DONE, INCOMPLETE, end_at_sigterm
-from harness.cli.result_commands import list_misses, show
 from harness.compare.step_cost_table import bench_rows
 from harness.errors import HarnessError, tell
 from harness.pictures.work_precision import draw_work_precision

@@ -32,6 +32,17 @@ def test_a_new_study_is_sound_and_explains_every_parameter(scene: str) -> None:
         assert f"{name} = " in text
 
 
+@pytest.mark.parametrize("scene", ["cone_penetration", "sounding", "cone_bearing"])
+def test_references_are_offered_to_a_scene_that_has_what_they_are_of(scene: str) -> None:
+    main(["new", "mine", "--scene", scene])
+    text = Path("mine.toml").read_text()
+    assert ("#[compare]" in text) == (scene == "cone_penetration")
+    for line in ("[compare]", "references", "experience"):
+        text = text.replace(f"#{line}", line)
+    Path("edited.toml").write_text(text)
+    assert bool(load_study("edited.toml").references) == (scene == "cone_penetration")
+
+
 def test_defaults_that_are_uncommented_are_the_scenes_own() -> None:
     main(["new", "mine"])
     lines = Path("mine.toml").read_text().splitlines()

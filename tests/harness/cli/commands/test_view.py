@@ -15,7 +15,7 @@ from PIL import Image
 
 from harness.cli.main import main
 
-PAGE = Path(__file__).parents[3] / "harness" / "README.md"
+PAGE = Path(__file__).parents[4] / "harness" / "README.md"
 SHORT = ("penetration=1", "steady_tolerance=0", "cells_per_radius=1", "adhesion_factor=0.5")
 
 
@@ -58,7 +58,7 @@ def test_pictures_and_film_are_written(seen: Path) -> None:
             assert image.width > 1000
     (film,) = results.glob("*_animation.gif")
     with Image.open(film) as image:
-        assert image.n_frames == 2  # type: ignore[attr-defined]
+        assert image.n_frames == 2
 
 
 def test_the_series_leads_to_points_grid_and_surface(seen: Path) -> None:

@@ -1,0 +1,102 @@
+"""Commands that compute, and those that look after what was computed: their options."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.cli.arguments.shared import add_device, add_execution, add_settings, add_study
+from harness.cli.arguments.values import finite_number, positive_count, size_in_bytes
+
+if TYPE_CHECKING:
+    from harness.cli.arguments.parser import Commands
+
+
+def add_runs(commands: Commands) -> None:
+    """The commands that run cases, and those on the files of a study."""
+    run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
+    add_study(run)
+    where = run.add_mutually_exclusive_group()
+    where.add_argument(
+        "--workers",
+        type=positive_count,
+        metavar="N",
+        help="processes, each with a case at a time; default: one for each core, or for each "
+        "--threads of them",
+    )
+    where.add_argument(
+        "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
+    )
+    add_execution(run)
+    run.add_argument(
+        "--batch",
+        type=positive_count,
+        default=1,
+        metavar="N",
+        help="cases that a process computes together, to fill a GPU; default: 1",
+    )
+    run.add_argument(
+        "--snapshots",
+        metavar="LIST",
+        help="keep the soil of each case at these moments, for `harness view`: 5,10 of the "
+        "penetration over the cone radius",
+    )
+    run.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="measure the uncertainty of each cone factor by further runs of its case, some ten "
+        "times as long; the same as --set uncertainty=measured",
+    )
+    run.add_argument("--fresh", action="store_true", help="run what is done already again")
+    run.add_argument(
+        "--case-timeout",
+        type=finite_number("a number > 0", lambda it: it > 0),
+        default=math.inf,
+        metavar="SECONDS",
+        help="end a case that computes for longer; default: none is ended",
+    )
+    run.add_argument(
+        "--memory-limit",
+        type=size_in_bytes,
+        metavar="SIZE",
+        help="memory that the cases at work may take together, as 8e9 or 8GB; one that needs more "
+        "than its share is refused; default: most of this machine's",
+    )
+
+    status = commands.add_parser("status", help="list how the cases of a study stand")
+    status.add_argument(
+        "study",
+        nargs="?",
+        metavar="STUDY",
+        help="name of a study, a TOML file, or a result; none, or a scene: all results",
+    )
+    add_settings(status)
+    status.add_argument(
+        "--traceback", action="store_true", help="print where in the program failed cases failed"
+    )
+
+    collect = commands.add_parser("collect", help="write the dataset of what is done of a study")
+    add_study(collect)
+
+    clean = commands.add_parser("clean", help="remove files that are no results of a study")
+    add_study(clean)
+    clean.add_argument("--yes", action="store_true", help="remove without asking")
+
+    rerun = commands.add_parser("rerun", help="run a case again and compare every bit")
+    rerun.add_argument("file", type=Path, metavar="FILE", help="of a case, or result of a study")
+    rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
+    add_execution(rerun)
+
+    verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
+    verify.add_argument(
+        "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
+    )
+    verify.add_argument("--extreme", action="store_true", help="run the extreme cases instead")
+    verify.add_argument(
+        "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
+    )
+
+    bench = commands.add_parser("bench", help="measure what a step costs on this machine")
+    add_settings(bench)
+    add_device(bench)
