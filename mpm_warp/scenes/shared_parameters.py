@@ -85,6 +85,24 @@ def apex_angle(maximum: float = 150) -> Any:
     )
 
 
+def penetration_speed() -> Any:
+    """The field `penetration_speed` of a penetrometer [m/s]; that of a test is 20 mm/s."""
+    return parameter(
+        0.02,
+        unit="m s-1",
+        meaning="speed of the real penetration, which strain rates are of; the run has its own, "
+        "speed_ratio",
+        minimum=1e-9,
+        maximum=1e3,
+    )
+
+
+def speed_ratio(maximum: float) -> Any:
+    """The field `speed_ratio` of a penetrometer, the speed of its run, up to this one."""
+    meaning = "penetration speed over shear wave speed"
+    return parameter(0.03, unit="1", meaning=meaning, minimum=1e-4, maximum=maximum)
+
+
 def cell_growth() -> Any:
     """The field `cell_growth` of a grid around a penetrometer."""
     return parameter(

@@ -81,14 +81,7 @@ class ConeTest(CatalogueScene):
         below=1,
     )
     cone_radius: float = shared_parameters.cone_radius()
-    penetration_speed: float = parameter(
-        0.02,
-        unit="m s-1",
-        meaning="speed of the real penetration, which strain rates are of; the run has its own, "
-        "speed_ratio",
-        minimum=1e-9,
-        maximum=1e3,
-    )
+    penetration_speed: float = shared_parameters.penetration_speed()
     apex_angle: float = shared_parameters.apex_angle()
     penetration: float | None = parameter(
         None,
@@ -122,9 +115,7 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=0.1,
     )
-    speed_ratio: float = parameter(
-        0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.5
-    )
+    speed_ratio: float = shared_parameters.speed_ratio(0.5)
     accuracy: str = parameter(
         "standard",
         unit="1",

@@ -22,7 +22,7 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import rate_and_softening
+from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.penetration import (
     SAMPLE_SPACING,
@@ -33,7 +33,6 @@ from mpm_warp.scenes.cone.penetration import (
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
-from mpm_warp.scenes.shared_parameters import yield_criterion
 from mpm_warp.simulation import Simulation
 
 NO_PARTING = 1000.0
@@ -62,54 +61,27 @@ class FullFlowPenetration(CatalogueScene):
         "domain_extent",
     )
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=20, maximum=5000
+    rigidity_index: float = shared_parameters.rigidity_index(20, 5000)
+    adhesion_factor: float = shared_parameters.adhesion_factor("body")
+    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
+        "undrained shear strength su in pure shear"
     )
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the body", minimum=0, maximum=1
-    )
-    undrained_shear_strength: float = parameter(
-        20e3,
-        unit="Pa",
-        meaning="undrained shear strength su in pure shear",
-        minimum=1e-3,
-        maximum=1e9,
-    )
-    material: str = yield_criterion()
+    material: str = shared_parameters.yield_criterion()
     rate_factor: float = rate_and_softening.rate_factor()
     reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
     remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
     ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = parameter(
-        0.49, unit="1", meaning="Poisson's ratio", minimum=0.4, maximum=0.499
-    )
-    density: float = parameter(
-        1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
-    )
-    penetration_speed: float = parameter(
-        0.02,
-        unit="m s-1",
-        meaning="speed of the real penetration, which strain rates are of; the run has its own, "
-        "speed_ratio",
-        minimum=1e-9,
-        maximum=1e3,
-    )
+    poissons_ratio: float = shared_parameters.poissons_ratio(minimum=0.4)
+    density: float = shared_parameters.density_of_clay()
+    penetration_speed: float = shared_parameters.penetration_speed()
     penetration: float = parameter(
         8.0, unit="1", meaning="penetration over radius", minimum=5, maximum=50
     )
-    speed_ratio: float = parameter(
-        0.03, unit="1", meaning="penetration speed over shear wave speed", minimum=1e-4, maximum=0.1
-    )
+    speed_ratio: float = shared_parameters.speed_ratio(0.1)
     cells_per_radius: int = parameter(
         4, unit="1", meaning="cells per radius of the body", minimum=2, maximum=40
     )
-    cell_growth: float = parameter(
-        0.4,
-        unit="1",
-        meaning="growth of the cells' width per distance from the body",
-        minimum=0.1,
-        maximum=2,
-    )
+    cell_growth: float = shared_parameters.cell_growth()
     particles_per_cell: int = parameter(
         9, unit="1", meaning="material points per cell", choices=(4, 9, 16)
     )
