@@ -8,7 +8,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import case_dims, over_cases
+from harness.archive.conventions import case_dims, over_cases, scenes_of, spoken
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     INK,
@@ -18,6 +18,7 @@ from harness.pictures.drawing.plot_parts import (
     CurveEnd,
     empty_figure,
     label_ends,
+    legend_above,
     series_colour,
     shade,
 )
@@ -41,8 +42,9 @@ def shows_resistance(dataset: xr.Dataset) -> bool:
 def resistance_figure(dataset: xr.Dataset) -> Figure:
     """Penetration resistance over undrained shear strength, one curve a case.
 
-    Up to eight curves have their values beside them. More have the colour of where they end; of
-    one parameter at a time the first case is black, and those that differ most are labelled.
+    Up to eight curves have their values beside them. More have the colour of where they end, or of
+    several scenes that of their scene; of one parameter at a time the first case is black, and
+    those that differ most are labelled.
     """
     studied = Studied.of(dataset)
     curves = _curves(dataset)
@@ -53,14 +55,17 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     ends = {case: float(curves[case][place]) for case, place in last.items()}
     labelled = _labelled(dataset, drawn, ends)
     few = len(drawn) <= MOST_LABELS
-    low, high = min(ends.values(), default=0.0), max(ends.values(), default=1.0)
+    scale = Normalize(min(ends.values(), default=0.0), max(ends.values(), default=1.0))
+    scenes = scenes_of(dataset)
+    kinds = list(dict.fromkeys(scenes))
     marks = []
     for rank, case in enumerate(drawn):
-        colour = (
-            series_colour(rank, len(drawn))
-            if few
-            else shade((ends[case] - low) / ((high - low) or 1.0))
-        )
+        if few:
+            colour = series_colour(rank, len(drawn))
+        elif len(kinds) > 1:
+            colour = series_colour(kinds.index(scenes[case]), len(kinds))
+        else:
+            colour = shade(float(scale(ends[case])))
         is_start = not few and labelled[:1] == [case]
         width = 1.3 if few or case in labelled else 0.6
         axes.plot(x, curves[case], color=INK if is_start else colour, lw=1.8 if is_start else width)
@@ -72,9 +77,13 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     axes.set_xlim(0, float(x.max()))
     axes.set_ylim(bottom=0)
     label_ends(axes, marks, size=7)
-    if not few:
-        scale = ScalarMappable(Normalize(low, high), SHADES)
-        bar = figure.colorbar(scale, ax=axes, location="top", aspect=50, pad=0.02)
+    if not few and len(kinds) > 1:
+        for number, kind in enumerate(kinds):
+            axes.plot([], [], color=series_colour(number, len(kinds)), label=spoken(kind))
+        legend_above(figure, axes)
+    elif not few:
+        colours = ScalarMappable(scale, SHADES)
+        bar = figure.colorbar(colours, ax=axes, location="top", aspect=50, pad=0.02)
         bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
     failed = len(curves) - len(drawn)
     write_caption(

@@ -166,3 +166,15 @@ def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled(
     assert labels[0] == "start"
     assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
     assert written(resistance_figure(one_at_a_time()))[0].startswith("$I")
+
+
+def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> None:
+    count = 12
+    columns = {"rigidity_index": [100.0 + case for case in range(count)]}
+    many = result(columns, [11.0 + 0.1 * case for case in range(count)], "random")
+    scenes = ["cone_penetration", "ball_penetration"] * (count // 2)
+    figure = resistance_figure(many.assign_coords(scene=(many["status"].dims, scenes)))
+    assert legend(figure) == ["cone penetration", "ball penetration"]
+    colours = [line.get_color() for line in figure.axes[0].lines[:count]]
+    assert colours == colours[:2] * (count // 2)
+    assert colours[0] != colours[1]
