@@ -158,10 +158,15 @@ class PenetrationCurves:
         return np.array([sleeve_mean(above_shoulder, it) for it in stresses])
 
 
-def penetration_axis(count: int) -> Quantity:
-    """The axis of curves of so many samples, each of which stands in its middle."""
+def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
+    """The axis of curves of so many samples, each of which stands in its middle.
+
+    Args:
+        count: of samples.
+        over: the length that penetration is counted in.
+    """
     middles = (np.arange(count) + 0.5) * SAMPLE_SPACING
-    return middles, "1", "penetration over cone radius"
+    return middles, "1", f"penetration over {over}"
 
 
 def without_slowing(values: Floats, slowing: Slowing | None) -> Floats:

@@ -254,7 +254,7 @@ class _ResistanceCurve:
         """The curve."""
         return curves(
             "penetration",
-            penetration_axis(len(self._forces)),
+            penetration_axis(len(self._forces), over="radius of the body"),
             penetration_resistance=(
                 np.array(self._forces) / self._area,
                 "Pa",

@@ -22,22 +22,30 @@ def test_steady_flow_has_the_limit_load(adhesion_factor: float) -> None:
     # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
     assert float(result.error) <= 1 / (CELLS * result.resistance_factor_exact)
     assert abs(float(result.energy_error)) < 0.02
+    assert result.penetration.attrs["long_name"] == "penetration over radius of the body"
 
 
 def test_clay_without_loss_and_rate_has_the_bits_of_perfectly_plastic_clay() -> None:
     plain = TBarPenetration(cells_per_radius=2, domain_extent=4, penetration=6.0).run()
     same = TBarPenetration(
-        cells_per_radius=2, domain_extent=4, penetration=6.0, ductility=10.0,
+        cells_per_radius=2,
+        domain_extent=4,
+        penetration=6.0,
+        ductility=10.0,
         reference_strain_rate=3e-6,
-    ).run()  # fmt: skip
+    ).run()
     assert float(plain.resistance_factor) == float(same.resistance_factor)
 
 
 def test_clay_whose_strength_changes_is_held_against_nothing() -> None:
     result = TBarPenetration(
-        cells_per_radius=2, domain_extent=4, penetration=6.0, adhesion_factor=0.5,
-        remoulded_strength_ratio=0.2, ductility=10.0,
-    ).run()  # fmt: skip
+        cells_per_radius=2,
+        domain_extent=4,
+        penetration=6.0,
+        adhesion_factor=0.5,
+        remoulded_strength_ratio=0.2,
+        ductility=10.0,
+    ).run()
     assert not {"error", "resistance_factor_exact"} & set(result)
     plain = TBarPenetration(
         cells_per_radius=2, domain_extent=4, penetration=6.0, adhesion_factor=0.5
@@ -50,9 +58,14 @@ def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
     factors = []
     for speed_ratio in (0.06, 0.03):
         bar = TBarPenetration(
-            cells_per_radius=3, particles_per_cell=9, domain_extent=4, penetration=5.0,
-            speed_ratio=speed_ratio, rate_factor=0.1, reference_strain_rate=3e-6,
-        )  # fmt: skip
+            cells_per_radius=3,
+            particles_per_cell=9,
+            domain_extent=4,
+            penetration=5.0,
+            speed_ratio=speed_ratio,
+            rate_factor=0.1,
+            reference_strain_rate=3e-6,
+        )
         factors.append(float(bar.run().resistance_factor))
     inertia = bar.rigidity_index * 0.06**2  # rho V^2 over su
     assert factors[0] == pytest.approx(factors[1], abs=inertia)
