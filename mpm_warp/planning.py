@@ -12,6 +12,7 @@ from mpm_warp.materials.yield_share import add_yield_share
 from mpm_warp.parts.boundaries.moving_wall import crossing_time
 from mpm_warp.parts.contact.strength_beside import add_strength_beside
 from mpm_warp.parts.records.energy_audit import add_energy_audit
+from mpm_warp.parts.records.energy_balance import add_energy_balance
 from mpm_warp.parts.records.history import add_origin
 from mpm_warp.parts.records.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
@@ -102,6 +103,8 @@ def make_soil_plan(
         add_inflow(plan, scene)
     if scene.energy_audit:
         add_energy_audit(plan, grid)
+    if scene.energy_balance:
+        add_energy_balance(plan, grid, material)
     if scene.contact is not None:
         add_strength_beside(plan, scene, scene.contact)
     add_yield_check(plan, material)

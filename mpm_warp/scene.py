@@ -28,7 +28,8 @@ from mpm_warp.parts.window.window import Window
 from mpm_warp.precision import PRECISIONS
 
 REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": str} | dict.fromkeys(
-    ("free_surface", "conservative_interpolation", "energy_audit", "history"), bool
+    ("free_surface", "conservative_interpolation", "energy_audit", "energy_balance", "history"),
+    bool,
 )
 """Of what type a value of a scene has to be."""
 OPTIONAL = {
@@ -70,6 +71,8 @@ class Scene:
         conservative_interpolation: whether particles follow a flow that changes volume alike all
             over a cell; for soil that streams along a wall for long. The grid has horizontal rows.
         energy_audit: whether to sample what energy the transfers create or dissipate.
+        energy_balance: whether to sample where the work of the body goes; the scene has a window, a
+            contact, a bulk viscosity and an energy audit then.
         history: whether particles keep where they entered, and add up their plastic shear strain.
         precision: floating point numbers of the run, "float64" or "float32".
 
@@ -93,6 +96,7 @@ class Scene:
     free_surface: bool = False
     conservative_interpolation: bool = False
     energy_audit: bool = False
+    energy_balance: bool = False
     history: bool = False
     precision: str = "float64"
 
@@ -113,6 +117,13 @@ class Scene:
             raise SceneError(
                 f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
             )
+        self._check_together()
+        for part in self.node_actions:
+            if isinstance(part, FitsGrid):
+                part.check(self)
+
+    def _check_together(self) -> None:
+        """Check that what there is goes together."""
         leans = np.ptp(self.grid.surface_radius) > 0.0
         varies = self.material.variation is not None
         for name, does_not_go_with, why in (
@@ -129,9 +140,10 @@ class Scene:
                 raise SceneError(f"{name}: not together with {why}")
         if varies and np.any(self.stress_at_rest):
             raise SceneError("stress_at_rest: not together with a material that varies")
-        for part in self.node_actions:
-            if isinstance(part, FitsGrid):
-                part.check(self)
+        if self.energy_balance:
+            for name in ("window", "contact", "bulk_viscosity", "energy_audit"):
+                if not getattr(self, name):
+                    raise SceneError(f"energy_balance: not without {name}")
 
     @property
     def node_actions(self) -> Iterator[NodeAction]:

@@ -138,3 +138,39 @@ def make_stress_update(law: Law, precision: Precision) -> Any:
         return sigma, remembered
 
     return stress_update
+
+
+@functools.cache
+def make_plastic_step(law: Law, precision: Precision) -> Any:
+    """The function of the arguments of `make_stress_update` -> what plastic strain is told by.
+
+    It gives stress, trial stress less stress, and the stiffness ratio of the point.
+    """
+    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
+    properties_type, state_type, varies = law.properties_type, law.state_type, law.varies
+    elastic_trial, increment_of_point, stress_update = (
+        make_elastic_trial(precision),
+        make_increment_of_point(law, precision),
+        make_stress_update(law, precision),
+    )
+
+    @wp.func
+    def plastic_step(
+        stress: vec4,
+        increment: vec7,
+        shear_modulus: real,
+        bulk_modulus: real,
+        time_step: real,
+        properties: properties_type,
+        state: state_type,
+    ):
+        trial = elastic_trial(stress, increment_of_point(increment, properties))
+        sigma, _ = stress_update(
+            stress, increment, shear_modulus, bulk_modulus, time_step, properties, state
+        )
+        ratio = real(1.0)
+        if wp.static(varies):
+            ratio = properties[0]
+        return sigma, trial - sigma, ratio
+
+    return plastic_step

@@ -211,9 +211,28 @@ class Plan:
         """Add a launch to the end of the step; what is given and what not is said in `launch`."""
         self.step.append(self.launch(kernel, over, **arguments))
 
-    def position_after(self, name: str) -> int:
-        """Position in the step after the launch of that name."""
-        return 1 + [launch.name for launch in self.step].index(name)
+    def audit_before(self, name: str, *records: Launch) -> None:
+        """Insert launches into the audited step, right before that of the step of that name.
+
+        The step is complete: the audited one is a copy of it, but for what is inserted.
+        """
+        self._audit(self._named(name), records, offset=0)
+
+    def audit_after(self, name: str, *records: Launch) -> None:
+        """The same, right after it."""
+        self._audit(self._named(name), records, offset=1)
+
+    def audit_first(self, *records: Launch) -> None:
+        """The same, before all of the step."""
+        self._audit(self.step[0], records, offset=0)
+
+    def _named(self, name: str) -> Launch:
+        return next(launch for launch in self.step if launch.name == name)
+
+    def _audit(self, place: Launch, records: tuple[Launch, ...], offset: int) -> None:
+        audited = self.audited_step or list(self.step)
+        at = audited.index(place) + offset
+        self.audited_step = [*audited[:at], *records, *audited[at:]]
 
     def _add(self, name: str, array: Array) -> str:
         in_kernels = name.replace(".", "_")

@@ -31,8 +31,8 @@ def add_energy_audit(plan: Plan, grid: Grid) -> None:
         )
         for when in ("before", "after")
     )
-    update = plan.position_after("momentum")
-    plan.audited_step = [after, *plan.step[:update], before, *plan.step[update:]]
+    plan.audit_first(after)
+    plan.audit_after("momentum", before)
 
 
 @functools.cache

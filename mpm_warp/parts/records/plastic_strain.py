@@ -15,11 +15,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.elasticity import (
-    make_elastic_trial,
-    make_increment_of_point,
-    make_stress_update,
-)
+from mpm_warp.materials.elasticity import make_plastic_step
 from mpm_warp.materials.material import (
     Law,
     Material,
@@ -51,11 +47,8 @@ def add_plastic_strain_audit(plan: Plan, grid: Grid, material: Material) -> None
         properties=material.properties_argument(law),
         particle_state=plan.find("particle.state"),
     )
-    # Between the rates of cells and the stage that leaves the stress after the law.
-    update = plan.position_after("grid_to_particles") - 1
-    stress_update, audited = plan.step[update], plan.audited_step or plan.step
-    place = audited.index(stress_update)
-    plan.audited_step = [*audited[:place], record, *audited[place:]]
+    # The rates of cells are known, and the stress is still that before the law.
+    plan.audit_before("grid_to_particles", record)
 
 
 @functools.cache
@@ -64,9 +57,7 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_argument, state_type = law.properties_argument, law.state_type
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
-    increment_of_point, varies = make_increment_of_point(law, precision), law.varies
-    elastic_trial, j2 = make_elastic_trial(precision), make_j2(precision)
-    stress_update = make_stress_update(law, precision)
+    plastic_step, j2 = make_plastic_step(law, precision), make_j2(precision)
     steps = wp.constant(real(AUDIT_INTERVAL))
 
     key = f"{law.key}.{precision.numpy_name}"
@@ -89,22 +80,15 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
         cell = particle_cell[p]
         if cell[0] < 0:
             return
-        increment = cell_stress_increment[cell[1] * column_count + cell[0]]
-        remembered = state_of_point(particle_state, p)
-        own = properties_of_point(properties, p)
-        trial = elastic_trial(particle_stress[p], increment_of_point(increment, own))
-        sigma, _ = stress_update(
+        _, relaxed, ratio = plastic_step(
             particle_stress[p],
-            increment,
+            cell_stress_increment[cell[1] * column_count + cell[0]],
             shear_modulus,
             bulk_modulus,
             time_step,
-            own,
-            remembered,
+            properties_of_point(properties, p),
+            state_of_point(particle_state, p),
         )
-        own_modulus = shear_modulus
-        if wp.static(varies):
-            own_modulus = own[0] * shear_modulus
-        particle_plastic_strain[p] += steps * wp.sqrt(j2(trial - sigma)) / own_modulus
+        particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / (ratio * shear_modulus)
 
     return record_plastic_strain

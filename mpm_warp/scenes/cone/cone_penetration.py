@@ -22,6 +22,7 @@ from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import rate_and_softening
 from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.cone.energy_balance import EnergyBalance, check_balance
 from mpm_warp.scenes.cone.known_error import known_error
 from mpm_warp.scenes.cone.measured_error import Run, further_tests, with_measured_error
 from mpm_warp.scenes.cone.parameters import ConeTest
@@ -104,6 +105,7 @@ class ConePenetration(ConeTest):
             window=self._window,
             conservative_interpolation=True,
             energy_audit=True,
+            energy_balance=self.energy_audit == "balance",
             precision=self.precision,
         )
 
@@ -233,6 +235,7 @@ class ConePenetration(ConeTest):
             slowing=slowing,
             tolerance=self.steady_tolerance,
         )
+        balances = [EnergyBalance(simulation)] if self.energy_audit == "balance" else []
         views = []
         if snapshots is not None:
             parameters = parameter_variables(self, [AXIS])
@@ -247,7 +250,7 @@ class ConePenetration(ConeTest):
             simulation,
             [sample * spacing for sample in range(1, sample_count + 1)],
             simulation.travel_to,
-            [curves, pressures, *views],
+            [curves, pressures, *balances, *views],
             progress,
             is_over=curves.is_steady,
         )
@@ -266,6 +269,8 @@ class ConePenetration(ConeTest):
         cell_size = self.cell_size / self.cone_radius
         results = results.assign(known_error(self, cell_size=cell_size, recorded=results))
         check_energy(results)
+        if balances:
+            check_balance(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():
             check_levelled(results)
         check_bound(

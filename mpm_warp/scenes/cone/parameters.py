@@ -47,6 +47,7 @@ class ConeTest(CatalogueScene):
         "poissons_ratio_bound",
         "precision",
         "uncertainty",
+        "energy_audit",
     )
 
     rigidity_index: float = shared_parameters.rigidity_index(2, 5000)
@@ -157,6 +158,13 @@ class ConeTest(CatalogueScene):
         meaning="how the error of the cone factor is told: known from other cases, or measured by "
         "four further runs of this one, which take some ten times as long",
         choices=("known", "measured"),
+    )
+    energy_audit: str = parameter(
+        "transfers",
+        unit="1",
+        meaning="what is told of energy: what the transfers of the method dissipate, or the "
+        "balance, where all work of the penetrometer goes",
+        choices=("transfers", "balance"),
     )
 
     @property

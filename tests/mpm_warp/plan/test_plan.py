@@ -111,12 +111,24 @@ def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_tak
     assert plan.step == []
 
 
-def test_launches_are_added_at_the_end_and_found_by_name(plan: Plan) -> None:
+def test_launches_are_added_at_the_end(plan: Plan) -> None:
     values = plan.add_zeros("cell.volume", "real", 5)
     plan.add_launch(clear, 5, values=values)
     plan.add_launch(scale, 5, factor=2.0)
     assert [launch.name for launch in plan.step] == ["clear", "scale"]
-    assert plan.position_after("clear") == 1
+
+
+def test_records_stand_in_the_audited_step_where_they_are_asked_for(plan: Plan) -> None:
+    values = plan.add_zeros("cell.volume", "real", 5)
+    plan.add_launch(clear, 5, values=values)
+    plan.add_launch(scale, 5, factor=2.0)
+    cleared, scaled = plan.step
+    first, before, after = (plan.launch(clear, 5, values=values) for _ in range(3))
+    plan.audit_before("scale", before)
+    plan.audit_after("scale", after)
+    plan.audit_first(first)
+    assert plan.audited_step == [first, cleared, before, scaled, after]
+    assert plan.step == [cleared, scaled]
 
 
 def test_all_launches_are_listed_once(plan: Plan) -> None:

@@ -1,0 +1,219 @@
+"""Energy balance: every 16th step also records where the work of a body on the soil goes.
+
+Symbols: m mass of a node, M the greater of it and its least mass, u velocity before the step, w by
+the stress of the soil alone, g with what the ground around does beside it, v after the step,
+x = (u + v) / 2, B velocity of the body; V volume, b viscosity, d rate of dilation of a cell; tau
+trial stress, sigma stress after the law of the material, e elastic energy per volume, dev the
+deviator, G and K moduli. Added up are, of each node, cell and point,
+
+    by the body     m (v - g).B, of it to the soil m (v - g).x: the rest is sliding
+    by the ground   m (g - w).x
+    kinetic         m (v.v - u.u) / 2
+    least mass      (m - M) (w - u).x: what it keeps from the work of stress
+    viscous         V b d^2 dt
+    plastic         V sigma:dev(tau - sigma) / 2G
+    elastic         V (e(sigma) - e(before)),   e = dev sigma:dev sigma / 4G + (tr sigma)^2 / 18K
+
+The velocity x makes the works of a node those of its kinetic energy, exactly. What is left of them
+is the work of stress; that in cells and points is the same, found in another way. Points have the
+volume that the step gives them: together they fill their cell.
+"""
+
+import functools
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.elasticity import make_plastic_step
+from mpm_warp.materials.material import (
+    Law,
+    Material,
+    make_properties_of_point,
+    make_state_of_point,
+)
+from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import Precision
+
+OF_NODES, OF_CELLS, OF_POINTS = "balance.nodes", "balance.cells", "balance.points"
+"""The arrays of work [J] per radian: of nodes (by the body, of it to the soil, by the ground,
+kinetic, least mass), of cells (viscous), of slots (plastic, elastic)."""
+
+
+def add_energy_balance(plan: Plan, grid: Grid, material: Material) -> None:
+    """Add the records to the audited step of a plan that is complete, with window and contact."""
+    precision, law = plan.precision, material.law(plan.precision)
+    slots = plan.arrays["particle.mass"].shape
+    plan.add_zeros("balance.by_stress", "vec2", grid.node_count)
+    plan.add_zeros("balance.by_ground", "vec2", grid.node_count)
+    plan.add_zeros("balance.specific_volume", "real", grid.cell_count)
+    plan.add_zeros(OF_NODES, "vec5", grid.node_count)
+    plan.add_zeros(OF_CELLS, "real", grid.cell_count)
+    plan.add_zeros(OF_POINTS, "vec2", slots)
+    by_stress, by_ground = (
+        plan.launch(_make_keep_velocity(precision), grid.node_count, kept=name)
+        for name in ("balance.by_stress", "balance.by_ground")
+    )
+    of_nodes = plan.launch(_make_work_of_nodes(precision), grid.node_count)
+    of_cells = plan.launch(_make_work_of_cells(plan.share_count, precision), grid.cell_count)
+    of_points = plan.launch(
+        _make_work_of_points(law, precision),
+        slots,
+        column_count=grid.column_count,
+        shear_modulus=material.shear_modulus,
+        bulk_modulus=material.bulk_modulus,
+        properties=material.properties_argument(law),
+        particle_state=plan.find("particle.state"),
+    )
+    # Cells still have the mass of their points, and the rates of the step before.
+    plan.audit_before("cell_stress", of_cells)
+    plan.audit_after("momentum", by_stress)
+    plan.audit_before("surface_contact", by_ground)
+    plan.audit_after("surface_contact", of_nodes)
+    # The rates of cells are known, and points still have the stress before the law.
+    plan.audit_before("grid_to_particles", of_points)
+
+
+@functools.cache
+def _make_keep_velocity(precision: Precision) -> Any:
+    """The kernel, launched over nodes."""
+    vec2, vec4 = precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.keep_velocity.{precision.numpy_name}", enable_backward=False)
+    def keep_velocity(
+        offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.array(dtype=vec2)
+    ):
+        node = offset + wp.tid()
+        v = node_velocities[node]
+        kept[node] = vec2(v[0], v[1])
+
+    return keep_velocity
+
+
+@functools.cache
+def _make_work_of_nodes(precision: Precision) -> Any:
+    """The kernel, launched over nodes."""
+    real, vec2, vec4, vec5 = precision.real, precision.vec2, precision.vec4, precision.vec5
+    half = wp.constant(real(0.5))
+
+    @wp.kernel(module=f"mpm_warp.work_of_nodes.{precision.numpy_name}", enable_backward=False)
+    def work_of_nodes(
+        offset: int,
+        node_velocities: wp.array(dtype=vec4),
+        node_mass: wp.array(dtype=real),
+        node_least_mass: wp.array(dtype=real),
+        window_motion: wp.array(dtype=wp.float64),
+        balance_by_stress: wp.array(dtype=vec2),
+        balance_by_ground: wp.array(dtype=vec2),
+        balance_nodes: wp.array(dtype=vec5),
+    ):
+        node = offset + wp.tid()
+        m, velocities = node_mass[node], node_velocities[node]
+        M = wp.max(m, node_least_mass[node])
+        u, v = vec2(velocities[2], velocities[3]), vec2(velocities[0], velocities[1])
+        w, g = balance_by_stress[node], balance_by_ground[node]
+        x = half * (u + v)
+        # The body sinks at the speed at which the soil passes the grid.
+        B = vec2(real(0.0), -real(window_motion[1]))
+        balance_nodes[node] = balance_nodes[node] + vec5(
+            m * wp.dot(v - g, B),
+            m * wp.dot(v - g, x),
+            m * wp.dot(g - w, x),
+            half * m * (wp.dot(v, v) - wp.dot(u, u)),
+            (m - M) * wp.dot(w - u, x),
+        )
+
+    return work_of_nodes
+
+
+@functools.cache
+def _make_work_of_cells(share_count: int, precision: Precision) -> Any:
+    """The kernel, launched over cells; it leaves their volume over the mass of their points too."""
+    real = precision.real
+    key = f"{share_count}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.work_of_cells.{key}", enable_backward=False)
+    def work_of_cells(
+        offset: int,
+        cell_mass: wp.array2d(dtype=real),
+        cell_volume: wp.array(dtype=real),
+        cell_viscosity: wp.array(dtype=real),
+        cell_dilation_rate: wp.array(dtype=real),
+        time_step: real,
+        balance_specific_volume: wp.array(dtype=real),
+        balance_cells: wp.array(dtype=real),
+    ):
+        c = offset + wp.tid()
+        V, d = cell_volume[c], cell_dilation_rate[c]
+        m = real(0.0)
+        for share in range(wp.static(share_count)):
+            m += cell_mass[share, c]
+        if m > real(0.0):
+            balance_specific_volume[c] = V / m
+        balance_cells[c] = balance_cells[c] + V * cell_viscosity[c] * d * d * time_step
+
+    return work_of_cells
+
+
+@functools.cache
+def _make_work_of_points(law: Law, precision: Precision) -> Any:
+    """The kernel, launched over slots of particles."""
+    real, vec2, vec4, vec7 = precision.real, precision.vec2, precision.vec4, precision.vec7
+    properties_argument, state_type = law.properties_argument, law.state_type
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
+    plastic_step, j2 = make_plastic_step(law, precision), make_j2(precision)
+    two, three, eighteen = (wp.constant(real(x)) for x in (2.0, 3.0, 18.0))
+
+    @wp.func
+    def elastic_energy(sigma: vec4, G: real, K: real) -> real:
+        trace = sigma[0] + sigma[1] + sigma[3]
+        return j2(sigma) / (two * G) + trace * trace / (eighteen * K)
+
+    @wp.func
+    def on_deviator(sigma: vec4, e: vec4) -> real:
+        mean = (e[0] + e[1] + e[3]) / three
+        along_axes = sigma[0] * (e[0] - mean) + sigma[1] * (e[1] - mean) + sigma[3] * (e[3] - mean)
+        return along_axes + two * sigma[2] * e[2]
+
+    @wp.kernel(
+        module=f"mpm_warp.work_of_points.{law.key}.{precision.numpy_name}", enable_backward=False
+    )
+    def work_of_points(
+        offset: int,
+        particle_cell: wp.array(dtype=wp.vec2i),
+        particle_mass: wp.array(dtype=real),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
+        cell_stress_increment: wp.array(dtype=vec7),
+        column_count: int,
+        shear_modulus: real,
+        bulk_modulus: real,
+        time_step: real,
+        properties: properties_argument,
+        balance_specific_volume: wp.array(dtype=real),
+        balance_points: wp.array(dtype=vec2),
+    ):
+        p = offset + wp.tid()
+        cell = particle_cell[p]
+        if cell[0] < 0:
+            return
+        c = cell[1] * column_count + cell[0]
+        before = particle_stress[p]
+        sigma, relaxed, ratio = plastic_step(
+            before,
+            cell_stress_increment[c],
+            shear_modulus,
+            bulk_modulus,
+            time_step,
+            properties_of_point(properties, p),
+            state_of_point(particle_state, p),
+        )
+        G, K = ratio * shear_modulus, ratio * bulk_modulus
+        V = particle_mass[p] * balance_specific_volume[c]
+        balance_points[p] = balance_points[p] + V * vec2(
+            on_deviator(sigma, relaxed) / (two * G),
+            elastic_energy(sigma, G, K) - elastic_energy(before, G, K),
+        )
+
+    return work_of_points

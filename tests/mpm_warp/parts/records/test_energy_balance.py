@@ -1,0 +1,154 @@
+"""The energy balance: the works of nodes, cells and points, told again by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parts.records.energy_balance import OF_CELLS, OF_NODES, OF_POINTS
+from mpm_warp.plan.plan import AUDIT_INTERVAL
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+ROUNDING = 1e-9
+"""What sums over nodes and steps are exact to, generously."""
+
+
+@pytest.fixture
+def balanced(cone: Scene) -> Scene:
+    return dataclasses.replace(cone, energy_balance=True)
+
+
+def works_by_hand(simulation: Simulation) -> dict[str, float]:
+    """Of the step to come: works at the nodes by what the body bears and what cells press with."""
+    scene = simulation.scene
+    assert isinstance(scene, Scene)
+    contact, grid = scene.contact, scene.grid
+    assert contact is not None
+    speed = simulation.array("window.motion")[1]
+    simulation.assign("contact.impulse", 0.0)
+    viscous = grid.cell_volumes * simulation.array("cell.viscosity")
+    viscous = viscous * simulation.array("cell.dilation_rate") ** 2 * simulation.plan.time_step
+    simulation.advance(1)
+    velocities, mass = simulation.array("node.velocities"), simulation.array("node.mass")
+    least = np.maximum(mass, simulation.array("node.least_mass"))
+    after, before = velocities[:, :2], velocities[:, 2:4]
+    middle = 0.5 * (after + before)
+    normals = contact.normals
+    along = np.stack([normals[:, 1], -normals[:, 0]], axis=-1)
+    normal, shear = simulation.array("contact.impulse").T
+    on_body = normal[:, None] * normals + shear[:, None] * along
+    by_stress = simulation.plan.time_step * nodal_forces(simulation)
+    of_stress = float(np.sum(by_stress * middle))
+    kept = float(np.sum((mass / least - 1.0)[:, None] * by_stress * middle))
+    kinetic = 0.5 * float(mass @ np.sum(after**2 - before**2, axis=1))
+    to_soil = -float(np.sum(on_body * middle[contact.nodes]))
+    return {
+        "body": float(on_body[:, 1].sum()) * speed,
+        "to_soil": to_soil,
+        "ground": kinetic - to_soil - of_stress - kept,
+        "kinetic": kinetic,
+        "least_mass": kept,
+        "viscous": float(viscous.sum()),
+        "of_stress": of_stress,
+    }
+
+
+def nodal_forces(simulation: Simulation) -> Floats:
+    """Minus the divergence of the stress of the cells, at the nodes [N], shape [node_count, 2]."""
+    scene = simulation.scene
+    assert isinstance(scene, Scene)
+    grid, stress = scene.grid, simulation.array("cell.stress")
+    force = np.zeros((grid.node_count, 2))
+    cell = np.arange(grid.cell_count)
+    first = cell + cell // grid.column_count
+    corners = (first, first + 1, first + grid.column_count + 1, first + grid.column_count + 2)
+    for corner, of_shape in zip(corners, np.moveaxis(grid.gradient_integrals, 1, 0), strict=True):
+        radial = np.sum(stress[:, [0, 2, 3]] * of_shape, axis=1)
+        vertical = np.sum(stress[:, [2, 1]] * of_shape[:, :2], axis=1)
+        np.add.at(force, corner, -np.stack([radial, vertical], axis=-1))
+    return force
+
+
+def test_works_at_nodes_and_in_cells_are_those_of_the_audited_steps(balanced: Scene) -> None:
+    """Of every 16th step from the first, whatever is between."""
+    simulation = Simulation(balanced)
+    works = []
+    for _ in range(60):
+        works.append(works_by_hand(simulation))
+        simulation.advance(AUDIT_INTERVAL - 1)
+    sums = {name: sum(it[name] for it in works) for name in works[0]}
+    recorded = [*simulation.array(OF_NODES).sum(axis=0), simulation.array(OF_CELLS).sum()]
+    for name, value in zip(sums, recorded, strict=False):
+        assert value == pytest.approx(sums[name], abs=ROUNDING * sums["body"]), name
+    assert sums["body"] > sums["to_soil"] > 0.0  # what is left slides
+    assert sums["ground"] != 0.0
+    assert sums["viscous"] > 0.0
+
+
+def left_between_nodes_and_points(scene: Scene) -> float:
+    """Work of stress at the nodes less that in cells and points, over the work of the body."""
+    simulation = Simulation(scene)
+    simulation.travel_to(1.5)
+    body, to_soil, ground, kinetic, least_mass = simulation.array(OF_NODES).sum(axis=0)
+    of_stress = to_soil + ground - kinetic + least_mass
+    in_soil = simulation.array(OF_CELLS).sum() + simulation.array(OF_POINTS).sum()
+    return float((of_stress - in_soil) / body)
+
+
+def test_the_work_of_stress_is_that_in_cells_and_points(balanced: Scene) -> None:
+    """But for what stress changes within a step, which goes with its length."""
+    coarse, fine = (
+        abs(left_between_nodes_and_points(dataclasses.replace(balanced, time_step_fraction=it)))
+        for it in (0.8, 0.2)
+    )
+    assert coarse < 0.01
+    assert fine < 0.5 * coarse
+
+
+def test_elastic_soil_has_no_plastic_work(balanced: Scene) -> None:
+    soil = LinearElastic(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
+    scene = dataclasses.replace(balanced, material=soil)
+    simulation = Simulation(scene)
+    simulation.travel_to(0.5)
+    plastic, elastic = simulation.array(OF_POINTS).sum(axis=0)
+    assert elastic > 0.0
+    assert abs(plastic) < ROUNDING * elastic
+    assert abs(left_between_nodes_and_points(scene)) < 0.01
+
+
+def test_a_scene_without_balance_has_none_of_it_and_the_same_run(
+    cone: Scene, balanced: Scene
+) -> None:
+    plain, recorded = Simulation(cone), Simulation(balanced)
+    for simulation in (plain, recorded):
+        simulation.advance(100)
+    for name in plain.plan.arrays:
+        np.testing.assert_array_equal(plain.array(name), recorded.array(name), err_msg=name)
+    own = set(recorded.plan.arrays) - set(plain.plan.arrays)
+    assert {OF_NODES, OF_CELLS, OF_POINTS} < own
+    step, audited = (
+        [it.name for it in part]
+        for part in (make_plan(balanced).step, make_plan(balanced).audited_step)
+    )
+    assert step == [it.name for it in make_plan(cone).step]
+    assert len(audited) == len(make_plan(cone).audited_step) + 5
+
+
+@pytest.mark.parametrize("name", ["window", "contact", "bulk_viscosity", "energy_audit"])
+def test_a_balance_needs_what_it_is_a_balance_of(
+    balanced: Scene,
+    refused: Callable[[Callable[[], object], type[Exception], str], None],
+    name: str,
+) -> None:
+    without = False if name == "energy_audit" else None
+    refused(
+        lambda: dataclasses.replace(balanced, **{name: without}), SceneError, f"not without {name}"
+    )
