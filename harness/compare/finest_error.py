@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,7 @@ from harness.archive.conventions import (
     uncertainty_of,
     with_role,
 )
+from harness.compare.cone_factors import NothingToCompareError
 from harness.study.compared import ERROR, ERROR_FINEST
 
 FLOOR = "error_floor"
@@ -26,44 +28,53 @@ def error_name(dataset: xr.Dataset) -> str | None:
     return next((name for name in (ERROR, ERROR_FINEST) if name in dataset), None)
 
 
-def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
+def with_finest_error(
+    dataset: xr.Dataset, method: Sequence[str], reference: xr.Dataset | None = None
+) -> xr.Dataset:
     """Add the error of each case against the best known one, where no exact error is known.
 
-    Cases are alike that differ only in parameters of the method. The reference is the one among
-    them with the smallest stated uncertainty, or where none states any the costliest, by particle
-    updates; it has itself no error. Its relative uncertainty is the floor, below which no error
-    says anything. A case whose headline has not settled has no error and is no reference.
+    Cases are alike that differ only in parameters of the method. The best known one among them is
+    that of the reference, or else the one with the smallest stated uncertainty, or where none
+    states any the costliest, by particle updates; it has itself no error. Its relative uncertainty
+    is the floor, below which no error says anything. A case whose headline has not settled has no
+    error and is not the best known one.
 
     Args:
         dataset: the result of a study of one scene.
         method: the parameters of the method, which the scene names.
+        reference: a result whose cases stand for the true values of those alike; or none.
+
+    Raises:
+        NothingToCompareError: no case is like one of the reference.
     """
     headlines = with_role(dataset, Role.HEADLINE)
     if ERROR in dataset or not (method and headlines and "particle_updates" in dataset):
         return dataset
-    values, cost = over_cases(dataset, headlines[0]), over_cases(dataset, "particle_updates")
-    half_width = uncertainty_of(dataset)
-    settled = over_cases(dataset, next(iter(with_role(dataset, Role.SETTLED)), 1.0)) != 0.0
+    values, _, sound = _what_is_known(dataset)
+    given = {} if reference is None else _best_known(reference, method)
+    groups = _alike(dataset, method)
+    if given and not given.keys() & groups.keys():
+        raise NothingToCompareError("no case differs from one of it in the method alone")
+    best = _best_known(dataset, method)
     error, floor = np.full(values.shape, np.nan), np.full(values.shape, np.nan)
-    for cases in _alike(dataset, method):
-        sound = cases[np.isfinite(values[cases]) & settled[cases]]
-        if len(sound) < 2:
+    for soil, cases in groups.items():
+        if soil not in given and soil not in best:
             continue
-        known = sound[np.isfinite(half_width[sound])]
-        if len(known):
-            reference = known[np.argmin(half_width[known])]
-        else:
-            reference = sound[np.argmax(cost[sound])]
-        others = sound[sound != reference]
-        error[others] = np.abs(values[others] / values[reference] - 1.0)
-        floor[others] = half_width[reference] / values[reference]
+        known = given.get(soil) or best[soil]
+        others = cases[sound[cases]]
+        if soil not in given:
+            others = others[others != known.case]
+        error[others] = np.abs(values[others] / known.value - 1.0)
+        floor[others] = known.half_width / known.value
     if not np.isfinite(error).any():
         return dataset
     labels = {
         "units": "1",
         "long_name": f"error of the {spoken(headlines[0])}",
         "description": "relative difference from the case that is known best, or else the one with "
-        "most particle updates, among those that differ in the method alone; that one has none",
+        "most particle updates, among those that differ in the method alone; that one has none"
+        if reference is None
+        else f"relative difference from the result of the study {reference.attrs['study']}",
         "role": Role.ERROR,
     }
     status = dataset["status"]
@@ -78,14 +89,46 @@ def with_finest_error(dataset: xr.Dataset, method: Sequence[str]) -> xr.Dataset:
     return dataset.assign(added)
 
 
-def _alike(dataset: xr.Dataset, method: Sequence[str]) -> list[np.ndarray]:
+@dataclass(frozen=True)
+class _Known:
+    """The case that is known best among those alike."""
+
+    case: int
+    value: float
+    half_width: float
+
+
+def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, _Known]:
+    """The best known case of each group of sound cases that are alike."""
+    values, half_width, sound = _what_is_known(dataset)
+    cost = over_cases(dataset, "particle_updates")
+    best = {}
+    for soil, alike in _alike(dataset, method).items():
+        cases = alike[sound[alike]]
+        stating = cases[np.isfinite(half_width[cases])]
+        if len(cases):
+            case = (
+                stating[np.argmin(half_width[stating])]
+                if len(stating)
+                else cases[np.argmax(cost[cases])]
+            )
+            best[soil] = _Known(int(case), float(values[case]), float(half_width[case]))
+    return best
+
+
+def _what_is_known(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Headline and half width of each case, and whether it is there and has settled."""
+    values = over_cases(dataset, with_role(dataset, Role.HEADLINE)[0])
+    settled = over_cases(dataset, next(iter(with_role(dataset, Role.SETTLED)), 1.0)) != 0.0
+    return values, uncertainty_of(dataset), np.isfinite(values) & settled
+
+
+def _alike(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, np.ndarray]:
     """Indices of the cases that agree in all parameters but those of the method, by group."""
-    columns = [
-        over_cases(dataset, stored).tolist()
-        for name, stored in parameter_names(dataset).items()
-        if name not in method
-    ]
+    names = {name: it for name, it in parameter_names(dataset).items() if name not in method}
+    columns = [over_cases(dataset, names[name]).tolist() for name in sorted(names)]
     groups: dict[str, list[int]] = {}
     for case, values in enumerate(zip(*columns, strict=True)):
-        groups.setdefault(repr(values), []).append(case)
-    return [np.array(group) for group in groups.values()]
+        soil = repr(dict(zip(sorted(names), values, strict=True)))
+        groups.setdefault(soil, []).append(case)
+    return {soil: np.array(group) for soil, group in groups.items()}

@@ -17,7 +17,7 @@ from harness.archive.conventions import COMPLETED, NO_FIELDS, TRACEBACK, UNTIMED
 from harness.archive.fields_files import has_fields
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
-from harness.archive.study_files import study_file, write_study
+from harness.archive.study_files import read_study, study_file, write_study
 from harness.compare.cone_factors import NothingToCompareError, with_references
 from harness.compare.experience import with_experience
 from harness.compare.finest_error import with_finest_error
@@ -49,7 +49,7 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
     """
     dataset = collect(study, case_folder(out, study))
     if len(study.parts) == 1:
-        dataset = with_finest_error(dataset, study.parts[0].scene.method)
+        dataset = _with_errors(dataset, study)
     dataset = with_tolerances(dataset, study.tolerances)
     try:
         dataset = with_references(dataset, study.references)
@@ -58,6 +58,17 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
     dataset = with_experience(dataset, study.experience)
     write_study(study_file(out, study), dataset)
     return dataset
+
+
+def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
+    """The dataset with the error of each case, where no exact solution gives it."""
+    method, result = study.parts[0].scene.method, study.reference_result
+    reference = None if result is None else read_study(result)
+    try:
+        return with_finest_error(dataset, method, reference)
+    except NothingToCompareError as error:
+        tell(f"{result}: {error}")
+        return with_finest_error(dataset, method)
 
 
 def outcomes(study: Study, out: Path) -> list[Outcome]:

@@ -1,20 +1,26 @@
-"""What a study is compared with: ``[compare]``, its references, its experience, its tolerances."""
+"""What a study is compared with: ``[compare]``.
+
+That is references, the result of another study, experience, and tolerances.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from harness.references.cone_factors import COMPARED, reference_ids
 from harness.references.experience import experience_ids
+from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
-from harness.study.tables import Table, shown
+from harness.study.tables import StudyError, Table, shown
 from mpm_warp.parameters import did_you_mean, nearest_name
 
 ERROR = "error"
 """Result with the error against the exact solution, of scenes that have one."""
 ERROR_FINEST = "error_finest"
-"""Result with the error against the finest case of the study, of scenes without an exact one."""
+"""Result with the error against the case known best, of scenes without an exact solution."""
+REFERENCE_STUDY = "reference_study"
 MISSPELT = 0.85
 """Likeness from which on a name is a slip; two results of a scene are less alike."""
 
@@ -24,20 +30,22 @@ class Compared:
     """What a result is compared with; every name is known. See `Study`."""
 
     references: tuple[str, ...]
+    reference_result: Path | None
     experience: tuple[str, ...]
     tolerances: Mapping[str, float]
 
 
-def read_compared(table: Table, parts: Sequence[ScenePart]) -> Compared:
-    """What a study with these scenes is compared with.
+def read_compared(table: Table, parts: Sequence[ScenePart], folder: Path) -> Compared:
+    """What a study with these scenes, whose file is in a folder, is compared with.
 
     Raises:
         StudyError: a name is unknown, or of what no scene here can be compared with.
     """
-    table.allow("references", "experience", "tolerance")
+    table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
     references = _ids(table, "references", "reference", reference_ids(), parts)
     return Compared(
         references=references,
+        reference_result=_reference_result(table, parts, folder),
         experience=_ids(table, "experience", "band of experience", experience_ids(), parts),
         tolerances=_tolerances(table.table("tolerance"), references, parts),
     )
@@ -46,6 +54,23 @@ def read_compared(table: Table, parts: Sequence[ScenePart]) -> Compared:
 def takes_references(scene: Scene) -> bool:
     """Whether a scene gives what the references and the experience are of."""
     return scene.comparable == COMPARED
+
+
+def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) -> Path | None:
+    """The result, kept beside its study, whose cases stand for the true values."""
+    if REFERENCE_STUDY not in table.values:
+        return None
+    if len(parts) > 1 or not takes_references(parts[0].scene):
+        raise table.refuse(REFERENCE_STUDY, f"needs one scene, which gives a {COMPARED}")
+    try:
+        result = find_study(table.text(REFERENCE_STUDY, ""), folder).with_suffix(".nc")
+    except StudyError as error:
+        raise table.refuse(REFERENCE_STUDY, str(error)) from None
+    if not result.is_file():
+        raise table.refuse(
+            REFERENCE_STUDY, f"its result {result} is missing: run that study, and put it there"
+        )
+    return result
 
 
 def _ids(

@@ -42,6 +42,8 @@ def study_rows(study: Study) -> list[str]:
         rows += [f"{title:12} {text}" for title, text in _of_part(part)]
     if study.references:
         rows.append(f"{'references':12} {', '.join(study.references)}")
+    if study.reference_result is not None:
+        rows.append(f"{'errors from':12} {study.reference_result}")
     if study.experience:
         rows.append(f"{'experience':12} {', '.join(study.experience)}")
     rows += [f"{'tolerance':12} {name} = {limit:g}" for name, limit in study.tolerances.items()]

@@ -12,6 +12,7 @@ from typing import Any
 
 from harness.references.cone_factors import reference_ids
 from harness.references.experience import experience_ids
+from harness.study.compared import REFERENCE_STUDY
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
 from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
@@ -61,7 +62,12 @@ def study_schema() -> Schema:
             description="what holds for one scene of several",
         ),
         "compare": _table(
-            {"references": references, "experience": experience, "tolerance": tolerance}
+            {
+                "references": references,
+                REFERENCE_STUDY: line | {"description": "study whose kept result tells the errors"},
+                "experience": experience,
+                "tolerance": tolerance,
+            }
         ),
         "timing": _table({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
     }

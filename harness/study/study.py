@@ -69,6 +69,7 @@ class Study:
         parts: one for each scene.
         design: how the varied values are combined.
         references: literature references to compare with.
+        reference_result: result whose cases stand for the true values of errors; or none.
         experience: bands of factors measured in the field, to set beside the result.
         tolerances: largest deviation from a reference, or largest size of a result, by name.
         timing_repeats: times to run each case again, alone on the machine, to measure its run
@@ -81,6 +82,7 @@ class Study:
     parts: tuple[ScenePart, ...]
     design: Design
     references: tuple[str, ...]
+    reference_result: Path | None
     experience: tuple[str, ...]
     tolerances: Mapping[str, float]
     timing_repeats: int
@@ -192,13 +194,14 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         _check_assignments(document, of_scene)
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
-    compared = read_compared(document.table("compare"), parts)
+    compared = read_compared(document.table("compare"), parts, path.parent)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
         references=compared.references,
+        reference_result=compared.reference_result,
         experience=compared.experience,
         tolerances=compared.tolerances,
         timing_repeats=_timing_repeats(document),

@@ -1,10 +1,12 @@
-"""The error of each case against the costliest one."""
+"""The error of each case against the one that is known best."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import xarray as xr
 
+from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.study.compared import ERROR_FINEST
 
@@ -56,3 +58,33 @@ def test_a_case_that_has_not_settled_has_no_error_and_is_no_reference(
     dataset = stating(two_soils, [np.nan] * 3, [1.0, 1.0, 0.0])
     error = with_finest_error(dataset, ["cells_per_radius"])[ERROR_FINEST].values[0]
     np.testing.assert_allclose(error, [9.9 / 9.18 - 1.0, np.nan, np.nan], rtol=1e-12)
+
+
+def kept(dataset: xr.Dataset, cells: float, factor: float, half_width: float) -> xr.Dataset:
+    """The result of a study of one case of the first soil, on another mesh."""
+    one = dataset.drop_vars(ERROR_FINEST).isel(rigidity_index=[0], cells_per_radius=[0])
+    one = one.assign_coords(cells_per_radius=("cells_per_radius", [cells], {"role": "parameter"}))
+    one["cone_factor"][:] = factor
+    width = ("cells_per_radius", [half_width], {"role": "uncertainty"})
+    return one.assign(cone_factor_uncertainty=width).assign_attrs(study="kept")
+
+
+def test_a_kept_reference_stands_for_the_true_value_of_its_soil(two_soils: xr.Dataset) -> None:
+    """The soil that it is not of keeps the best known case of its own."""
+    bare = two_soils.drop_vars(ERROR_FINEST)
+    told = with_finest_error(bare, ["cells_per_radius"], kept(two_soils, 8.0, 9.2, 0.05))
+    error, floor = told[ERROR_FINEST], told[FLOOR]
+    own = bare.cone_factor.sel(rigidity_index=50.0).values
+    np.testing.assert_allclose(error.sel(rigidity_index=50.0), abs(own / 9.2 - 1.0), rtol=1e-12)
+    np.testing.assert_allclose(floor.sel(rigidity_index=50.0), 0.05 / 9.2, rtol=1e-12)
+    np.testing.assert_array_equal(
+        error.sel(rigidity_index=100.0), two_soils[ERROR_FINEST].sel(rigidity_index=100.0)
+    )
+    assert "study kept" in error.attrs["description"]
+
+
+def test_a_kept_reference_of_another_soil_is_none(two_soils: xr.Dataset) -> None:
+    other = kept(two_soils, 8.0, 9.2, 0.05).assign(adhesion_factor=0.7)
+    other["adhesion_factor"].attrs["role"] = "parameter"
+    with pytest.raises(NothingToCompareError, match="in the method alone"):
+        with_finest_error(two_soils.drop_vars(ERROR_FINEST), ["cells_per_radius"], other)

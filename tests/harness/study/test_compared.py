@@ -47,6 +47,22 @@ REFUSED = {
         POINT.replace("material_point", "strip_footing") + 'references = ["lu_2004"]',
         "no scene here gives a cone_factor, which they are of",
     ),
+    "reference study misspelt": (
+        CONE + 'reference_study = "work_precision_referense"',
+        "no such study; did you mean 'work_precision_reference'?",
+    ),
+    "reference study without a result": (
+        CONE + 'reference_study = "mesh_size"',
+        "mesh_size.nc is missing: run that study, and put it there",
+    ),
+    "reference study of no cone": (
+        POINT + 'reference_study = "work_precision_reference"',
+        "needs one scene, which gives a cone_factor",
+    ),
+    "reference study of two scenes": (
+        BOTH + 'reference_study = "work_precision_reference"',
+        "needs one scene, which gives a cone_factor",
+    ),
     "references of no cone": (
         POINT + 'references = ["lu_2004"]',
         "no scene here gives a cone_factor, which they are of",

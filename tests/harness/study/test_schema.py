@@ -34,6 +34,7 @@ INVALID = {
     "unknown key": "scenne = 1",
     "reference": '[compare]\nreferences = ["lu_2005"]',
     "experience": '[compare]\nexperience = ["lu_2004"]',
+    "reference study": "[compare]\nreference_study = 1",
     "repeats": "[timing]\nrepeats = 0",
     "misspelt case": "[[case]]\ndensty = 1",
     "unknown scene": "[scenes.cone_penetratoin.fixed]\ndensity = 1",
