@@ -21,11 +21,14 @@ import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, check_number
 from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Law, PerfectlyPlastic
 from mpm_warp.precision import Precision
 
 STEEPEST = 0.5
 """Greatest slope of the strength over G; at 1 the stress would fall without any strain."""
+SHEAR_MODULUS = 3
+"""Place of G among the properties."""
 LARGEST_RATE = 1e6
 """Shear strain rate over that of reference which slope and limit pressure count with."""
 
@@ -58,8 +61,6 @@ class EinavRandolph(PerfectlyPlastic):
         check_number(
             "material: reference_strain_rate", self.reference_strain_rate, POSITIVE, unit="1/s"
         )
-        if self.variation is not None:
-            raise SceneError("material: variation: not together with softening or a rate effect")
         ratio = self.remoulded_strength_ratio
         check_number("material: remoulded_strength_ratio", ratio, Range(above=0.0, maximum=1.0))
         check_number("material: ductility", self.ductility, POSITIVE)
@@ -84,7 +85,10 @@ class EinavRandolph(PerfectlyPlastic):
     def slope(self) -> float:
         """Greatest fall of the strength per plastic shear strain, over G: that of intact clay."""
         fall = 3.0 * (1.0 - self.remoulded_strength_ratio) / self.ductility
-        return fall * self._greatest_strength / self.shear_modulus
+        least_stiff = (
+            1.0 if self.variation is None else self.variation.greatest_strength_over_stiffness
+        )
+        return least_stiff * fall * self._greatest_strength / self.shear_modulus
 
     @property
     def state(self) -> tuple[str, ...]:
@@ -103,6 +107,12 @@ class EinavRandolph(PerfectlyPlastic):
             self.rate_factor / math.log(10.0),
             1.0 / self.reference_strain_rate,
         )
+
+    def properties_at(self, place: Floats) -> Floats:
+        """See `Material`; the shear modulus that the return is made with is that of the point."""
+        own = super().properties_at(place)
+        own[..., 1 + SHEAR_MODULUS] *= own[..., 0]
+        return own
 
     @property
     def limit_pressure(self) -> float:
@@ -216,7 +226,7 @@ def _make_update(law: Law, softens: bool, depends_on_rate: bool, precision: Prec
     def soften_and_return(
         trial: vec4, strain: vec4, time_step: real, properties: vec6, state: state_type
     ):
-        su, G = vec1(properties[0]), properties[3]
+        su, G = vec1(properties[0]), properties[wp.static(SHEAR_MODULUS)]
         f = measure(trial, su, vec1())[0]
         xi, rate_effect = recalled(state)[0], real(0.0)
         k = strength(properties, xi)

@@ -64,6 +64,11 @@ class Variation:
         """Shear modulus over that of the material at places in the ground [m], [..., 2]."""
         return np.interp(self.depth_of(place), self.depth, self.stiffness_ratio)
 
+    @property
+    def greatest_strength_over_stiffness(self) -> float:
+        """Greatest ratio of the strength ratio to the stiffness ratio, dimensionless."""
+        return float((self.strength_ratio / self.stiffness_ratio).max())
+
     def depth_of(self, place: Floats) -> Floats:
         """Depth of places in the ground [m], shape [...]."""
         depth: Floats = self.origin_depth - place[..., 1]

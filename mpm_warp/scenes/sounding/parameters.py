@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes import shared_parameters
+from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
@@ -67,6 +67,10 @@ class SoundingTest(CatalogueScene):
         minimum=0.05,
         maximum=20,
     )
+    rate_factor: float = rate_and_softening.rate_factor()
+    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
+    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
+    ductility: float | None = rate_and_softening.ductility()
     unit_weight: float = parameter(
         17e3, unit="N m-3", meaning="total unit weight of the clay", minimum=0, maximum=1e6
     )
@@ -100,6 +104,7 @@ class SoundingTest(CatalogueScene):
         maximum=1000,
     )
     cone_radius: float = shared_parameters.cone_radius()
+    penetration_speed: float = shared_parameters.penetration_speed()
     poissons_ratio: float = shared_parameters.poissons_ratio()
     density: float = shared_parameters.density_of_clay()
     speed_ratio: float = parameter(

@@ -1,7 +1,8 @@
 """What is known of the error of a sample of the resistance: a correction, and a half width of 95 %.
 
 The resistance is corrected as a cone factor is (`mpm_warp.scenes.cone.known_error`), with rigidity
-index and mean strength of the soil around the tip. These laws were measured in uniform clay. Near a
+index and mean strength of the soil around the tip. These laws were measured in uniform, perfectly
+plastic clay; where strain or its rate changes the strength nothing is known. Near a
 border they are taken as they are, and the place of the border is known to a cell: half of what a
 shift by one cell changes is a part of the half width.
 """
@@ -83,5 +84,7 @@ def sample_error(
         & (inertia <= LARGEST_INERTIA)
         & (h <= LARGEST_CELL)
         & (sounding.poissons_ratio >= known.SMALLEST_POISSONS_RATIO)
+        & (sounding.rate_factor == 0.0)
+        & (sounding.remoulded_strength_ratio == 1.0)
     )
     return np.where(is_known, correction, 0.0), np.where(is_known, half_width, np.nan)

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import ParameterError, SimulationDiverged
+from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
+from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scene import Scene
@@ -29,6 +30,9 @@ from mpm_warp.simulation import Simulation
 class Sounding(SoundingTest):
     """A penetrometer pushed at constant speed through clay whose strength and stiffness vary.
 
+    The strength may fall with plastic strain, and rise with the rate that the strain has at the
+    real speed, everywhere by the same law.
+
     The ground is a `profile`, or one of linear strength with a layer in it. The penetrometer starts
     in place, above the first depth. Excess stresses are simulated: those over the vertical in-situ
     stress, which balances itself.
@@ -40,11 +44,13 @@ class Sounding(SoundingTest):
     def __post_init__(self) -> None:
         super().__post_init__()
         try:
-            _ = self._test
+            _ = self._clay
         except ParameterError as refusal:
             raise ParameterError(
                 refusal.key, f"in the ground that the cone passes: {refusal}"
             ) from None
+        except SceneError as refusal:
+            raise ParameterError("ductility", str(refusal)) from None
 
     @property
     def _test(self) -> ConePenetration:
@@ -57,6 +63,11 @@ class Sounding(SoundingTest):
             undrained_shear_strength=strength,
             adhesion_factor=self.adhesion_factor,
             shaft_adhesion_factor=self.shaft_adhesion_factor,
+            rate_factor=self.rate_factor,
+            reference_strain_rate=self.reference_strain_rate,
+            remoulded_strength_ratio=self.remoulded_strength_ratio,
+            ductility=self.ductility,
+            penetration_speed=self.penetration_speed,
             in_situ_stress=float(ground.vertical_stress_at(np.array(self.start_depth))),
             poissons_ratio=self.poissons_ratio,
             density=self.density,
@@ -73,11 +84,15 @@ class Sounding(SoundingTest):
             precision=self.precision,
         )
 
+    @property
+    def _clay(self) -> PerfectlyPlastic:
+        """The clay of that test, varied as the ground is."""
+        variation = self.ground_passed.variation(origin_depth=self.start_depth)
+        return replace(self._test.clay, variation=variation)
+
     def build(self) -> Scene:
         """The scene of a cone test, in clay that varies."""
-        scene = self._test.build()
-        variation = self.ground_passed.variation(origin_depth=self.start_depth)
-        return replace(scene, material=replace(scene.material, variation=variation))
+        return replace(self._test.build(), material=self._clay)
 
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the last depth of the stretch."""

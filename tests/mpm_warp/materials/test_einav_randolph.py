@@ -136,12 +136,20 @@ def test_what_no_clay_is_like_is_refused(changed: dict[str, float], message: str
         clay(**changed)
 
 
-def test_clay_that_varies_from_place_to_place_is_refused() -> None:
+def test_where_clay_varies_it_is_clay_of_that_strength_and_stiffness() -> None:
+    """Behind the stiffness ratio stand the properties that uniform clay of the place has."""
     varied = Variation(
-        depth=np.array([0.0, 1.0]), strength_ratio=np.ones(2), stiffness_ratio=np.ones(2)
+        depth=np.array([0.0, 1.0]),
+        strength_ratio=np.array([1.0, 0.5]),
+        stiffness_ratio=np.array([1.0, 0.25]),
     )
-    with pytest.raises(SceneError, match="variation: not together with softening"):
-        replace(clay(**SOFT), variation=varied)
+    material = replace(clay(**SOFT | HURRIED), variation=varied)
+    own = material.properties_at(np.array([[1.0, -1.0]]))[0]
+    weak = replace(
+        clay(**SOFT | HURRIED), strength=0.5 * material.strength, shear_modulus=0.25 * 200.0
+    )
+    np.testing.assert_array_equal(own, [0.25, *weak.properties])
+    assert material.slope == weak.slope
 
 
 def test_the_limit_pressure_is_that_of_hurried_intact_clay() -> None:

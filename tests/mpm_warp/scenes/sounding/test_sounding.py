@@ -12,8 +12,10 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.planning import make_plan
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.sounding.layer import change_of_resistance
 from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.simulation import Simulation
 
 COARSE = Sounding(
     cone_radius=1.0,
@@ -27,6 +29,12 @@ COARSE = Sounding(
     speed_ratio=0.2,
 )
 """A small window, coarse and fast: what it gives is a curve, but no good cone factor."""
+SOFT = {
+    "remoulded_strength_ratio": 0.2,
+    "ductility": 10.0,
+    "rate_factor": 0.1,
+    "reference_strain_rate": 1e-4,
+}
 LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
@@ -48,6 +56,59 @@ def test_a_uniform_profile_is_uniform_clay_in_plan_and_result() -> None:
     of_table, of_plain = by_table.run(), plain.run()
     for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
         np.testing.assert_array_equal(of_table[name], of_plain[name])
+
+
+def test_uniform_clay_that_softens_is_that_of_the_cone() -> None:
+    """To the bit, by the forces of a cone test that goes as far, without an approach."""
+    sounding = changed(to_depth=12.2, **SOFT)
+    test = ConePenetration(
+        rigidity_index=sounding.rigidity_index,
+        undrained_shear_strength=sounding.undrained_shear_strength,
+        adhesion_factor=0.5,
+        cone_radius=1.0,
+        speed_ratio=0.2,
+        approach=0.0,
+        steady_tolerance=0.0,
+        cells_per_radius=1.5,
+        domain_radius=8.0,
+        domain_above=3.0,
+        domain_below=4.0,
+        in_situ_stress=17e3 * sounding.start_depth,
+        **SOFT,
+    )
+    runs = [Simulation(it.build()) for it in (sounding, test)]
+    for run in runs:
+        run.travel_to(2.0)
+    for name in ("contact.impulse", "particle.state", "particle.stress"):
+        np.testing.assert_array_equal(runs[0].array(name), runs[1].array(name))
+    assert runs[0].array("particle.state").max() > 0.0
+
+
+def test_eight_times_the_strength_softens_as_much() -> None:
+    """In layers; points are as stiff as they are strong, and adhesion softens beside them."""
+    one = changed(profile=LAYERS, to_depth=12.5, **SOFT).run()
+    eightfold = changed(
+        profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
+        "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
+        density=8.0 * COARSE.density,
+        to_depth=12.5,
+        **SOFT,
+    ).run()
+    np.testing.assert_allclose(eightfold.net_resistance, 8.0 * one.net_resistance, rtol=1e-12)
+    intact = changed(profile=LAYERS, to_depth=12.5).run()
+    assert (one.net_resistance < intact.net_resistance).all()
+    assert one.net_resistance_uncertainty.isnull().all()
+
+
+def test_ground_that_softens_too_steeply_somewhere_is_refused() -> None:
+    """The second layer is ten times as strong over its stiffness as the clay that is stiffest."""
+    profile = (
+        "depth [m], strength [kPa], shear_modulus [kPa]; 0, 10, 9000; 13, 10, 9000; "
+        "13, 30, 2700; 20, 30, 2700"
+    )
+    changed(profile=profile, remoulded_strength_ratio=0.2, ductility=0.5)
+    with pytest.raises(ParameterError, match=r"too brittle, must be >= 0\.053"):
+        changed(profile=profile, remoulded_strength_ratio=0.2, ductility=0.05)
 
 
 def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Dataset) -> None:
