@@ -44,6 +44,7 @@ class Law:
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
             kept.
         varies: whether each point has properties of its own.
+        varies_adhesion: whether the last of them is the adhesion ratio of a surface beside it.
     """
 
     key: str
@@ -53,6 +54,7 @@ class Law:
     state_type: Any
     remembers: bool
     varies: bool = False
+    varies_adhesion: bool = False
 
     @property
     def properties_argument(self) -> Any:
@@ -115,16 +117,31 @@ class Material(ABC):
             return np.ones(place.shape[:-1])
         return self.variation.strength_ratio_at(place)
 
+    def adhesion_ratio_at(self, place: Floats) -> Floats:
+        """Adhesion of a surface over what it is beside soil of the material itself, likewise."""
+        ratio = self.strength_ratio_at(place)
+        return ratio if self.variation is None else ratio * self.variation.adhesion_ratio_at(place)
+
+    @property
+    def varies_adhesion(self) -> bool:
+        """Whether the adhesion factor of a surface varies with the soil beside it."""
+        return self.variation is not None and self.variation.adhesion_ratio is not None
+
     def properties_at(self, place: Floats) -> Floats:
         """Stiffness ratio and `properties` of points whose material varies, shape [..., 1 + n].
+
+        Behind them stands the adhesion ratio, where it varies.
 
         Args:
             place: (r, z) in the ground where they come from [m], shape [..., 2].
         """
-        own = np.empty((*place.shape[:-1], 1 + len(self.properties)))
+        count = len(self.properties)
+        own = np.empty((*place.shape[:-1], 1 + count + self.varies_adhesion))
         own[..., 0] = self.stiffness_ratio_at(place)
-        own[..., 1:] = self.properties
+        own[..., 1 : 1 + count] = self.properties
         own[..., 1] *= self.strength_ratio_at(place)
+        if self.variation is not None and self.varies_adhesion:
+            own[..., -1] = self.variation.adhesion_ratio_at(place)
         return own
 
     @abstractmethod
@@ -146,7 +163,9 @@ class Material(ABC):
             state_type=precision.vector(max(1, len(self.state))),
             remembers=len(self.state) > 0,
         )
-        return law if self.variation is None else _varied(law, len(self.properties), precision)
+        if self.variation is None:
+            return law
+        return _varied(law, len(self.properties), self.varies_adhesion, precision)
 
     def properties_argument(self, law: Law) -> Any:
         """What a launch is given for the properties: one vector for all points, or an array."""
@@ -244,11 +263,14 @@ def make_state_of_point(law: Law) -> Any:
 
 
 @functools.cache
-def _varied(law: Law, property_count: int, precision: Precision) -> Law:
-    """The law of a material that varies: a stiffness ratio stands before the properties."""
+def _varied(law: Law, property_count: int, varies_adhesion: bool, precision: Precision) -> Law:
+    """The law of a material that varies: a stiffness ratio stands before the properties.
+
+    Where it varies the adhesion ratio, that stands behind them, for a contact to read.
+    """
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
     state_type, common_type = law.state_type, law.properties_type
-    own_type = precision.vector(1 + property_count)
+    own_type = precision.vector(1 + property_count + varies_adhesion)
     common_update: Any = law.update
     common_yield_function: Any = law.yield_function
 
@@ -270,9 +292,10 @@ def _varied(law: Law, property_count: int, precision: Precision) -> Law:
 
     return replace(
         law,
-        key=f"varied.{law.key}",
+        key=f"varied.{'adhesion.' if varies_adhesion else ''}{law.key}",
         update=update,
         yield_function=None if common_yield_function is None else yield_function,
         properties_type=own_type,
         varies=True,
+        varies_adhesion=varies_adhesion,
     )

@@ -1,4 +1,4 @@
-"""How strength and stiffness vary with depth, as ratios to those of a material.
+"""How strength, stiffness and adhesion vary with depth, as ratios to those of a material.
 
 A place in the ground is where soil was before anything moved, in the coordinates (r, z) that the
 grid had at the start: a grid that has travelled down by T sees soil at rest from x - T e_z at x.
@@ -18,7 +18,7 @@ from mpm_warp.grid.fitted import Floats
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Variation:
-    """Strength and stiffness over those of a material, linear between depths.
+    """Strength, stiffness and adhesion over those of a material, linear between depths.
 
     Two equal depths make a jump: what is at that depth and below has the second values. Above the
     first depth and below the last one the ground goes on as it is there.
@@ -29,6 +29,8 @@ class Variation:
         stiffness_ratio: shear modulus over that of the material, dimensionless, > 0 and at most 1,
             shape [n]: the material is as stiff as the stiffest soil, so that its waves are the
             fastest.
+        adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
+            dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
         origin_depth: depth of z = 0 [m].
 
     Raises:
@@ -38,6 +40,7 @@ class Variation:
     depth: Floats
     strength_ratio: Floats
     stiffness_ratio: Floats
+    adhesion_ratio: Floats | None = None
     origin_depth: float = 0.0
 
     def __post_init__(self) -> None:
@@ -54,6 +57,9 @@ class Variation:
         check_array(
             "variation: stiffness_ratio", self.stiffness_ratio, self.depth.shape, at_most_one
         )
+        if self.adhesion_ratio is not None:
+            share = Range(minimum=0.0, maximum=1.0)
+            check_array("variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
         check_number("variation: origin_depth", self.origin_depth, unit="m")
 
     def strength_ratio_at(self, place: Floats) -> Floats:
@@ -63,6 +69,12 @@ class Variation:
     def stiffness_ratio_at(self, place: Floats) -> Floats:
         """Shear modulus over that of the material at places in the ground [m], [..., 2]."""
         return np.interp(self.depth_of(place), self.depth, self.stiffness_ratio)
+
+    def adhesion_ratio_at(self, place: Floats) -> Floats:
+        """Adhesion factor over that of the surface at places in the ground [m], [..., 2]."""
+        if self.adhesion_ratio is None:
+            return np.ones(place.shape[:-1])
+        return np.interp(self.depth_of(place), self.depth, self.adhesion_ratio)
 
     @property
     def greatest_strength_over_stiffness(self) -> float:

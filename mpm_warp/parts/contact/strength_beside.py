@@ -1,10 +1,10 @@
 """Adhesion of a surface beside soil whose strength changes: it changes with that of the soil.
 
 Symbols: a A greatest adhesive force of a node, k strength of a particle, k0 that of the material
-without state and variation, m mass of a particle; the sums are over the particles of the cells
-beside the node.
+without state and variation, x adhesion ratio of the particle where it varies, else 1, m mass of a
+particle; the sums are over the particles of the cells beside the node.
 
-    a A = (a A)_0 sum m (k / k0) / sum m
+    a A = (a A)_0 sum m x (k / k0) / sum m
 
 So a rough surface is as rough when the soil beside it is remoulded, or of another layer. Every 16th
 step brings the adhesion up to date: in that time soil moves by a small part of a cell.
@@ -40,7 +40,8 @@ def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -
     changes = law.remembers or contact.passes_soil_that_varies(setting)
     if not changes or law.yield_function is None or not contact.adhesion_forces.any():
         return
-    own = (1.0,) if law.varies else ()  # the stiffness ratio
+    ratio = (1.0,) if law.varies else ()
+    adhesion = (1.0,) if law.varies_adhesion else ()
     plan.add_array("contact.first_adhesion", "real", contact.adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
@@ -51,7 +52,7 @@ def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -
             plan.arrays["particle.mass"].shape,
             particle_state=plan.find("particle.state"),
             properties=setting.material.properties_argument(law),
-            common=law.properties_type(*own, *setting.material.properties),
+            common=law.properties_type(*ratio, *setting.material.properties, *adhesion),
             contact_strength_sum=ShareRow("contact.strength_sum"),
         ),
         plan.launch(
@@ -71,6 +72,7 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
     properties_type, state_type = law.properties_type, law.state_type
     properties_argument = law.properties_argument
     yield_function: Any = law.yield_function
+    last = properties_type._shape_[0] - 1  # the adhesion ratio, where it varies
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
 
     @wp.kernel(
@@ -93,6 +95,8 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
             own = properties_of_point(properties, p)
             k = yield_function(particle_stress[p], own, remembered)[1]
             k0 = yield_function(vec4(), common, state_type())[1]
+            if wp.static(law.varies_adhesion):
+                k *= own[wp.static(last)]
             m = particle_mass[p]
             wp.atomic_add(contact_strength_sum, cell[1], vec2(m * (k / k0), m))
 

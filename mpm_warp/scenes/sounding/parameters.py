@@ -132,7 +132,7 @@ class SoundingTest(CatalogueScene):
         index = float((ground.shear_modulus / ground.strength).max())
         extents = ConePenetration(rigidity_index=index).default_extents
         return extents | {
-            "shaft_adhesion_factor": self.adhesion_factor,
+            "shaft_adhesion_factor": ground.greatest_adhesion_factor(self.adhesion_factor),
             "to_depth": self.from_depth + WAY * self.cone_radius,
         }
 
@@ -140,6 +140,12 @@ class SoundingTest(CatalogueScene):
         super().__post_init__()
         self._check_depths()
         self._check_layers()
+        if self.ground.adhesion_factor is not None and self.adhesion_factor != 0.0:
+            raise ParameterError(
+                "adhesion_factor",
+                f"adhesion_factor = {self.adhesion_factor:g} is not allowed: the profile has it by "
+                "depth; keep one of them",
+            )
 
     def _check_depths(self) -> None:
         assert self.to_depth is not None

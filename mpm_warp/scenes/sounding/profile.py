@@ -1,4 +1,4 @@
-"""The ground by depth: a table of strength, stiffness and unit weight, linear between its rows.
+"""The ground by depth: a table of its properties, linear between its rows.
 
 As text it has a header that names columns and units, and a row for each depth; rows are parted by
 new lines or by semicolons, values by commas:
@@ -19,10 +19,11 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
@@ -34,9 +35,16 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "rigidity_index": {"1": 1.0},
     "shear_modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
     "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
+    "adhesion_factor": {"1": 1.0},
 }
 """Units of each column, and what they are in SI units."""
 REQUIRED = ("depth", "strength")
+ALLOWED = {
+    "depth": NOT_NEGATIVE,
+    "unit_weight": NOT_NEGATIVE,
+    "adhesion_factor": Range(minimum=0.0, maximum=1.0),
+}
+"""What the values of a column must be; the others are positive."""
 STIFFNESS = ("rigidity_index", "shear_modulus")
 NAME = "profile"
 
@@ -50,6 +58,8 @@ class Profile:
         strength: undrained shear strength su [Pa], > 0.
         shear_modulus: G [Pa], > 0.
         unit_weight: total unit weight [N/m3], >= 0.
+        adhesion_factor: of the cone's face beside the soil, dimensionless, 0 to 1; none where it is
+            not of the ground.
 
     Raises:
         ParameterError: a value is not allowed; the message names column, row and value.
@@ -59,16 +69,17 @@ class Profile:
     strength: Floats
     shear_modulus: Floats
     unit_weight: Floats
+    adhesion_factor: Floats | None = None
 
     def __post_init__(self) -> None:
-        columns = {name: np.asarray(getattr(self, name), dtype=float) for name in vars(self)}
+        given = {name: values for name, values in vars(self).items() if values is not None}
+        columns = {name: np.asarray(values, dtype=float) for name, values in given.items()}
         for name, values in columns.items():
             object.__setattr__(self, name, values)
             if values.ndim != 1 or values.size == 0 or values.shape != self.depth.shape:
                 raise _refused(f"{name} has shape {values.shape}, must have that of depth, [n]")
-            least_is_allowed = name in ("depth", "unit_weight")
-            allowed = values >= 0.0 if least_is_allowed else values > 0.0
-            _check_rows(name, values, allowed & np.isfinite(values), least_is_allowed)
+            allowed = ALLOWED.get(name, POSITIVE)
+            _check_rows(name, values, allowed)
         falls = np.flatnonzero(np.diff(self.depth) < 0.0)
         if len(falls):
             row = falls[0] + 1
@@ -84,7 +95,8 @@ class Profile:
     def read(cls, text: str) -> Self:
         """A profile from its text; columns beside `depth` and `strength` may be left out.
 
-        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3.
+        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3, and
+        without an adhesion factor the ground has none of its own.
 
         Raises:
             ParameterError: something in it is not allowed.
@@ -105,15 +117,16 @@ class Profile:
     @property
     def text(self) -> str:
         """The profile as a text of one line, in SI units; `read` gives the same profile."""
-        header = "depth [m], strength [Pa], shear_modulus [Pa], unit_weight [N/m3]"
-        table = np.stack([self.depth, self.strength, self.shear_modulus, self.unit_weight], axis=-1)
+        header = [f"{name} [{next(iter(UNITS[name]))}]" for name in self._columns]
+        table = np.stack(list(self._columns.values()), axis=-1)
         rows = [", ".join(repr(value) for value in row) for row in table.tolist()]
-        return "; ".join([header, *rows])
+        return "; ".join([", ".join(header), *rows])
 
     @property
     def is_uniform(self) -> bool:
-        """Whether strength and stiffness are the same everywhere."""
-        return bool(np.ptp(self.strength) == 0.0 and np.ptp(self.shear_modulus) == 0.0)
+        """Whether strength, stiffness and adhesion factor are the same everywhere."""
+        adhesion = () if self.adhesion_factor is None else (self.adhesion_factor,)
+        return all(np.ptp(it) == 0.0 for it in (self.strength, self.shear_modulus, *adhesion))
 
     def between(self, begin: float, end: float) -> Self:
         """The ground from one depth to another [m], `begin` < `end`; beyond it goes on as there."""
@@ -123,15 +136,12 @@ class Profile:
             first, last = np.interp([begin, end], self.depth, values)
             return np.concatenate([[first], values[inside], [last]])
 
-        return type(self)(
-            depth=np.concatenate([[begin], self.depth[inside], [end]]),
-            strength=column(self.strength),
-            shear_modulus=column(self.shear_modulus),
-            unit_weight=column(self.unit_weight),
-        )
+        depth = np.concatenate([[begin], self.depth[inside], [end]])
+        others = {name: column(it) for name, it in self._columns.items() if name != "depth"}
+        return type(self)(depth=depth, **others)
 
     def variation(self, origin_depth: float) -> Variation | None:
-        """Strength and stiffness over the greatest of them; none in uniform ground.
+        """Strength, stiffness and adhesion over the greatest of them; none in uniform ground.
 
         Args:
             origin_depth: depth of z = 0 in the grid [m].
@@ -142,12 +152,36 @@ class Profile:
             depth=self.depth,
             strength_ratio=self.strength / self.strength.max(),
             stiffness_ratio=self.shear_modulus / self.shear_modulus.max(),
+            adhesion_ratio=self._adhesion_ratio,
             origin_depth=origin_depth,
         )
+
+    @property
+    def _columns(self) -> dict[str, Floats]:
+        """The columns that there are, by name."""
+        return {name: values for name, values in vars(self).items() if values is not None}
+
+    @property
+    def _adhesion_ratio(self) -> Floats | None:
+        """The adhesion factor over its greatest; none where that is the same everywhere."""
+        if self.adhesion_factor is None or np.ptp(self.adhesion_factor) == 0.0:
+            return None
+        ratio: Floats = self.adhesion_factor / self.adhesion_factor.max()
+        return ratio
 
     def strength_at(self, depth: Floats) -> Floats:
         """Strength at depths [Pa]."""
         return np.interp(depth, self.depth, self.strength)
+
+    def adhesion_factor_at(self, depth: Floats, elsewhere: float) -> Floats:
+        """Adhesion factor of the face at depths; `elsewhere` where it is not of the ground."""
+        if self.adhesion_factor is None:
+            return np.full_like(depth, elsewhere)
+        return np.interp(depth, self.depth, self.adhesion_factor)
+
+    def greatest_adhesion_factor(self, elsewhere: float) -> float:
+        """Greatest adhesion factor of the face; `elsewhere` where it is not of the ground."""
+        return float(self.adhesion_factor_at(self.depth, elsewhere).max())
 
     def shear_modulus_at(self, depth: Floats) -> Floats:
         """Shear modulus at depths [Pa]."""
@@ -260,11 +294,11 @@ def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
         raise _refused(f"row {number} {line!r}: must be numbers") from None
 
 
-def _check_rows(name: str, values: Floats, allowed: Any, least_is_allowed: bool) -> None:
-    if not allowed.all():
-        row = int(np.argmin(allowed))
-        sign = ">=" if least_is_allowed else ">"
-        raise _refused(f"{name} in row {row + 1} is {values[row]:g}, must be {sign} 0")
+def _check_rows(name: str, values: Floats, allowed: Range) -> None:
+    sound = [allowed.holds(value, value) for value in values.tolist()]
+    if not all(sound):
+        row = sound.index(False)
+        raise _refused(f"{name} in row {row + 1} is {values[row]:g}, must be {allowed.allowed}")
 
 
 def _refused(problem: str) -> ParameterError:

@@ -47,17 +47,14 @@ def sample_error(
     above = sounding.domain_above
     assert above is not None
     assert below is not None
+    adhesion = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
+    soils, of_soil = np.unique(np.stack([index, adhesion]), axis=1, return_inverse=True)
     mesh = np.array(
         [
-            known.mesh_error(
-                rigidity_index=one,
-                adhesion_factor=sounding.adhesion_factor,
-                cell_size=h,
-                cell_growth=g,
-            )
-            for one in np.unique(index)
+            known.mesh_error(rigidity_index=Ir, adhesion_factor=a, cell_size=h, cell_growth=g)
+            for Ir, a in soils.T
         ]
-    )[np.unique(index, return_inverse=True)[1]]
+    )[of_soil.ravel()]
     inertia = sounding.dynamic_pressure / around
     bottom = known.BOTTOM_ERROR * index / below**2
     way = SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size))

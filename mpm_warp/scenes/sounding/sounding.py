@@ -58,11 +58,17 @@ class Sounding(SoundingTest):
         ground = self.ground_passed
         strength, shear_modulus = float(ground.strength.max()), float(ground.shear_modulus.max())
         softest = float(ground.shear_modulus.min())
+        adhesion_factor, in_all_ground = (
+            it.greatest_adhesion_factor(self.adhesion_factor) for it in (ground, self.ground)
+        )
+        # Beside all soil the shaft has the same share of the adhesion of the face.
+        of_shaft = adhesion_factor / in_all_ground if in_all_ground > 0.0 else 1.0
+        assert self.shaft_adhesion_factor is not None
         return ConePenetration(
             rigidity_index=shear_modulus / strength,
             undrained_shear_strength=strength,
-            adhesion_factor=self.adhesion_factor,
-            shaft_adhesion_factor=self.shaft_adhesion_factor,
+            adhesion_factor=adhesion_factor,
+            shaft_adhesion_factor=of_shaft * self.shaft_adhesion_factor,
             rate_factor=self.rate_factor,
             reference_strain_rate=self.reference_strain_rate,
             remoulded_strength_ratio=self.remoulded_strength_ratio,

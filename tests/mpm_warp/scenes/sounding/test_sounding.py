@@ -11,8 +11,10 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.sounding.layer import change_of_resistance
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
@@ -100,6 +102,59 @@ def test_eight_times_the_strength_softens_as_much() -> None:
     assert one.net_resistance_uncertainty.isnull().all()
 
 
+def test_adhesion_factors_by_depth_are_those_of_the_soil_beside() -> None:
+    """In uniform clay that is smooth above 13 m and rough below: nodes, then the resistance."""
+    by_depth = changed(
+        profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0; 13, 20, 0; 13, 20, 1; "
+        "30, 20, 1",
+        adhesion_factor=0.0,
+        to_depth=15.0,
+    )
+    scene = by_depth.build()
+    assert scene.contact is not None
+    simulation = Simulation(scene)
+
+    def ratio(tip_depth: float) -> Floats:
+        simulation.travel_to(tip_depth - by_depth.start_depth)
+        beside: Floats = simulation.array("contact.adhesion") / scene.contact.adhesion_forces
+        return beside
+
+    height = scene.grid.node_positions[scene.contact.nodes, 1]
+    # Soil beside the surface is dragged down by some radii at most.
+    at_border = ratio(15.0)
+    np.testing.assert_array_equal(at_border[15.0 - height < 12.0], 0.0)
+    assert at_border[0] > 0.9
+    np.testing.assert_array_equal(ratio(22.0), 1.0)
+
+    smooth, rough = (changed(adhesion_factor=it, to_depth=15.0) for it in (0.0, 1.0))
+    net, least, most = (it.run().net_resistance for it in (by_depth, smooth, rough))
+    above, below = net.depth < 12.4, net.depth > 14.0
+    np.testing.assert_allclose(net[above], least[above], rtol=1e-9)
+    assert float(least[below].mean()) < float(net[below].mean()) < float(most[below].mean())
+
+
+def test_one_adhesion_factor_by_depth_is_the_parameter_to_the_bit() -> None:
+    profile = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.5; 30, 20, 0.5"
+    by_depth = changed(profile=profile, adhesion_factor=0.0, to_depth=12.2).run()
+    plain = changed(to_depth=12.2).run()
+    for name in ("net_resistance", "net_resistance_uncertainty", "sleeve_friction"):
+        np.testing.assert_array_equal(by_depth[name], plain[name])
+
+
+def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face() -> None:
+    """Of ground the roughest of which the window does not pass."""
+    sounding = changed(
+        profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.2; 90, 20, 0.2; "
+        "90, 20, 0.8; 99, 20, 0.8",
+        adhesion_factor=0.0,
+        shaft_adhesion_factor=0.4,
+    )
+    contact = sounding.build().contact
+    assert isinstance(contact, PenetrometerContact)
+    assert contact.face_adhesion == pytest.approx(0.2 * 20e3)
+    assert contact.shaft_adhesion == pytest.approx(0.1 * 20e3)
+
+
 def test_ground_that_softens_too_steeply_somewhere_is_refused() -> None:
     """The second layer is ten times as strong over its stiffness as the clay that is stiffest."""
     profile = (
@@ -182,6 +237,14 @@ def test_two_stretches_agree_where_they_overlap() -> None:
             "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
         ),
         ({"profile": "depth [m], strength [kPa]; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
+        (
+            {"profile": "depth [m], strength [kPa], adhesion_factor [1]; 0, 1, 0; 19, 1, 2"},
+            "adhesion_factor in row 2 is 2, must be >= 0 and <= 1",
+        ),
+        (
+            {"profile": "depth [m], strength [kPa], adhesion_factor [1]; 0, 1, 0; 19, 1, 1"},
+            "adhesion_factor = 0.5 is not allowed: the profile has it by depth; keep one",
+        ),
         ({"stretch_count": 31}, "stretch_count = 31 is not allowed: must be <= 30, the samples"),
         (
             {"strength_gradient": 1e9},
