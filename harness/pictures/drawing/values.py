@@ -24,7 +24,9 @@ Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
 
 MOST_SINGLE_TICKS = 24
-"""Values that have a tick each; of more, random ones say, an axis has round ticks."""
+"""Values that have a tick each; of more an axis has round ticks."""
+TICK_DIGITS = 4
+"""Of a value that has a tick of its own; random values have more, and round ticks instead."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +93,12 @@ class Values:
         positive = self.numbers[self.numbers > 0.0]
         return "symlog" if positive.max() >= 100.0 * positive.min() else "linear"
 
+    @property
+    def has_single_ticks(self) -> bool:
+        """Whether each number has a tick of its own: they are few, and short to write."""
+        short = all(float(f"{it:.{TICK_DIGITS}g}") == it for it in self.different.tolist())
+        return short and self.different.size <= MOST_SINGLE_TICKS
+
     def text(self, number: float) -> str:
         """A value in words."""
         return self.categories[int(number)] if self.categories else f"{number:.6g}"
@@ -122,7 +130,7 @@ class Values:
         else:
             set_scale(self.scale)
         axis.set_minor_formatter(NullFormatter())
-        if self.different.size > MOST_SINGLE_TICKS:
+        if not self.has_single_ticks:
             wide = self.numbers.max() > 1000.0 * max(self.numbers.min(), 1e-300)
             automatic = LogLocator(subs=(1,) if wide else (1, 2, 5), numticks=room)
             axis.set_major_locator(automatic if self.logarithmic else MaxNLocator(room))
