@@ -118,12 +118,13 @@ def _rows(studied: Studied) -> list[_Row]:
 
 
 def _row_label(studied: Studied, row: _Row) -> str:
-    start = (
-        row.values.text(row.values.numbers[0])
-        if row.values.categories
-        else quantity(float(row.values.numbers[0]), unit_of(studied.dataset, row.values.name))
-    )
-    return f"{named(studied.dataset, row.values.name)} ({plain(start).replace('_', ' ')})"
+    return f"{named(studied.dataset, row.values.name)} ({_value(studied, row, 0)})"
+
+
+def _value(studied: Studied, row: _Row, case: int) -> str:
+    """What the parameter of a row is in a case."""
+    value = row.values.value(float(row.values.numbers[case]))
+    return quantity(value, unit_of(studied.dataset, row.values.name))
 
 
 def _draw_row(axes: Axes, studied: Studied, row: _Row, place: int) -> None:
@@ -136,12 +137,10 @@ def _draw_row(axes: Axes, studied: Studied, row: _Row, place: int) -> None:
         change, height = float(row.change[extreme]), place + 0.2 * side
         width = None if studied.half_width is None else studied.half_width[row.cases[extreme]]
         axes.barh(height, change, 0.36, left=start, color=colour, xerr=width, ecolor="0.3")
-        value = float(row.values.numbers[row.cases[extreme]])
-        text = row.values.text(value) if row.values.categories else number(value)
         outward = -1.0 if change < 0.0 else 1.0
         beyond = 0.0 if width is None or not np.isfinite(width) else float(width)
         axes.annotate(
-            plain(text).replace("_", " "),
+            _value(studied, row, int(row.cases[extreme])),
             (start + change + outward * beyond, height),
             xytext=(3 * outward, 0),
             textcoords="offset points",

@@ -19,6 +19,7 @@ from matplotlib.ticker import (
 from numpy.typing import NDArray
 
 from harness.archive.conventions import over_cases, spoken
+from harness.pictures.drawing.symbols import spelt
 
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
@@ -60,7 +61,7 @@ class Values:
     @property
     def label(self) -> str:
         """Name and unit."""
-        name = spoken(self.name)
+        name = spelt(spoken(self.name))
         return name if self.unit == "1" else f"{name} [{self.unit}]"
 
     @property
@@ -76,7 +77,7 @@ class Values:
             return False
         low, high = positive.min(), positive.max()
         # Of random values the least may be small by chance: half of them lie below the middle then.
-        is_even = positive.size > MOST_SINGLE_TICKS and np.median(positive) > 0.3 * (low + high)
+        is_even = not self.has_single_ticks and np.median(positive) > 0.3 * (low + high)
         return bool(high >= 10.0 * low) and not is_even
 
     @property
