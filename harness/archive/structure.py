@@ -28,6 +28,7 @@ _OF_EACH_CASE = (
     *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
 )
 """Roles of variables that have one value a case."""
+_ROLES = frozenset(Role)
 _TEXTS = ("units", "long_name", "description", "coordinates", "dtype")
 _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
 """Attributes by which a number in a file stands for another one; no result has any."""
@@ -143,7 +144,7 @@ def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
     if not isinstance(limit, int | float | np.number) or not math.isfinite(limit):
         yield f"limit of {name} is no number"
     role = said.get("role")
-    if role is not None and not (isinstance(role, str) and role in list(Role)):
+    if role is not None and not (isinstance(role, str) and role in _ROLES):
         yield f"the role of {name} is unknown"
     if role == Role.EXACT and str(said.get("exact_of")) not in forms:
         yield f"{name} is exact of nothing"

@@ -31,6 +31,9 @@ LEAST_VALUES = 3
 MOST_CURVES = 5
 LEVELS = 7
 HEIGHT = 3.6
+"""Of the picture, in inches."""
+EDGE = 0.05
+"""Of the axes: a contour's label that is nearer to their edge would be cut off, and is left out."""
 
 
 def shows_map(dataset: xr.Dataset) -> bool:
@@ -96,14 +99,17 @@ def _draw_contours(figure: Figure, axes: Axes, studied: Studied, across: str, up
     levels = MaxNLocator(LEVELS).tick_values(table.min(), table.max())
     filled = axes.contourf(x.different, y.different, table, levels=levels, cmap=SHADES)
     lines = axes.contour(filled, colors="white", linewidths=0.8)
-    axes.clabel(lines, fontsize=7, fmt="%g")
+    # Labels are placed on the page: the axes need their scales before.
+    x.dress(axes, room=7)
+    y.dress(axes, room=10, which="y")
+    for label in axes.clabel(lines, fontsize=7, fmt="%g"):
+        place = (axes.transData - axes.transAxes).transform(label.get_position())
+        label.set_visible(bool((np.abs(place - 0.5) < 0.5 - EDGE).all()))
     sound = np.isfinite(studied.computed)
     axes.plot(x.numbers[sound], y.numbers[sound], ".", color=INK, ms=3, clip_on=False)
     if not sound.all():
         axes.plot(x.numbers[~sound], y.numbers[~sound], "x", color=FAILED, clip_on=False)
     axes.grid(visible=False)
-    x.dress(axes, room=7)
-    y.dress(axes, room=10, which="y")
     axes.set_xlabel(axis_label(studied.dataset, across))
     axes.set_ylabel(axis_label(studied.dataset, up))
     bar = figure.colorbar(filled, cax=axes.inset_axes((0, 1.04, 1, 0.04)), orientation="horizontal")

@@ -31,8 +31,6 @@ from harness.study.designs import ONE_AT_A_TIME
 MOST_ROWS = 20
 ROW_HEIGHT, MARGIN = 0.3, 1.6
 """Inches of a bar, and of all around them."""
-LEAST_LENGTH = 0.03
-"""Of the axis: the end of a shorter bar has no label."""
 
 
 def shows_tornado(dataset: xr.Dataset) -> bool:
@@ -86,9 +84,8 @@ def tornado_figure(dataset: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     start = float(studied.computed[0])
     axes.axvline(start, color=INK, lw=1)
-    span = max(row.reach for row in shown)
     for place, row in enumerate(shown):
-        _draw_row(axes, studied, row, place, span)
+        _draw_row(axes, studied, row, place)
     axes.set_yticks(range(len(shown)), [_row_label(studied, row) for row in shown], fontsize=7)
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.spines["left"].set_visible(False)
@@ -121,15 +118,16 @@ def _rows(studied: Studied) -> list[_Row]:
 
 
 def _row_label(studied: Studied, row: _Row) -> str:
-    start = (
-        row.values.text(row.values.numbers[0])
-        if row.values.categories
-        else quantity(float(row.values.numbers[0]), unit_of(studied.dataset, row.values.name))
-    )
-    return f"{named(studied.dataset, row.values.name)} ({plain(start).replace('_', ' ')})"
+    return f"{named(studied.dataset, row.values.name)} ({_value(studied, row, 0)})"
 
 
-def _draw_row(axes: Axes, studied: Studied, row: _Row, place: int, span: float) -> None:
+def _value(studied: Studied, row: _Row, case: int) -> str:
+    """What the parameter of a row is in a case."""
+    value = row.values.value(float(row.values.numbers[case]))
+    return quantity(value, unit_of(studied.dataset, row.values.name))
+
+
+def _draw_row(axes: Axes, studied: Studied, row: _Row, place: int) -> None:
     """Values below the start have the upper half of the row, those above it the lower one."""
     start = float(studied.computed[0])
     for side, colour in ((-1, LIGHT), (1, ACCENT)):
@@ -139,19 +137,17 @@ def _draw_row(axes: Axes, studied: Studied, row: _Row, place: int, span: float) 
         change, height = float(row.change[extreme]), place + 0.2 * side
         width = None if studied.half_width is None else studied.half_width[row.cases[extreme]]
         axes.barh(height, change, 0.36, left=start, color=colour, xerr=width, ecolor="0.3")
-        if abs(change) > LEAST_LENGTH * span:
-            value = float(row.values.numbers[row.cases[extreme]])
-            beyond = 0.0 if width is None or not np.isfinite(width) else float(width)
-            text = row.values.text(value) if row.values.categories else number(value)
-            axes.annotate(
-                plain(text).replace("_", " "),
-                (start + change + np.sign(change) * beyond, height),
-                xytext=(3 * np.sign(change), 0),
-                textcoords="offset points",
-                ha="left" if change > 0 else "right",
-                va="center",
-                fontsize=6,
-            )
+        outward = -1.0 if change < 0.0 else 1.0
+        beyond = 0.0 if width is None or not np.isfinite(width) else float(width)
+        axes.annotate(
+            _value(studied, row, int(row.cases[extreme])),
+            (start + change + outward * beyond, height),
+            xytext=(3 * outward, 0),
+            textcoords="offset points",
+            ha="right" if outward < 0.0 else "left",
+            va="center",
+            fontsize=6,
+        )
 
 
 def _legend(figure: Figure, start: float) -> None:

@@ -113,7 +113,14 @@ def study_figure(dataset: xr.Dataset) -> Figure:
         for case in apart[chosen(len(apart), share)]:
             place = (float(seconds[case]), float(errors[case]))
             text = setting_of(dataset, problem, int(case))
-            axes.annotate(text, place, xytext=(4, 4), textcoords="offset points", size=6)
+            axes.annotate(
+                text,
+                place,
+                xytext=(4, 4),
+                textcoords="offset points",
+                size=6,
+                bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
+            )
     floor = over_cases(dataset, FLOOR).astype(float)
     if np.isfinite(floor).any():
         told = "uncertainty of the reference"

@@ -16,6 +16,8 @@ from harness.study.study import Study
 
 PASCAL = {"kPa": 1e3, "MPa": 1e6}
 METRE = {"mm": 1e-3, "cm": 1e-2}
+MEANT = (0.0, 1.0)
+"""Values that are no slip: none of it, and the unit of a scaled study, as lengths in cone radii."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Usual:
 
     def unit_of(self, value: float) -> str | None:
         """The unit in which the value would be usual; None where it is, or in no unit would be."""
-        if value == 0.0 or self.low <= value <= self.high:
+        if value in MEANT or self.low <= value <= self.high:
             return None
         return next(
             (unit for unit, size in self.units.items() if self.low <= value * size <= self.high),

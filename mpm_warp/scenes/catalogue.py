@@ -122,8 +122,8 @@ class CatalogueScene(ABC):
         Returns:
             Curves, scalars, what they cost, and all parameters. Each variable has the attributes
             `units` and `long_name`; `role` tells what it is, where it is not an ordinary result:
-            "headline", "exact", "error", "measured" or "parameter". A parameter whose name is that
-            of a result is called ``<name>_parameter``.
+            one of `mpm_warp.results.ROLES`. A parameter whose name is that of a result is called
+            ``<name>_parameter``.
 
         Raises:
             mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was

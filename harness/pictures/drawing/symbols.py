@@ -62,7 +62,7 @@ def plain(text: object) -> str:
 def named(dataset: xr.Dataset, name: Hashable) -> str:
     """Name and symbol of a variable."""
     told = str(dataset[name].attrs.get("long_name", spoken(name)))
-    return f"{plain(_spelt(told))} {symbol(name)}".rstrip()
+    return f"{plain(spelt(told))} {symbol(name)}".rstrip()
 
 
 def unit_of(dataset: xr.Dataset, name: Hashable) -> str:
@@ -71,7 +71,8 @@ def unit_of(dataset: xr.Dataset, name: Hashable) -> str:
     return "" if unit == "1" else _UNITS.get(unit, unit)
 
 
-def _spelt(told: str) -> str:
+def spelt(told: str) -> str:
+    """Words of a name as readers write them."""
     for name, spelling in _SPELT.items():
         told = told.replace(name, spelling)
     return told
@@ -103,4 +104,4 @@ def assigned(dataset: xr.Dataset, name: Hashable, value: object) -> str:
     """A parameter and its value, by its symbol where it has one: I_r = 100."""
     told = quantity(value, unit_of(dataset, name))
     own = symbol(name)
-    return f"{own} = {told}" if own else f"{plain(_spelt(spoken(name)))} = {told}"
+    return f"{own} = {told}" if own else f"{plain(spelt(spoken(name)))} = {told}"

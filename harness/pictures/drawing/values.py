@@ -19,12 +19,15 @@ from matplotlib.ticker import (
 from numpy.typing import NDArray
 
 from harness.archive.conventions import over_cases, spoken
+from harness.pictures.drawing.symbols import spelt
 
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
 
 MOST_SINGLE_TICKS = 24
-"""Values that have a tick each; of more, random ones say, an axis has round ticks."""
+"""Values that have a tick each; of more an axis has round ticks."""
+TICK_DIGITS = 4
+"""Of a value that has a tick of its own; random values have more, and round ticks instead."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +61,7 @@ class Values:
     @property
     def label(self) -> str:
         """Name and unit."""
-        name = spoken(self.name)
+        name = spelt(spoken(self.name))
         return name if self.unit == "1" else f"{name} [{self.unit}]"
 
     @property
@@ -74,7 +77,7 @@ class Values:
             return False
         low, high = positive.min(), positive.max()
         # Of random values the least may be small by chance: half of them lie below the middle then.
-        is_even = positive.size > MOST_SINGLE_TICKS and np.median(positive) > 0.3 * (low + high)
+        is_even = not self.has_single_ticks and np.median(positive) > 0.3 * (low + high)
         return bool(high >= 10.0 * low) and not is_even
 
     @property
@@ -90,6 +93,12 @@ class Values:
             return "log"
         positive = self.numbers[self.numbers > 0.0]
         return "symlog" if positive.max() >= 100.0 * positive.min() else "linear"
+
+    @property
+    def has_single_ticks(self) -> bool:
+        """Whether each number has a tick of its own: they are few, and short to write."""
+        short = all(float(f"{it:.{TICK_DIGITS}g}") == it for it in self.different.tolist())
+        return short and self.different.size <= MOST_SINGLE_TICKS
 
     def text(self, number: float) -> str:
         """A value in words."""
@@ -122,7 +131,7 @@ class Values:
         else:
             set_scale(self.scale)
         axis.set_minor_formatter(NullFormatter())
-        if self.different.size > MOST_SINGLE_TICKS:
+        if not self.has_single_ticks:
             wide = self.numbers.max() > 1000.0 * max(self.numbers.min(), 1e-300)
             automatic = LogLocator(subs=(1,) if wide else (1, 2, 5), numticks=room)
             axis.set_major_locator(automatic if self.logarithmic else MaxNLocator(room))

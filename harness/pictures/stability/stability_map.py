@@ -145,9 +145,18 @@ def _draw_shares(axes: Axes, it: Shares) -> None:
     axes.set_xlim(-0.5, places.size - 0.5)
     axes.set_ylim(0, 1)
     axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
+    _write_beside(axes, _told_of(it))
+
+
+def _told_of(it: Shares) -> list[str]:
+    """How many complete over the range of a parameter, and where the fewest do."""
     least = int(np.argmin(it.completed))
-    range_text = f"{it.completed.min():.0%} to {it.completed.max():.0%} complete"
-    _write_beside(axes, [range_text, f"least at {it.text(least)}: {it.failures(least)}"])
+    if it.completed[least] == 1.0:
+        return [f"all {it.case_count.sum()} complete"]
+    return [
+        f"{it.completed.min():.0%} to {it.completed.max():.0%} complete",
+        f"least at {it.text(least)}: {it.failures(least)}",
+    ]
 
 
 def _short(number: float) -> str:

@@ -58,6 +58,27 @@ def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
     assert not list(folder.glob(".*"))
 
 
+def test_a_file_is_read_as_xarray_reads_it(tmp_path: Path) -> None:
+    kept = result([0.1, np.nan], np.nan).assign_coords(
+        clay=("penetration", ["soft", ""]), is_rough=True, layer=3
+    )
+    kept["is_steady"] = "penetration", [True, False]
+    kept["told"] = (), "a text"
+    kept["over_nothing"] = "none", np.empty(0)
+    kept = kept.assign_coords(none=("none", np.empty(0)))
+    path = tmp_path / "kept.nc"
+    netcdf_files.write_netcdf(kept.assign_attrs(format_version=1, whole=2.5), path)
+    read = netcdf_files.read_fields_netcdf(path)
+    with xr.open_dataset(path) as known:
+        xr.testing.assert_identical(read.assign_attrs(known.attrs), known.load())
+        assert read.attrs == {k: it for k, it in known.attrs.items() if k != netcdf_files.DIGEST}
+        assert {name: it.dtype for name, it in read.variables.items()} == {
+            name: it.dtype for name, it in known.variables.items()
+        }
+        assert list(read.variables) == list(known.variables)
+        assert list(read.coords) == list(known.coords)
+
+
 def test_a_case_that_has_not_run_is_none(folder: Path, small: Study) -> None:
     assert case_files.read_case(folder, small.cases[0]) is None
 

@@ -25,11 +25,13 @@ from harness.cli.main import main
 from harness.pictures.drawing.caption import fixed
 from harness.pictures.drawing.own_files import NotOwnFileError
 from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, image
+from harness.pictures.effects import effects_figure
 from harness.pictures.pictures import NothingToDrawError, draw, figures
+from harness.pictures.tornado import tornado_figure
 from mpm_warp import ConePenetration
 from mpm_warp.results import parameter_variables
 
-from .conftest import MADE, drawn, result
+from .conftest import MADE, drawn, random_cases, result
 
 PAGE_WIDTH = 6.5
 MadeUp = tuple[xr.Dataset, dict[str, Figure]]
@@ -197,6 +199,20 @@ def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
     assert widths == pytest.approx([-3.0, 3.0, 0.8, -0.8])
     assert [text.get_text() for text in axes.texts] == ["25", "500", "1", "von mises"]
     assert r"Not completed: $v/v_{\mathrm{s}}$ = 0.5." in " ".join(figure.get_supxlabel().split())
+
+
+def test_a_bar_without_length_has_its_label() -> None:
+    columns = {"adhesion_factor": [0.5, 1.0, 0.5], "time_step_fraction": [0.85, 0.85, 0.425]}
+    (axes,) = tornado_figure(result(columns, [11.0, 11.8, 11.0], "one_at_a_time")).axes
+    assert [text.get_text() for text in axes.texts] == ["1", "0.425"]
+
+
+def test_few_random_values_have_round_ticks() -> None:
+    dataset = random_cases(12)
+    index, adhesion = effects_figure(dataset).axes[:2]
+    assert set(index.get_xticks()) <= {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000}
+    assert adhesion.get_xscale() == "linear"
+    assert not set(adhesion.get_xticks()) & set(dataset.adhesion_factor.values)
 
 
 def test_effects_of_random_cases_are_found_again() -> None:

@@ -107,7 +107,12 @@ def test_a_value_in_what_looks_like_another_unit_is_told(
 
 @pytest.mark.parametrize(
     "setting",
-    ["undrained_shear_strength=[1, 1e3, 1e7]", "in_situ_stress=0", "cone_radius=0.0252"],
+    [
+        "undrained_shear_strength=[1, 1e3, 1e7]",
+        "in_situ_stress=0",
+        "cone_radius=0.0252",
+        "cone_radius=1",
+    ],
 )
 def test_a_value_that_is_meant_is_not_told(
     setting: str, capsys: pytest.CaptureFixture[str]

@@ -261,6 +261,12 @@ def test_bars_of_the_shares_add_up_to_one() -> None:
     assert ticks == ["1", "5", "9", "13", "17", "20"]
 
 
+def test_where_all_complete_no_least_share_is_told() -> None:
+    sound = made("latin_hypercube", ["completed"] * 6, stress=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    (axes,) = stability_figure(sound).axes
+    assert [text.get_text() for text in axes.texts] == ["all 6 complete"]
+
+
 def test_nothing_is_drawn_without_a_failure_or_a_limit() -> None:
     sound = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
     assert figures(sound) == {}
