@@ -48,6 +48,8 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
         half_width = math.hypot(
             of_resistances, _of_borders(reached, sounding.cell_size / thickness)
         )
+        if sounding.strength_changes:  # then no law of the error is known
+            half_width = math.nan
         return labelled(
             role="headline",
             layer_share=(

@@ -209,6 +209,11 @@ class SoundingTest(CatalogueScene):
         )
 
     @property
+    def strength_changes(self) -> bool:
+        """Whether strain or its rate changes the strength of the soil."""
+        return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
+
+    @property
     def ground_passed(self) -> Profile:
         """The ground that the window of the stretch passes: it sets speed and time step."""
         assert self.domain_above is not None

@@ -81,7 +81,6 @@ def sample_error(
         & (inertia <= LARGEST_INERTIA)
         & (h <= LARGEST_CELL)
         & (sounding.poissons_ratio >= known.SMALLEST_POISSONS_RATIO)
-        & (sounding.rate_factor == 0.0)
-        & (sounding.remoulded_strength_ratio == 1.0)
+        & (not sounding.strength_changes)
     )
     return np.where(is_known, correction, 0.0), np.where(is_known, half_width, np.nan)

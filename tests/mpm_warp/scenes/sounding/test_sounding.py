@@ -15,7 +15,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.sounding.layer import change_of_resistance
+from mpm_warp.scenes.sounding.layer import change_of_resistance, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
 
@@ -294,6 +294,19 @@ def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     expected = math.hypot(whole, -lacking * math.log(lacking) * COARSE.cell_size)
     assert float(result.layer_share_uncertainty) == pytest.approx(expected, rel=0.01)
     assert "last_cone_factor" not in result
+
+
+def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
+    depth = np.arange(16.0, 24.0, 0.1)
+    recorded = xr.Dataset(coords={"depth": depth}).assign(
+        net_resistance=("depth", np.where(abs(depth - 21.0) < 1.0, 300e3, 200e3))
+    )
+    through = changed(to_depth=24.0, layer_top=20.0, layer_thickness=2.0, layer_strength_ratio=2.0)
+    soft = dataclasses.replace(through, remoulded_strength_ratio=0.2, ductility=10.0)
+    known, unknown = (layer_values(it, recorded) for it in (through, soft))
+    assert np.isfinite(known["layer_share_uncertainty"])
+    assert np.isnan(unknown["layer_share_uncertainty"])
+    assert unknown["layer_share"] == known["layer_share"]
 
 
 def test_where_the_error_is_not_known_there_is_no_uncertainty(layered: xr.Dataset) -> None:
