@@ -16,7 +16,10 @@ from mpm_warp.parts.records.energy_balance import add_energy_balance
 from mpm_warp.parts.records.history import add_origin
 from mpm_warp.parts.records.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
+from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.parts.window.inflow import add_inflow
+from mpm_warp.parts.window.resting_ground import add_ground_below, add_resting_ground
+from mpm_warp.parts.window.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import PRECISIONS
@@ -62,9 +65,11 @@ def make_soil_plan(
         grid,
         material,
         particles_per_side=scene.particles_per_side,
-        spare_fraction=0.0 if window is None else window.spare_fraction,
+        spare_fraction=0.0 if window is None else window.spare_fraction_in(grid),
         stress=scene.stress_at_rest,
     )
+    if isinstance(window, CyclicWindow):
+        add_ground_below(plan, scene)
     if scene.history:
         add_origin(plan)
         add_plastic_strain(plan)
@@ -99,8 +104,7 @@ def make_soil_plan(
     if scene.moving_wall is not None:
         scene.moving_wall.add_motion(plan, scene)
     if window is not None:
-        window.add_to(plan)
-        add_inflow(plan, scene)
+        _add_travel(plan, scene, window)
     if scene.energy_audit:
         add_energy_audit(plan, grid)
     if scene.energy_balance:
@@ -112,6 +116,16 @@ def make_soil_plan(
         add_plastic_strain_audit(plan, grid, material)
         add_yield_share(plan, material)
     return plan
+
+
+def _add_travel(plan: Plan, scene: Scene, window: Window | CyclicWindow) -> None:
+    """Add what moves the grid through the soil, and how soil comes in and goes."""
+    if isinstance(window, CyclicWindow):
+        add_resting_ground(plan, scene)
+        window.add_to(plan)
+    else:
+        window.add_to(plan)
+        add_inflow(plan, scene)
 
 
 def _empty_plan(scene: Scene, share_count: int, time_step: float | None) -> Plan:

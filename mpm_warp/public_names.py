@@ -25,6 +25,7 @@ from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.travelling_source import TravellingSource
 from mpm_warp.parts.window.window import Approach, Window
@@ -44,6 +45,7 @@ from mpm_warp.scenes.discovery import scene_class, scene_names
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
+from mpm_warp.scenes.full_flow.cyclic_t_bar import CyclicTBar
 from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.full_flow.full_flow_sphere import FullFlowSphere
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration

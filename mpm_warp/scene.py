@@ -23,6 +23,7 @@ from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.boundaries.moving_wall import MovingWall
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.part import FitsGrid, NodeAction
+from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.window import Window
 from mpm_warp.precision import PRECISIONS
@@ -33,12 +34,12 @@ REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": st
 )
 """Of what type a value of a scene has to be."""
 OPTIONAL = {
-    "fixed": Fixed,
-    "far_field": FarField,
-    "surroundings": SurroundingGround,
-    "contact": SurfaceContact,
-    "moving_wall": MovingWall,
-    "window": Window,
+    "fixed": (Fixed,),
+    "far_field": (FarField,),
+    "surroundings": (SurroundingGround,),
+    "contact": (SurfaceContact,),
+    "moving_wall": (MovingWall,),
+    "window": (Window, CyclicWindow),
 }
 """Of what type it has to be where it is not None."""
 
@@ -65,7 +66,8 @@ class Scene:
         contact: contact with a rigid body, or none.
         moving_wall: inner wall that moves and takes the grid along, or none; it is a cylinder or a
             sphere, and there is no window then.
-        window: travel of the grid through the soil, or none.
+        window: travel of the grid through the soil, or none; around a cyclic one the ground rests,
+            so there is neither a far field nor surroundings then.
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
         conservative_interpolation: whether particles follow a flow that changes volume alike all
@@ -92,7 +94,7 @@ class Scene:
     surroundings: SurroundingGround | None = None
     contact: SurfaceContact | None = None
     moving_wall: MovingWall | None = None
-    window: Window | None = None
+    window: Window | CyclicWindow | None = None
     free_surface: bool = False
     conservative_interpolation: bool = False
     energy_audit: bool = False
@@ -108,8 +110,8 @@ class Scene:
         check_array("stress_at_rest", self.stress_at_rest, (4,))
         for name, kind in REQUIRED.items():
             check_kind(name, getattr(self, name), kind)
-        for name, kind in OPTIONAL.items():
-            check_kind(name, getattr(self, name), (kind, type(None)))
+        for name, kinds in OPTIONAL.items():
+            check_kind(name, getattr(self, name), (*kinds, type(None)))
         for number, force in enumerate(self.forces):
             if not isinstance(force, NodeAction):
                 raise SceneError(f"forces[{number}]: a {type(force).__name__} has no `add_to`")
@@ -126,10 +128,14 @@ class Scene:
         """Check that what there is goes together."""
         leans = np.ptp(self.grid.surface_radius) > 0.0
         varies = self.material.variation is not None
+        turns = isinstance(self.window, CyclicWindow)
         for name, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
             ("moving_wall", self.window, "a window"),
             ("window", self.grid.polar, "a grid of rays"),
+            ("window", turns and varies, "a material that varies, where it is cyclic"),
+            ("far_field", turns, "a cyclic window; hold the nodes around the grid"),
+            ("surroundings", turns, "a cyclic window; hold the nodes around the grid"),
             ("surroundings", self.far_field, "a far field"),
             ("surroundings", self.window is None, "a grid at rest; give it a window"),
             ("conservative_interpolation", self.grid.polar, "a grid of rays"),

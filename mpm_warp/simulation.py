@@ -14,6 +14,7 @@ from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.device_run import DeviceRun
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parts.window.inflow import Inflow
+from mpm_warp.parts.window.window import Window
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
@@ -22,6 +23,8 @@ from mpm_warp.watch.watch import make_watch
 
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
+NOTHING_TRAVELS = "has no window: nothing travels"
+"""Of a scene that is asked for its travel, or told to."""
 
 
 class Simulation:
@@ -57,7 +60,7 @@ class Simulation:
         self._watch = make_watch(scene, self._run)
         self._inflow = (
             Inflow(self._run, scene, scene.window, scene.surroundings, scene.node_actions)
-            if isinstance(scene, Scene) and scene.window
+            if isinstance(scene, Scene) and isinstance(scene.window, Window)
             else None
         )
 
@@ -89,7 +92,9 @@ class Simulation:
         Raises:
             ValueError: the scene has no window.
         """
-        return self._window_inflow.travel
+        if self.plan.find("window.motion") is None:
+            raise ValueError(f"the scene {NOTHING_TRAVELS}")
+        return float(self._run.array("window.motion")[2])
 
     @property
     def particle_count(self) -> int:
@@ -180,7 +185,7 @@ class Simulation:
         """Take steps until the window has moved so far [m] since the start.
 
         Raises:
-            ValueError: `travel` is not finite, or the scene has no window.
+            ValueError: `travel` is not finite, or the scene has no window, or a cyclic one.
             SimulationDiverged: the run became unstable.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
@@ -213,7 +218,9 @@ class Simulation:
     @property
     def _window_inflow(self) -> Inflow:
         if self._inflow is None:
-            raise ValueError("the scene has no window: nothing travels")
+            travels = self.plan.find("window.motion") is not None
+            why = "has a window that turns: advance to a time" if travels else NOTHING_TRAVELS
+            raise ValueError(f"the scene {why}")
         return self._inflow
 
     def _steps_until(self, time: float) -> int:

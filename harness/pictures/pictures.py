@@ -16,6 +16,7 @@ from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
+from harness.pictures.cycles import cycles_figure, shows_cycles
 from harness.pictures.drawing.own_files import check_replaceable, write_own
 from harness.pictures.drawing.plot_parts import image
 from harness.pictures.effects import effects_figure, shows_effects
@@ -32,6 +33,7 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "map": (shows_map, map_figure),
     "tornado": (shows_tornado, tornado_figure),
     "convergence": (shows_convergence, convergence_figure),
+    "cycles": (shows_cycles, cycles_figure),
     "effects": (shows_effects, effects_figure),
     "work_precision": (shows_work_precision, study_figure),
     "resistance": (shows_resistance, resistance_figure),

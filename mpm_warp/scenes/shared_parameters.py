@@ -97,10 +97,10 @@ def penetration_speed() -> Any:
     )
 
 
-def speed_ratio(maximum: float) -> Any:
+def speed_ratio(maximum: float, default: float = 0.03) -> Any:
     """The field `speed_ratio` of a penetrometer, the speed of its run, up to this one."""
     meaning = "penetration speed over shear wave speed"
-    return parameter(0.03, unit="1", meaning=meaning, minimum=1e-4, maximum=maximum)
+    return parameter(default, unit="1", meaning=meaning, minimum=1e-4, maximum=maximum)
 
 
 def cell_growth() -> Any:

@@ -1,8 +1,8 @@
 """The material points (particles) of a run: arrays of all that they carry.
 
-A slot of these arrays holds a particle, or nothing: its cell is then (-1, -1). Every array called
-`particle.*` belongs to the particles: what enters through a window, and what moves, brings all of
-them along, whichever they are.
+A slot of these arrays holds a particle in the grid, or none: its cell is then (-1, -1). Every array
+called `particle.*` belongs to the particles: what enters through a window, and what moves, brings
+all of them along, whichever they are.
 """
 
 from __future__ import annotations

@@ -106,7 +106,7 @@ class _Before:
         particle: slots of a sample of the particles, shape [sample_count].
         cell: the cells that these are in.
         trace: sum of their normal stresses [Pa].
-        speed: of the rigid body into the soil [m/s].
+        speed: of the rigid body down through the soil [m/s].
     """
 
     particle: Integers
@@ -193,7 +193,7 @@ class SoilWatch(ParticleWatch):
 
     @property
     def _speed(self) -> float:
-        """Of the rigid body into the soil in the next step [m/s]."""
+        """Of the rigid body down into the soil in the next step [m/s]."""
         scene = self._scene
         if scene.window is not None:
             return float(self._run.array("window.motion")[1])

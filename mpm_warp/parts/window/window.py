@@ -13,6 +13,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
+from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.part import Setting
 from mpm_warp.plan.plan import Plan
 
@@ -106,13 +107,13 @@ class Window:
         left = (self.approach.travel - travel) / self.approach.slowing_travel
         return self.speed + min(1.0, max(0.0, left)) * (self.approach.speed - self.speed)
 
-    def top(self, setting: Setting) -> float:
-        """Height above which particles leave the grid [m].
+    def spare_fraction_in(self, grid: Grid) -> float:
+        """Empty slots at the start, over the number of particles that fill a grid."""
+        return self.spare_fraction
 
-        Half a layer stays above the top, else the mass of the nodes there could vanish.
-        """
-        rows = setting.grid.rows
-        return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / setting.particles_per_side)
+    def top(self, setting: Setting) -> float:
+        """Height above which particles leave the grid for good [m]."""
+        return height_of_leaving(setting)
 
     def add_motion(self, plan: Plan) -> None:
         """Add the array of its motion, which a contact reads."""
@@ -130,6 +131,15 @@ class Window:
             approach_travel=0.0 if approach is None else approach.travel,
             slowing_travel=0.0 if approach is None else approach.slowing_travel,
         )
+
+
+def height_of_leaving(setting: Setting) -> float:
+    """Height above which particles leave a grid that travels [m].
+
+    Half a layer stays above the top, else the mass of the nodes there could vanish.
+    """
+    rows = setting.grid.rows
+    return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / setting.particles_per_side)
 
 
 @functools.cache

@@ -224,7 +224,7 @@ class ConePenetration(ConeTest):
                 greatest penetration it still changes.
         """
         window = soil_scene(simulation).window
-        assert window is not None
+        assert isinstance(window, Window)
         assert self.penetration is not None
         slowing = slowing_penetration(window, self.cone_radius)
         pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=slowing)

@@ -1,29 +1,19 @@
-"""What ball and T-bar have in common when they are pushed down until soil flows round them."""
+"""Ball and T-bar that are pushed down until soil flows round them."""
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
-from mpm_warp.grid.fitted import Grid
-from mpm_warp.grid.spacing import growing
-from mpm_warp.materials.material import PerfectlyPlastic
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.window import Window
-from mpm_warp.plan.plan import Plan
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import ContactForces, follow, soil_scene, transferred_energy
-from mpm_warp.scene import Scene
-from mpm_warp.scenes import rate_and_softening, shared_parameters
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.sampling import follow, transferred_energy
+from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.penetration import (
     SAMPLE_SPACING,
     STEADY_SAMPLES,
@@ -31,13 +21,10 @@ from mpm_warp.scenes.cone.penetration import (
     steady_mean,
 )
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
-from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.full_flow.penetrometer import FullFlowPenetrometer, ResistanceSamples
+from mpm_warp.scenes.full_flow.round_body import RoundBody
 from mpm_warp.simulation import Simulation
 
-NO_PARTING = 1000.0
-"""In-situ stress over su, above any that the soil can pull with: it closes behind the body."""
-TIME_STEP_FRACTION = 0.85
 SPARE_FRACTION = 0.4
 """Slots for material points beside those that fill the grid, over their number."""
 LARGEST_CHANGE = 0.02
@@ -45,92 +32,14 @@ LARGEST_CHANGE = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class FullFlowPenetration(CatalogueScene):
-    """A round body pushed at constant speed through uniform, weightless, undrained clay.
+class FullFlowPenetration(FullFlowPenetrometer):
+    """A round body pushed at constant speed through clay, to steady flow."""
 
-    It starts in place, deep in undisturbed ground, and the soil never leaves it. Excess stresses
-    are simulated: those over the isotropic in-situ stress, which balances itself.
-    """
+    method: ClassVar[tuple[str, ...]] = (*FullFlowPenetrometer.method, "penetration")
 
-    method: ClassVar[tuple[str, ...]] = (
-        "cells_per_radius",
-        "cell_growth",
-        "particles_per_cell",
-        "speed_ratio",
-        "penetration",
-        "domain_extent",
-    )
-
-    rigidity_index: float = shared_parameters.rigidity_index(20, 5000)
-    adhesion_factor: float = shared_parameters.adhesion_factor("body")
-    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
-        "undrained shear strength su in pure shear"
-    )
-    material: str = shared_parameters.yield_criterion()
-    rate_factor: float = rate_and_softening.rate_factor()
-    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
-    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
-    ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = shared_parameters.poissons_ratio(minimum=0.4)
-    density: float = shared_parameters.density_of_clay()
-    penetration_speed: float = shared_parameters.penetration_speed()
     penetration: float = parameter(
         8.0, unit="1", meaning="penetration over radius", minimum=5, maximum=50
     )
-    speed_ratio: float = shared_parameters.speed_ratio(0.1)
-    cells_per_radius: int = parameter(
-        4, unit="1", meaning="cells per radius of the body", minimum=2, maximum=40
-    )
-    cell_growth: float = shared_parameters.cell_growth()
-    particles_per_cell: int = parameter(
-        9, unit="1", meaning="material points per cell", choices=(4, 9, 16)
-    )
-    domain_extent: int = parameter(
-        8,
-        unit="1",
-        meaning="extent of the grid below, above and beside the centre over radius",
-        minimum=3,
-        maximum=100,
-    )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        rate_and_softening.check_clay(self, lambda: self.clay)
-
-    @property
-    @abstractmethod
-    def body(self) -> RoundBody:
-        """What is pushed down."""
-
-    @abstractmethod
-    def surroundings(self, grid: Grid) -> SurroundingGround | None:
-        """The ground around the window; none where it rests."""
-
-    @property
-    def clay(self) -> PerfectlyPlastic:
-        """The soil."""
-        shear_modulus = self.rigidity_index * self.undrained_shear_strength
-        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
-        return rate_and_softening.clay_of(
-            self,
-            shear_modulus=shear_modulus,
-            poissons_ratio=self.poissons_ratio,
-            density=self.density,
-            strength=self.undrained_shear_strength,
-            speed_up=speed / self.penetration_speed,
-        )
-
-    @property
-    def grid(self) -> Grid:
-        """The grid around the body, which travels with it."""
-        radius = self.body.radius
-        size = radius / self.cells_per_radius
-        growth = 1.0 + self.cell_growth / self.cells_per_radius
-        return self.body.fitted_grid(
-            cells_per_radius=self.cells_per_radius,
-            columns=growing(size, (self.domain_extent - 1.0) * radius, growth),
-            extent=self.domain_extent,
-        )
 
     @property
     def window(self) -> Window:
@@ -141,46 +50,9 @@ class FullFlowPenetration(CatalogueScene):
             spare_fraction=SPARE_FRACTION,
         )
 
-    def build(self) -> Scene:
-        """The soil around the body."""
-        grid, strength = self.grid, self.undrained_shear_strength
-        surroundings = self.surroundings(grid)
-        return Scene(
-            grid=grid,
-            material=self.clay,
-            particles_per_side=math.isqrt(self.particles_per_cell),
-            time_step_fraction=TIME_STEP_FRACTION,
-            bulk_viscosity=0.2,
-            fixed=_fixed(grid, rests_around=surroundings is None),
-            surroundings=surroundings,
-            contact=self.body.contact(
-                grid,
-                adhesion=self.adhesion_factor * strength,
-                in_situ_stress=NO_PARTING * strength,
-            ),
-            window=self.window,
-            conservative_interpolation=True,
-            energy_audit=True,
-        )
-
-    def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the end."""
-        grid = self.grid
-        speed = self.clay.pressure_wave_speed + self.window.speed
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / speed
-        return size_in_grid(
-            grid,
-            particles_per_cell=self.particles_per_cell,
-            spare_fraction=SPARE_FRACTION,
-            step_count=self._time_to_the_end / time_step,
-        )
-
-    def step_count_bound(self, plan: Plan) -> int:
-        """Steps to the end of the penetration."""
-        return math.ceil(self._time_to_the_end / plan.time_step)
-
     @property
-    def _time_to_the_end(self) -> float:
+    def end_time(self) -> float:
+        """Time to the end of the penetration [s]."""
         return self.window.time_to(self.penetration * self.body.radius)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
@@ -232,44 +104,27 @@ class _ResistanceCurve:
     """Samples the resistance, at every `SAMPLE_SPACING` radii of penetration."""
 
     def __init__(self, simulation: Simulation, body: RoundBody) -> None:
-        contact = soil_scene(simulation).contact
-        assert contact is not None
-        self._contact = contact
         self._radius = body.radius
-        # Forces are those on half a cylinder, or on a radian of a ball.
-        self._area = body.radius if body.planar else 0.5 * body.radius**2
-        self._contact_forces = ContactForces(simulation)
-        self._forces: list[float] = []
+        self._samples = ResistanceSamples(simulation, body)
 
     def sample(self) -> None:
         """Take down the mean force since the sample before."""
-        self._forces.append(upward_force(self._contact, self._contact_forces.take()))
+        self._samples.take()
 
     @property
     def work(self) -> float:
         """Of the body so far [J], per radian or per unit length of half of it."""
-        return math.fsum(self._forces) * SAMPLE_SPACING * self._radius
+        return math.fsum(self._samples.forces) * SAMPLE_SPACING * self._radius
 
     def dataset(self) -> xr.Dataset:
         """The curve."""
         return curves(
             "penetration",
-            penetration_axis(len(self._forces), over="radius of the body"),
+            penetration_axis(len(self._samples.forces), over="radius of the body"),
             penetration_resistance=(
-                np.array(self._forces) / self._area,
+                self._samples.resistance,
                 "Pa",
                 "resistance over projected area",
                 "excess over the in-situ stress",
             ),
         )
-
-
-def _fixed(grid: Grid, *, rests_around: bool) -> Fixed:
-    """Soil stays on the line of travel; around a window that rests nothing moves."""
-    around = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-    if rests_around:
-        around[[0, -1]] = True
-        around[:, -1] = True
-    radial = around.copy()
-    radial[grid.surface_radius == 0.0, 0] = True
-    return Fixed.where(radial=radial, vertical=around)

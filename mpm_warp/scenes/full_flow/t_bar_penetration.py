@@ -7,19 +7,17 @@ from typing import ClassVar
 
 import xarray as xr
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.parameters import parameter
 from mpm_warp.results import labelled
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.full_flow.full_flow_cylinder import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
-from mpm_warp.scenes.full_flow.round_body import RoundBody
+from mpm_warp.scenes.full_flow.t_bar import TBar
 from mpm_warp.simulation import Simulation
 
 
 @dataclass(frozen=True, kw_only=True)
-class TBarPenetration(FullFlowPenetration):
+class TBarPenetration(TBar, FullFlowPenetration):
     """A T-bar in plane strain, pushed through uniform clay to steady flow.
 
     In perfectly plastic clay its resistance is the limit load of `full_flow_cylinder`.
@@ -36,19 +34,6 @@ class TBarPenetration(FullFlowPenetration):
         )
         for adhesion_factor in (0.0, 0.5, 1.0)
     )
-
-    bar_radius: float = parameter(
-        0.02, unit="m", meaning="radius of the T-bar", minimum=1e-6, maximum=1e3
-    )
-
-    @property
-    def body(self) -> RoundBody:
-        """The T-bar."""
-        return RoundBody(radius=self.bar_radius, planar=True)
-
-    def surroundings(self, grid: Grid) -> None:
-        """None: as much soil closes behind the bar as it pushes aside."""
-        return
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """See `FullFlowPenetration`; in perfectly plastic clay beside the limit load."""

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.errors import SimulationDiverged
+from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
+from mpm_warp.watch.checks import check_contact
 
 NOTICED_WITHIN = 500
 BLOCK = 3
@@ -146,6 +147,19 @@ def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
     simulation.array("contact.nodes")[:] = len(simulation.array("node.mass")) // 2
     with pytest.raises(SimulationDiverged, match=r"contact is lost on \d+% of the"):
         simulation.advance(NOTICED_WITHIN)
+
+
+def test_a_held_node_may_be_without_soil_for_a_moment(cone: Scene) -> None:
+    """It then has no velocity, while the body goes on; here they are a half of all."""
+    assert cone.contact is not None
+    held = np.arange(len(cone.contact.nodes) // 2)
+    contact = dataclasses.replace(cone.contact, held=held)
+    with_the_body = np.tile([0.0, -2.0], (len(contact.nodes), 1))
+    without = with_the_body.copy()
+    without[held] = 0.0
+    check_contact(contact, without, speed=2.0)
+    with pytest.raises(Fault, match=r"contact is lost on \d+% of the surface"):
+        check_contact(cone.contact, without, speed=2.0)
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])

@@ -1,0 +1,111 @@
+"""A T-bar that goes down and up in the same clay."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.scenes.full_flow.cyclic_t_bar import CyclicTBar
+from mpm_warp.scenes.full_flow.full_flow_cylinder import limit_load
+from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+from mpm_warp.simulation import Simulation
+
+COARSE = CyclicTBar(
+    cells_per_radius=2, domain_extent=4, adhesion_factor=0.5, stroke=6.0, cycle_count=2
+)
+SENSITIVE = dataclasses.replace(
+    COARSE, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.015
+)
+NOISE = 0.01
+"""Of the mean resistance of a passage, over it."""
+
+
+@pytest.fixture(scope="module")
+def plastic() -> xr.Dataset:
+    return COARSE.run()
+
+
+@pytest.fixture(scope="module")
+def softened() -> xr.Dataset:
+    return dataclasses.replace(SENSITIVE, cycle_count=3).run()
+
+
+def test_the_first_passage_is_that_of_a_t_bar_that_goes_on() -> None:
+    """To rounding: soil that waits below enters in the step in which a layer would have entered."""
+    pushed = TBarPenetration(
+        cells_per_radius=2,
+        domain_extent=4,
+        adhesion_factor=0.5,
+        remoulded_strength_ratio=0.2,
+        ductility=5.0,
+        speed_ratio=0.015,
+    )
+    runs = [Simulation(it.build()) for it in (SENSITIVE, pushed)]
+    # Three of the six radii: half of them through soil that was not in the grid at the start.
+    steps = int(SENSITIVE.window.time_to(3.0 * SENSITIVE.bar_radius) / runs[0].plan.time_step)
+    for run in runs:
+        run.advance(steps)
+    assert runs[0].travel == runs[1].travel
+    ours, theirs = (run.array("contact.impulse") for run in runs)
+    rounding = steps * np.finfo(float).eps * np.abs(theirs).max()
+    np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=rounding)
+
+
+def test_perfectly_plastic_clay_does_not_degrade(plastic: xr.Dataset) -> None:
+    factor = plastic.cyclic_resistance_factor
+    np.testing.assert_allclose(factor, factor[0], rtol=NOISE)
+    assert float(plastic.resistance_ratio) == pytest.approx(1.0, abs=NOISE)
+    assert float(plastic.error) == abs(float(plastic.resistance_ratio) - 1.0)
+    assert "fitted_cycles" not in plastic
+
+
+def test_penetration_and_extraction_have_their_signs_numbers_and_places(
+    plastic: xr.Dataset,
+) -> None:
+    np.testing.assert_allclose(plastic.cycle, [0.25, 0.75, 1.25, 1.75])
+    loops = plastic.cyclic_resistance
+    assert loops.dims == ("cycle", "penetration")
+    middle = loops.sel(penetration=slice(1.5, 4.5))
+    assert (middle[::2] > 0.0).all()
+    assert (middle[1::2] < 0.0).all()
+    # Where a passage begins, below on the way up, the bar is still pushed from the other side.
+    begins = [loops[1, -1], loops[2, 0]]
+    assert all(abs(float(it)) < 0.5 * abs(float(loops[1, 30])) for it in begins)
+
+
+def test_clay_that_softens_loses_resistance_down_to_its_remoulded_strength(
+    softened: xr.Dataset,
+) -> None:
+    factor = softened.cyclic_resistance_factor.values
+    assert (np.diff(factor[:5]) < 0.0).all()
+    exact = limit_load(0.5)
+    assert 0.2 * exact < factor[-1] < factor[0] < exact
+    assert float(softened.resistance_ratio) == np.mean(factor[-2:]) / factor[0]
+    assert float(softened.fitted_remoulded_ratio) > 0.2
+    assert float(softened.fitted_cycles) < 3.0
+    assert "error" not in softened
+    assert abs(float(softened.energy_error)) < 0.05
+
+
+def test_a_cycle_is_two_passages_of_a_bar(softened: xr.Dataset) -> None:
+    told = float(softened.fitted_ductility) / float(softened.fitted_cycles)
+    assert told == pytest.approx(2.0 * 3.7)
+
+
+def test_what_lies_beyond_the_end_of_the_test_is_not_told() -> None:
+    ductile = dataclasses.replace(SENSITIVE, ductility=200.0, speed_ratio=0.06)
+    results = ductile.run()
+    for name in ("fitted_cycles", "fitted_ductility", "fitted_remoulded_ratio"):
+        assert np.isnan(results[name])
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("cycle_count", 0), ("stroke", 5.0), ("bar_radius", 0.0)]
+)
+def test_values_that_are_not_allowed_are_refused(key: str, value: float) -> None:
+    with pytest.raises(ParameterError, match=key):
+        dataclasses.replace(COARSE, **{key: value})
