@@ -13,7 +13,7 @@ from harness.study.tables import LONGEST_MESSAGE, StudyError
 def test_a_study_that_ships_is_valid(name: str) -> None:
     study = load_study(name)
     assert study.name == name
-    assert len(study.cases) > 1
+    assert study.cases
 
 
 def test_studies_that_ship() -> None:
