@@ -28,6 +28,15 @@ def error_name(dataset: xr.Dataset) -> str | None:
     return next((name for name in (ERROR, ERROR_FINEST) if name in dataset), None)
 
 
+def states_its_error(dataset: xr.Dataset) -> np.ndarray:
+    """Whether each case tells what is known of its own error; yes where no case of a result does.
+
+    A case that does not may come near the reference by luck, where two errors cancel each other.
+    """
+    known: np.ndarray = np.isfinite(uncertainty_of(dataset))
+    return known if known.any() else np.ones_like(known)
+
+
 def with_finest_error(
     dataset: xr.Dataset, method: Sequence[str], reference: xr.Dataset | None = None
 ) -> xr.Dataset:

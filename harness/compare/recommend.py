@@ -14,7 +14,7 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, over_cases, parameter_names, varied_names
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study, working_on
-from harness.compare.finest_error import FLOOR, error_name
+from harness.compare.finest_error import FLOOR, error_name, states_its_error
 from harness.errors import HarnessError
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class
@@ -133,6 +133,7 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
         return []
     # No error is promised that is below what is known of the reference.
     error = np.fmax(over_cases(dataset, name), over_cases(dataset, FLOOR))
+    error = np.where(states_its_error(dataset), error, np.nan)
     seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
     varied = _varied(kinds, dataset)

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import COMPLETED, over_cases, scenes_of
-from harness.compare.finest_error import FLOOR, error_name
+from harness.compare.finest_error import FLOOR, error_name, states_its_error
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     FAILED,
@@ -32,6 +32,7 @@ from harness.pictures.drawing.values import Floats
 from harness.pictures.problems import problem_names, problems_of, setting_of, settings_key
 
 FRONT = "front: no other is faster and better"
+NOT_STATED = "tells nothing of its own error"
 LEGEND_LINE = 0.15
 """Inches of a line of a legend."""
 LABEL_GAP = 0.06
@@ -79,8 +80,9 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     """Error against run time of a study's cases, and the front of those that no other beats.
 
     Each problem, a scene with one soil, has a front of its own: another is not easier or harder to
-    compute, but another. A case that did not complete has no error: it stands on the upper edge, at
-    the time it took.
+    compute, but another. A case that tells nothing of its own error, among others that do, is on no
+    front: its error may be small by luck. A case that did not complete has no error: it stands on
+    the upper edge, at the time it took.
 
     Args:
         dataset: result for which :func:`shows_work_precision` holds.
@@ -90,6 +92,8 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     errors = over_cases(dataset, name).astype(float)
     seconds = over_cases(dataset, "run_time").astype(float)
     sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
+    silent = sound & ~states_its_error(dataset)
+    sound &= ~silent
     problems = problems_of(dataset)
     names = problem_names(problems)
     figure, axes = empty_figure()
@@ -121,6 +125,9 @@ def study_figure(dataset: xr.Dataset) -> Figure:
                 size=6,
                 bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
             )
+    if silent.any():
+        place = seconds[silent], errors[silent]
+        axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
     floor = over_cases(dataset, FLOOR).astype(float)
     if np.isfinite(floor).any():
         told = "uncertainty of the reference"

@@ -163,3 +163,28 @@ def test_fixed_settings_that_are_not_as_by_default_are_told(
     found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
     assert found is not None
     assert found.settings == {"cell_growth": 0.8, "cells_per_radius": 2.0}
+
+
+def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Path) -> None:
+    """Among others that do: it may be near the reference by luck."""
+    cells = ("case", [1.5, 3.0, 6.0])
+    dataset = xr.Dataset(
+        {
+            "error_finest": ("case", [0.001, 0.006, 0.004], {"role": "error"}),
+            "cone_factor": ("case", [11.4, 11.3, 11.35], {"role": "headline"}),
+            "cone_factor_uncertainty": ("case", [np.nan, 0.08, 0.06], {"role": "uncertainty"}),
+            "run_time": ("case", [0.5, 5.0, 40.0]),
+            "status": ("case", [COMPLETED] * 3),
+            "message": ("case", [""] * 3),
+            "case_key": ("case", list("abc")),
+        },
+        coords={"case": range(3), "cells_per_radius": (*cells, {"role": "parameter"})},
+        attrs=two_scenes().attrs | {"scene": "cone_penetration"},
+    )
+    found = recommend("cone_penetration", 0.01, [written(tmp_path, dataset)])
+    assert found is not None
+    assert found.settings["cells_per_radius"] == 3.0
+    silent = dataset.drop_vars("cone_factor_uncertainty")
+    found = recommend("cone_penetration", 0.01, [written(tmp_path, silent)])
+    assert found is not None
+    assert found.settings["cells_per_radius"] == 1.5
