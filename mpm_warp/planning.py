@@ -66,7 +66,7 @@ def make_soil_plan(
         material,
         particles_per_side=scene.particles_per_side,
         spare_fraction=0.0 if window is None else window.spare_fraction_in(grid),
-        stress=scene.stress_at_rest,
+        stress_at=scene.stress_at_rest_at,
     )
     if isinstance(window, CyclicWindow):
         add_ground_below(plan, scene)

@@ -163,7 +163,11 @@ def excess_pore_pressure(simulation: Simulation) -> Floats:
     It is the change of mean total stress, here in the last step. The effective mean stress of an
     elastic, perfectly plastic undrained clay stays.
     """
-    change = simulation.array("cell.stress") - soil_scene(simulation).stress_at_rest
+    scene = soil_scene(simulation)
+    travel = 0.0 if scene.window is None else simulation.travel
+    middle = scene.grid.node_positions[scene.grid.cell_nodes].mean(axis=1)
+    before = scene.stress_at_rest_at(middle - np.array([0.0, travel]))
+    change = simulation.array("cell.stress") - before
     pressure: Floats = -change[:, [0, 1, 3]].mean(axis=1)
     return pressure
 

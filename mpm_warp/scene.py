@@ -56,7 +56,8 @@ class Scene:
         bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
         stress_at_rest: stress (rr, zz, rz, tt) of the soil at the start [Pa], shape [4]; none by
             default. It rests where it has no shear, its radial part is the hoop part, and what
-            bounds the grid holds it: fixed nodes, or the surroundings, which start with it.
+            bounds the grid holds it: fixed nodes, or the surroundings, which start with it. Where
+            the material varies it is none: the variation has the horizontal stress.
         forces: parts that act on nodes before all others, in this order: loads, gravity, damping,
             or a user's own.
         fixed: nodes held at rest, or none.
@@ -123,6 +124,18 @@ class Scene:
         for part in self.node_actions:
             if isinstance(part, FitsGrid):
                 part.check(self)
+
+    def stress_at_rest_at(self, place: Floats) -> Floats:
+        """Stress (rr, zz, rz, tt) of the ground before, at places in it [Pa], shape [..., 4].
+
+        Args:
+            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
+        """
+        stress = np.tile(self.stress_at_rest, (*place.shape[:-1], 1))
+        if self.material.variation is not None:
+            horizontal = self.material.variation.horizontal_stress_at(place)
+            stress[..., [0, 3]] += horizontal[..., None]
+        return stress
 
     def _check_together(self) -> None:
         """Check that what there is goes together."""

@@ -16,7 +16,8 @@ from typing import Any
 
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.errors import ParameterError
-from mpm_warp.scenes.sounding.profile import NAME, Profile
+from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.profile_text import NAME
 
 LARGEST_PROFILE = 1_000_000
 """Bytes of a file; a table of more than some ten thousand rows is a slip."""

@@ -1,4 +1,4 @@
-"""How strength, stiffness and adhesion vary with depth, as ratios to those of a material.
+"""How the ground varies with depth: strength, stiffness and adhesion as ratios, its own stress.
 
 A place in the ground is where soil was before anything moved, in the coordinates (r, z) that the
 grid had at the start: a grid that has travelled down by T sees soil at rest from x - T e_z at x.
@@ -18,7 +18,7 @@ from mpm_warp.grid.fitted import Floats
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Variation:
-    """Strength, stiffness and adhesion over those of a material, linear between depths.
+    """Strength, stiffness and adhesion over those of a material, and stress, linear between depths.
 
     Two equal depths make a jump: what is at that depth and below has the second values. Above the
     first depth and below the last one the ground goes on as it is there.
@@ -31,6 +31,8 @@ class Variation:
             fastest.
         adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
             dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
+        horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
+            positive, shape [n]; none where it is that of the scene everywhere.
         origin_depth: depth of z = 0 [m].
 
     Raises:
@@ -41,6 +43,7 @@ class Variation:
     strength_ratio: Floats
     stiffness_ratio: Floats
     adhesion_ratio: Floats | None = None
+    horizontal_stress: Floats | None = None
     origin_depth: float = 0.0
 
     def __post_init__(self) -> None:
@@ -60,6 +63,8 @@ class Variation:
         if self.adhesion_ratio is not None:
             share = Range(minimum=0.0, maximum=1.0)
             check_array("variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
+        if self.horizontal_stress is not None:
+            check_array("variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
         check_number("variation: origin_depth", self.origin_depth, unit="m")
 
     def strength_ratio_at(self, place: Floats) -> Floats:
@@ -75,6 +80,12 @@ class Variation:
         if self.adhesion_ratio is None:
             return np.ones(place.shape[:-1])
         return np.interp(self.depth_of(place), self.depth, self.adhesion_ratio)
+
+    def horizontal_stress_at(self, place: Floats) -> Floats:
+        """Horizontal less vertical stress at places in the ground [m], [..., 2]; 0 without one."""
+        if self.horizontal_stress is None:
+            return np.zeros(place.shape[:-1])
+        return np.interp(self.depth_of(place), self.depth, self.horizontal_stress)
 
     @property
     def greatest_strength_over_stiffness(self) -> float:

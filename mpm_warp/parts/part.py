@@ -25,9 +25,8 @@ class Setting(Protocol):
     def material(self) -> Material:
         """The soil's constitutive model."""
 
-    @property
-    def stress_at_rest(self) -> Floats:
-        """Stress (rr, zz, rz, tt) of the soil at the start [Pa], shape [4]."""
+    def stress_at_rest_at(self, place: Floats) -> Floats:
+        """Stress (rr, zz, rz, tt) of the ground before at places in it [Pa], [..., 2], [..., 4]."""
 
     @property
     def particles_per_side(self) -> int:

@@ -85,6 +85,18 @@ def apex_angle(maximum: float = 150) -> Any:
     )
 
 
+def stress_anisotropy() -> Any:
+    """The field `stress_anisotropy` of a penetrometer's ground, Delta."""
+    return parameter(
+        0.0,
+        unit="1",
+        meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
+        "over 2 su",
+        above=-1,
+        below=1,
+    )
+
+
 def penetration_speed() -> Any:
     """The field `penetration_speed` of a penetrometer [m/s]; that of a test is 20 mm/s."""
     return parameter(

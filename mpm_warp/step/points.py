@@ -7,6 +7,8 @@ all of them along, whichever they are.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
@@ -23,7 +25,7 @@ def add_points(
     *,
     particles_per_side: int,
     spare_fraction: float,
-    stress: Floats,
+    stress_at: Callable[[Floats], Floats],
 ) -> None:
     """Seed the grid with particles at rest.
 
@@ -33,7 +35,7 @@ def add_points(
         material: of the soil.
         particles_per_side: along each side of a cell, >= 1.
         spare_fraction: empty slots over the number of particles, dimensionless, >= 0.
-        stress: (rr, zz, rz, tt) of all of them [Pa], shape [4].
+        stress_at: gives their stress (rr, zz, rz, tt) [Pa], [..., 4], by place [m], [..., 2].
     """
     seed = seed_rows(grid, 0, grid.row_count, particles_per_side)
     plan.particle_count = seed.particle_count
@@ -50,7 +52,7 @@ def add_points(
     cell[taken] = seed.cell
     plan.add_array("particle.position", "vec2", position)
     plan.add_zeros("particle.velocity", "vec2", slots)
-    plan.add_array("particle.stress", "vec4", np.tile(stress, (slots, 1)))
+    plan.add_array("particle.stress", "vec4", stress_at(position))
     plan.add_array("particle.mass", "real", mass)
     counts = (grid.column_count, grid.row_count)
     plan.add_array("particle.cell", "vec2i", cell, counts, may_be_none=spare_fraction > 0.0)

@@ -118,7 +118,8 @@ class SurroundingGround:
             travel: of the body [m], >= 0.
         """
         own = self._stiffness_ratio(setting, position, travel)[..., None]
-        stress: Floats = setting.stress_at_rest + own * self.source.stress_since(position, travel)
+        before = setting.stress_at_rest_at(_place(position, travel))
+        stress: Floats = before + own * self.source.stress_since(position, travel)
         return stress
 
     def entering_spring(self, setting: Setting, travel: float) -> Floats:
@@ -146,9 +147,10 @@ class SurroundingGround:
         precision, nodes = plan.precision, (setting.grid.node_count,)
         side_flow = self.source.velocity(self.side_positions)
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
-        at_rest = -(self.side_areas[:, None] * setting.stress_at_rest[[0, 2]]) / self.spring
-        plan.add_array("far_field.nodes", "int", self.side, nodes)
         own = self._stiffness_ratio(setting, self.side_positions, 0.0)[:, None]
+        before = setting.stress_at_rest_at(self.side_positions)[:, [0, 2]]
+        at_rest = -(self.side_areas[:, None] * before) / (own * self.spring)
+        plan.add_array("far_field.nodes", "int", self.side, nodes)
         plan.add_array("far_field.spring", "vec2", own * self.spring)
         plan.add_array("far_field.dashpot", "vec2", np.sqrt(own) * self.dashpot)
         plan.add_array("far_field.flow", "vec2", side_flow)
@@ -163,13 +165,18 @@ class SurroundingGround:
 
     def _stiffness_ratio(self, setting: Setting, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
-        return setting.material.stiffness_ratio_at(position - np.array([0.0, travel]))
+        return setting.material.stiffness_ratio_at(_place(position, travel))
 
     @property
     def _end_flow(self) -> Floats:
         """What the velocity of each node of the ends gets beside what is free of it, over V."""
         flow: Floats = (1.0 - self.free) * self.source.velocity(self.end_positions)
         return flow
+
+
+def _place(position: Floats, travel: float) -> Floats:
+    """Where undisturbed soil comes from that is at positions in the grid [m], shape [..., 2]."""
+    return position - np.array([0.0, travel])
 
 
 @functools.cache

@@ -73,14 +73,7 @@ class ConeTest(CatalogueScene):
     in_situ_stress: float = parameter(
         400e3, unit="Pa", meaning="vertical total stress in the ground before", minimum=0
     )
-    stress_anisotropy: float = parameter(
-        0.0,
-        unit="1",
-        meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
-        "over 2 su",
-        above=-1,
-        below=1,
-    )
+    stress_anisotropy: float = shared_parameters.stress_anisotropy()
     cone_radius: float = shared_parameters.cone_radius()
     penetration_speed: float = shared_parameters.penetration_speed()
     apex_angle: float = shared_parameters.apex_angle()

@@ -76,6 +76,7 @@ class SoundingTest(CatalogueScene):
     )
     adhesion_factor: float = shared_parameters.adhesion_factor("cone face")
     shaft_adhesion_factor: float | None = shared_parameters.shaft_adhesion_factor()
+    stress_anisotropy: float = shared_parameters.stress_anisotropy()
     from_depth: float = parameter(
         1.0,
         unit="m",
@@ -140,12 +141,14 @@ class SoundingTest(CatalogueScene):
         super().__post_init__()
         self._check_depths()
         self._check_layers()
-        if self.ground.adhesion_factor is not None and self.adhesion_factor != 0.0:
-            raise ParameterError(
-                "adhesion_factor",
-                f"adhesion_factor = {self.adhesion_factor:g} is not allowed: the profile has it by "
-                "depth; keep one of them",
-            )
+        for name in ("adhesion_factor", "stress_anisotropy"):
+            value = getattr(self, name)
+            if getattr(self.ground, name) is not None and value != 0.0:
+                raise ParameterError(
+                    name,
+                    f"{name} = {value:g} is not allowed: the profile has it by depth; keep one of "
+                    "them",
+                )
 
     def _check_depths(self) -> None:
         assert self.to_depth is not None

@@ -1,52 +1,25 @@
-"""The ground by depth: a table of its properties, linear between its rows.
-
-As text it has a header that names columns and units, and a row for each depth; rows are parted by
-new lines or by semicolons, values by commas:
-
-    depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
-    0, 40, 100, 18
-    2, 15, 100, 17
-    12, 35, 100, 17
-    12, 80, 150, 19
-    20, 90, 150, 19
-
-Two rows of one depth make the border of two layers. A row that begins with # is a remark.
-"""
+"""The ground by depth: its properties in rows, linear between them."""
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range
-from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parameters import nearest_name
+from mpm_warp.scenes.sounding.profile_text import columns_of, refused, text_of
 
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "depth": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "strength": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
-    "rigidity_index": {"1": 1.0},
-    "shear_modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
-    "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
-    "adhesion_factor": {"1": 1.0},
-}
-"""Units of each column, and what they are in SI units."""
-REQUIRED = ("depth", "strength")
 ALLOWED = {
     "depth": NOT_NEGATIVE,
     "unit_weight": NOT_NEGATIVE,
     "adhesion_factor": Range(minimum=0.0, maximum=1.0),
+    "stress_anisotropy": Range(above=-1.0, below=1.0),
 }
 """What the values of a column must be; the others are positive."""
-STIFFNESS = ("rigidity_index", "shear_modulus")
-NAME = "profile"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,6 +33,9 @@ class Profile:
         unit_weight: total unit weight [N/m3], >= 0.
         adhesion_factor: of the cone's face beside the soil, dimensionless, 0 to 1; none where it is
             not of the ground.
+        stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), dimensionless, > -1 and < 1, in
+            the ground before; none where it is not of the ground. Between rows the stress is
+            linear.
 
     Raises:
         ParameterError: a value is not allowed; the message names column, row and value.
@@ -70,6 +46,7 @@ class Profile:
     shear_modulus: Floats
     unit_weight: Floats
     adhesion_factor: Floats | None = None
+    stress_anisotropy: Floats | None = None
 
     def __post_init__(self) -> None:
         given = {name: values for name, values in vars(self).items() if values is not None}
@@ -77,56 +54,46 @@ class Profile:
         for name, values in columns.items():
             object.__setattr__(self, name, values)
             if values.ndim != 1 or values.size == 0 or values.shape != self.depth.shape:
-                raise _refused(f"{name} has shape {values.shape}, must have that of depth, [n]")
-            allowed = ALLOWED.get(name, POSITIVE)
-            _check_rows(name, values, allowed)
+                raise refused(f"{name} has shape {values.shape}, must have that of depth, [n]")
+            _check_rows(name, values, ALLOWED.get(name, POSITIVE))
         falls = np.flatnonzero(np.diff(self.depth) < 0.0)
         if len(falls):
             row = falls[0] + 1
-            raise _refused(
+            raise refused(
                 f"depth in row {row + 1} is {self.depth[row]:g} m, must not be above that of the "
                 f"row before, {self.depth[row - 1]:g} m"
             )
         thrice = np.flatnonzero(self.depth[2:] == self.depth[:-2])
         if len(thrice):
-            raise _refused(f"depth {self.depth[thrice[0]]:g} m is in three rows, must be in two")
+            raise refused(f"depth {self.depth[thrice[0]]:g} m is in three rows, must be in two")
 
     @classmethod
     def read(cls, text: str) -> Self:
         """A profile from its text; columns beside `depth` and `strength` may be left out.
 
-        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3, and
-        without an adhesion factor the ground has none of its own.
+        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3. Without
+        an adhesion factor or a stress anisotropy the ground has none of its own.
 
         Raises:
             ParameterError: something in it is not allowed.
         """
-        lines = [it.strip() for it in re.split(r"[;\n]", text)]
-        header, *lines = [it for it in lines if it and not it.startswith("#")] or [""]
-        factors = _header(header)
-        if not lines:
-            raise _refused("has no rows below its header")
-        table = np.array([_row(number, it, factors) for number, it in enumerate(lines, 1)])
-        columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
+        columns = columns_of(text)
         if "rigidity_index" in columns:
             columns["shear_modulus"] = columns.pop("rigidity_index") * columns["strength"]
         columns.setdefault("shear_modulus", 100.0 * columns["strength"])
-        columns.setdefault("unit_weight", np.full(len(table), 17e3))
+        columns.setdefault("unit_weight", np.full_like(columns["depth"], 17e3))
         return cls(**columns)
 
     @property
     def text(self) -> str:
         """The profile as a text of one line, in SI units; `read` gives the same profile."""
-        header = [f"{name} [{next(iter(UNITS[name]))}]" for name in self._columns]
-        table = np.stack(list(self._columns.values()), axis=-1)
-        rows = [", ".join(repr(value) for value in row) for row in table.tolist()]
-        return "; ".join([", ".join(header), *rows])
+        return text_of(self._columns)
 
     @property
     def is_uniform(self) -> bool:
-        """Whether strength, stiffness and adhesion factor are the same everywhere."""
-        adhesion = () if self.adhesion_factor is None else (self.adhesion_factor,)
-        return all(np.ptp(it) == 0.0 for it in (self.strength, self.shear_modulus, *adhesion))
+        """Whether all but the unit weight is the same everywhere."""
+        others = ("depth", "unit_weight")
+        return all(np.ptp(it) == 0.0 for name, it in self._columns.items() if name not in others)
 
     def between(self, begin: float, end: float) -> Self:
         """The ground from one depth to another [m], `begin` < `end`; beyond it goes on as there."""
@@ -138,21 +105,29 @@ class Profile:
 
         depth = np.concatenate([[begin], self.depth[inside], [end]])
         others = {name: column(it) for name, it in self._columns.items() if name != "depth"}
+        if self.stress_anisotropy is not None:
+            others["stress_anisotropy"][[0, -1]] = self.stress_anisotropy_at(depth[[0, -1]], 0.0)
         return type(self)(depth=depth, **others)
 
-    def variation(self, origin_depth: float) -> Variation | None:
-        """Strength, stiffness and adhesion over the greatest of them; none in uniform ground.
+    def variation(self, origin_depth: float, elsewhere: float = 0.0) -> Variation | None:
+        """Strength, stiffness and adhesion over the greatest of them, and the horizontal stress.
+
+        There is none in uniform ground.
 
         Args:
             origin_depth: depth of z = 0 in the grid [m].
+            elsewhere: stress anisotropy where it is not of the ground.
         """
         if self.is_uniform:
             return None
+        anisotropy = elsewhere if self.stress_anisotropy is None else self.stress_anisotropy
+        horizontal = 2.0 * anisotropy * self.strength
         return Variation(
             depth=self.depth,
             strength_ratio=self.strength / self.strength.max(),
             stiffness_ratio=self.shear_modulus / self.shear_modulus.max(),
             adhesion_ratio=self._adhesion_ratio,
+            horizontal_stress=horizontal if horizontal.any() else None,
             origin_depth=origin_depth,
         )
 
@@ -178,6 +153,14 @@ class Profile:
         if self.adhesion_factor is None:
             return np.full_like(depth, elsewhere)
         return np.interp(depth, self.depth, self.adhesion_factor)
+
+    def stress_anisotropy_at(self, depth: Floats, elsewhere: float) -> Floats:
+        """Stress anisotropy at depths; `elsewhere` where it is not of the ground."""
+        if self.stress_anisotropy is None:
+            return np.full_like(depth, elsewhere)
+        half = np.interp(depth, self.depth, self.stress_anisotropy * self.strength)
+        anisotropy: Floats = half / self.strength_at(depth)
+        return anisotropy
 
     def greatest_adhesion_factor(self, elsewhere: float) -> float:
         """Greatest adhesion factor of the face; `elsewhere` where it is not of the ground."""
@@ -257,49 +240,8 @@ def layered(
     )
 
 
-def _header(line: str) -> dict[str, float]:
-    """The columns of a header, and what their units are in SI units."""
-    factors: dict[str, float] = {}
-    for cell in line.split(","):
-        match = re.fullmatch(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
-        if match is None:
-            raise _refused(
-                f"header {line!r}: must name columns with units, as in 'depth [m], strength [kPa]'"
-            )
-        name, unit = match.groups()
-        if name not in UNITS:
-            raise _refused(f"unknown column {name!r}{nearest_name(name, UNITS)}")
-        if unit not in UNITS[name]:
-            given = f"has the unit [{unit}]" if unit else "has no unit"
-            known = " or ".join(f"[{it}]" for it in UNITS[name])
-            raise _refused(f"column {name} {given}, must have {known}")
-        if name in factors:
-            raise _refused(f"column {name} is there twice")
-        factors[name] = UNITS[name][unit]
-    for name in REQUIRED:
-        if name not in factors:
-            raise _refused(f"column {name} is missing")
-    if all(name in factors for name in STIFFNESS):
-        raise _refused("has rigidity_index and shear_modulus; keep one of them")
-    return factors
-
-
-def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
-    cells = line.split(",")
-    if len(cells) != len(columns):
-        raise _refused(f"row {number} {line!r} has {len(cells)} values, must have {len(columns)}")
-    try:
-        return [float(cell) for cell in cells]
-    except ValueError:
-        raise _refused(f"row {number} {line!r}: must be numbers") from None
-
-
 def _check_rows(name: str, values: Floats, allowed: Range) -> None:
     sound = [allowed.holds(value, value) for value in values.tolist()]
     if not all(sound):
         row = sound.index(False)
-        raise _refused(f"{name} in row {row + 1} is {values[row]:g}, must be {allowed.allowed}")
-
-
-def _refused(problem: str) -> ParameterError:
-    return ParameterError(NAME, f"{NAME}: {problem}")
+        raise refused(f"{name} in row {row + 1} is {values[row]:g}, must be {allowed.allowed}")

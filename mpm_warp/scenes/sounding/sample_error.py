@@ -55,6 +55,7 @@ def sample_error(
             for Ir, a in soils.T
         ]
     )[of_soil.ravel()]
+    anisotropy = ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy)
     inertia = sounding.dynamic_pressure / around
     bottom = known.BOTTOM_ERROR * index / below**2
     way = SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size))
@@ -79,6 +80,7 @@ def sample_error(
         (index >= known.RIGIDITY_INDICES[0])
         & (index <= known.RIGIDITY_INDICES[-1])
         & (inertia <= LARGEST_INERTIA)
+        & (np.abs(anisotropy) <= known.LARGEST_ANISOTROPY)
         & (h <= LARGEST_CELL)
         & (sounding.poissons_ratio >= known.SMALLEST_POISSONS_RATIO)
         & (not sounding.strength_changes)

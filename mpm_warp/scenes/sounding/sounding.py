@@ -50,7 +50,9 @@ class Sounding(SoundingTest):
                 refusal.key, f"in the ground that the cone passes: {refusal}"
             ) from None
         except SceneError as refusal:
-            raise ParameterError("ductility", str(refusal)) from None
+            raise ParameterError(
+                "ductility", f"in the ground that the cone passes: {refusal}"
+            ) from None
 
     @property
     def _test(self) -> ConePenetration:
@@ -61,6 +63,9 @@ class Sounding(SoundingTest):
         adhesion_factor, in_all_ground = (
             it.greatest_adhesion_factor(self.adhesion_factor) for it in (ground, self.ground)
         )
+        # Where the ground varies its stress is a part of the variation.
+        of_ground = ground.stress_anisotropy_at(ground.depth[:1], self.stress_anisotropy)
+        anisotropy = float(of_ground[0]) if ground.is_uniform else 0.0
         # Beside all soil the shaft has the same share of the adhesion of the face.
         of_shaft = adhesion_factor / in_all_ground if in_all_ground > 0.0 else 1.0
         assert self.shaft_adhesion_factor is not None
@@ -74,6 +79,7 @@ class Sounding(SoundingTest):
             remoulded_strength_ratio=self.remoulded_strength_ratio,
             ductility=self.ductility,
             penetration_speed=self.penetration_speed,
+            stress_anisotropy=anisotropy,
             in_situ_stress=float(ground.vertical_stress_at(np.array(self.start_depth))),
             poissons_ratio=self.poissons_ratio,
             density=self.density,
@@ -93,7 +99,7 @@ class Sounding(SoundingTest):
     @property
     def _clay(self) -> PerfectlyPlastic:
         """The clay of that test, varied as the ground is."""
-        variation = self.ground_passed.variation(origin_depth=self.start_depth)
+        variation = self.ground_passed.variation(self.start_depth, self.stress_anisotropy)
         return replace(self._test.clay, variation=variation)
 
     def build(self) -> Scene:

@@ -5,32 +5,17 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.sounding.layer import change_of_resistance, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.simulation import Simulation
 
-COARSE = Sounding(
-    cone_radius=1.0,
-    from_depth=12.0,
-    to_depth=15.0,
-    cells_per_radius=1.5,
-    domain_radius=8.0,
-    domain_above=3.0,
-    domain_below=4.0,
-    adhesion_factor=0.5,
-    speed_ratio=0.2,
-)
-"""A small window, coarse and fast: what it gives is a curve, but no good cone factor."""
 SOFT = {
     "remoulded_strength_ratio": 0.2,
     "ductility": 10.0,
@@ -40,16 +25,14 @@ SOFT = {
 LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
-def changed(**changes: object) -> Sounding:
-    return dataclasses.replace(COARSE, **changes)
-
-
 @pytest.fixture(scope="module")
-def layered() -> xr.Dataset:
+def layered(changed: Callable[..., Sounding]) -> xr.Dataset:
     return changed(profile=LAYERS).run()
 
 
-def test_a_uniform_profile_is_uniform_clay_in_plan_and_result() -> None:
+def test_a_uniform_profile_is_uniform_clay_in_plan_and_result(
+    changed: Callable[..., Sounding],
+) -> None:
     by_table = changed(profile="depth [m], strength [kPa]; 0, 20; 20, 20", to_depth=12.2)
     plain = changed(to_depth=12.2)
     plans = [make_plan(it.build()) for it in (by_table, plain)]
@@ -58,112 +41,6 @@ def test_a_uniform_profile_is_uniform_clay_in_plan_and_result() -> None:
     of_table, of_plain = by_table.run(), plain.run()
     for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
         np.testing.assert_array_equal(of_table[name], of_plain[name])
-
-
-def test_uniform_clay_that_softens_is_that_of_the_cone() -> None:
-    """To the bit, by the forces of a cone test that goes as far, without an approach."""
-    sounding = changed(to_depth=12.2, **SOFT)
-    test = ConePenetration(
-        rigidity_index=sounding.rigidity_index,
-        undrained_shear_strength=sounding.undrained_shear_strength,
-        adhesion_factor=0.5,
-        cone_radius=1.0,
-        speed_ratio=0.2,
-        approach=0.0,
-        steady_tolerance=0.0,
-        cells_per_radius=1.5,
-        domain_radius=8.0,
-        domain_above=3.0,
-        domain_below=4.0,
-        in_situ_stress=17e3 * sounding.start_depth,
-        **SOFT,
-    )
-    runs = [Simulation(it.build()) for it in (sounding, test)]
-    for run in runs:
-        run.travel_to(2.0)
-    for name in ("contact.impulse", "particle.state", "particle.stress"):
-        np.testing.assert_array_equal(runs[0].array(name), runs[1].array(name))
-    assert runs[0].array("particle.state").max() > 0.0
-
-
-def test_eight_times_the_strength_softens_as_much() -> None:
-    """In layers; points are as stiff as they are strong, and adhesion softens beside them."""
-    one = changed(profile=LAYERS, to_depth=12.5, **SOFT).run()
-    eightfold = changed(
-        profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
-        "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
-        density=8.0 * COARSE.density,
-        to_depth=12.5,
-        **SOFT,
-    ).run()
-    np.testing.assert_allclose(eightfold.net_resistance, 8.0 * one.net_resistance, rtol=1e-12)
-    intact = changed(profile=LAYERS, to_depth=12.5).run()
-    assert (one.net_resistance < intact.net_resistance).all()
-    assert one.net_resistance_uncertainty.isnull().all()
-
-
-def test_adhesion_factors_by_depth_are_those_of_the_soil_beside() -> None:
-    """In uniform clay that is smooth above 13 m and rough below: nodes, then the resistance."""
-    by_depth = changed(
-        profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0; 13, 20, 0; 13, 20, 1; "
-        "30, 20, 1",
-        adhesion_factor=0.0,
-        to_depth=15.0,
-    )
-    scene = by_depth.build()
-    assert scene.contact is not None
-    simulation = Simulation(scene)
-
-    def ratio(tip_depth: float) -> Floats:
-        simulation.travel_to(tip_depth - by_depth.start_depth)
-        beside: Floats = simulation.array("contact.adhesion") / scene.contact.adhesion_forces
-        return beside
-
-    height = scene.grid.node_positions[scene.contact.nodes, 1]
-    # Soil beside the surface is dragged down by some radii at most.
-    at_border = ratio(15.0)
-    np.testing.assert_array_equal(at_border[15.0 - height < 12.0], 0.0)
-    assert at_border[0] > 0.9
-    np.testing.assert_array_equal(ratio(22.0), 1.0)
-
-    smooth, rough = (changed(adhesion_factor=it, to_depth=15.0) for it in (0.0, 1.0))
-    net, least, most = (it.run().net_resistance for it in (by_depth, smooth, rough))
-    above, below = net.depth < 12.4, net.depth > 14.0
-    np.testing.assert_allclose(net[above], least[above], rtol=1e-9)
-    assert float(least[below].mean()) < float(net[below].mean()) < float(most[below].mean())
-
-
-def test_one_adhesion_factor_by_depth_is_the_parameter_to_the_bit() -> None:
-    profile = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.5; 30, 20, 0.5"
-    by_depth = changed(profile=profile, adhesion_factor=0.0, to_depth=12.2).run()
-    plain = changed(to_depth=12.2).run()
-    for name in ("net_resistance", "net_resistance_uncertainty", "sleeve_friction"):
-        np.testing.assert_array_equal(by_depth[name], plain[name])
-
-
-def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face() -> None:
-    """Of ground the roughest of which the window does not pass."""
-    sounding = changed(
-        profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.2; 90, 20, 0.2; "
-        "90, 20, 0.8; 99, 20, 0.8",
-        adhesion_factor=0.0,
-        shaft_adhesion_factor=0.4,
-    )
-    contact = sounding.build().contact
-    assert isinstance(contact, PenetrometerContact)
-    assert contact.face_adhesion == pytest.approx(0.2 * 20e3)
-    assert contact.shaft_adhesion == pytest.approx(0.1 * 20e3)
-
-
-def test_ground_that_softens_too_steeply_somewhere_is_refused() -> None:
-    """The second layer is ten times as strong over its stiffness as the clay that is stiffest."""
-    profile = (
-        "depth [m], strength [kPa], shear_modulus [kPa]; 0, 10, 9000; 13, 10, 9000; "
-        "13, 30, 2700; 20, 30, 2700"
-    )
-    changed(profile=profile, remoulded_strength_ratio=0.2, ductility=0.5)
-    with pytest.raises(ParameterError, match=r"too brittle, must be >= 0\.053"):
-        changed(profile=profile, remoulded_strength_ratio=0.2, ductility=0.05)
 
 
 def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Dataset) -> None:
@@ -184,18 +61,22 @@ def test_the_resistance_rises_towards_that_of_the_stronger_layer(layered: xr.Dat
     assert 1.5 < float(net[-5:].mean() / net[:5].mean()) < 3.0
 
 
-def test_eight_times_the_strength_gives_eight_times_the_curves(layered: xr.Dataset) -> None:
+def test_eight_times_the_strength_gives_eight_times_the_curves(
+    changed: Callable[..., Sounding], layered: xr.Dataset
+) -> None:
     """With eight times the density waves are as fast; a power of two changes no digit."""
     eightfold = changed(
         profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
         "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
-        density=8.0 * COARSE.density,
+        density=8.0 * changed().density,
     ).run()
     for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
         np.testing.assert_allclose(eightfold[name], 8.0 * layered[name], rtol=1e-12)
 
 
-def test_stretches_have_the_samples_of_the_whole_and_an_overlap() -> None:
+def test_stretches_have_the_samples_of_the_whole_and_an_overlap(
+    changed: Callable[..., Sounding],
+) -> None:
     whole = changed(to_depth=22.0)
     parts = [
         dataclasses.replace(whole, stretch_count=3, stretch_number=number, overlap=2.0)
@@ -205,7 +86,7 @@ def test_stretches_have_the_samples_of_the_whole_and_an_overlap() -> None:
     assert parts[1].start_depth == pytest.approx(whole.start_depth + 1.3)
 
 
-def test_two_stretches_agree_where_they_overlap() -> None:
+def test_two_stretches_agree_where_they_overlap(changed: Callable[..., Sounding]) -> None:
     """By the mean over the overlap, to the noise that samples have in such coarse cells."""
     first, second = (
         changed(
@@ -245,6 +126,10 @@ def test_two_stretches_agree_where_they_overlap() -> None:
             {"profile": "depth [m], strength [kPa], adhesion_factor [1]; 0, 1, 0; 19, 1, 1"},
             "adhesion_factor = 0.5 is not allowed: the profile has it by depth; keep one",
         ),
+        (
+            {"profile": "depth [m], strength [kPa], stress_anisotropy [1]; 0, 1, 0; 19, 1, 1"},
+            "stress_anisotropy in row 2 is 1, must be > -1 and < 1",
+        ),
         ({"stretch_count": 31}, "stretch_count = 31 is not allowed: must be <= 30, the samples"),
         (
             {"strength_gradient": 1e9},
@@ -252,7 +137,9 @@ def test_two_stretches_agree_where_they_overlap() -> None:
         ),
     ],
 )
-def test_what_is_not_allowed_is_told_in_one_line(changes: dict[str, object], message: str) -> None:
+def test_what_is_not_allowed_is_told_in_one_line(
+    changed: Callable[..., Sounding], changes: dict[str, object], message: str
+) -> None:
     with pytest.raises(ParameterError, match=re.escape(message)) as refusal:
         changed(**changes)
     assert "\n" not in str(refusal.value)
@@ -266,13 +153,15 @@ def test_the_change_of_the_resistance_is_a_share_of_the_whole_change() -> None:
     assert np.isnan(share[[0, -1]]).all()
 
 
-def test_a_border_is_felt_before_and_behind_it() -> None:
+def test_a_border_is_felt_before_and_behind_it(changed: Callable[..., Sounding]) -> None:
     result = changed(from_depth=20.0, to_depth=40.0, layer_top=26.0, layer_strength_ratio=2.0).run()
     assert 0.0 < float(result.felt_before) < 6.0
     assert 0.0 < float(result.felt_behind) < 14.0
 
 
-def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
+def test_a_thin_layer_is_run_for_the_share_that_is_reached(
+    changed: Callable[..., Sounding],
+) -> None:
     """Thinner than what the cone feels: a part of its resistance, with a half width."""
     result = changed(
         from_depth=16.0,
@@ -291,12 +180,14 @@ def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     whole = math.hypot(0.5 * top / around, 0.002) * (1.0 + 2.0 * float(share)) / 2.0
     # The layer of one radius is known to a cell; its share grows as 1 - exp(-thickness / length).
     lacking = 1.0 - float(share)
-    expected = math.hypot(whole, -lacking * math.log(lacking) * COARSE.cell_size)
+    expected = math.hypot(whole, -lacking * math.log(lacking) * changed().cell_size)
     assert float(result.layer_share_uncertainty) == pytest.approx(expected, rel=0.01)
     assert "last_cone_factor" not in result
 
 
-def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
+def test_the_share_of_a_layer_that_softens_has_no_half_width(
+    changed: Callable[..., Sounding],
+) -> None:
     depth = np.arange(16.0, 24.0, 0.1)
     recorded = xr.Dataset(coords={"depth": depth}).assign(
         net_resistance=("depth", np.where(abs(depth - 21.0) < 1.0, 300e3, 200e3))

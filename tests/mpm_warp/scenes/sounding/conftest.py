@@ -1,0 +1,35 @@
+"""A sounding of next to no cost."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import pytest
+
+from mpm_warp.scenes.sounding.sounding import Sounding
+
+COARSE = Sounding(
+    cone_radius=1.0,
+    from_depth=12.0,
+    to_depth=15.0,
+    cells_per_radius=1.5,
+    domain_radius=8.0,
+    domain_above=3.0,
+    domain_below=4.0,
+    adhesion_factor=0.5,
+    speed_ratio=0.2,
+)
+
+
+@pytest.fixture(scope="session")
+def changed() -> Callable[..., Sounding]:
+    """A sounding in a small window, coarse and fast, with other parameters.
+
+    What it gives is a curve, but no good cone factor.
+    """
+
+    def with_parameters(**changes: object) -> Sounding:
+        return dataclasses.replace(COARSE, **changes)
+
+    return with_parameters

@@ -1,0 +1,229 @@
+"""What the ground of a sounding may have: softening, adhesion and stress by depth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.sampling import excess_pore_pressure, soil_scene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
+from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.simulation import Simulation
+
+SOFT = {
+    "remoulded_strength_ratio": 0.2,
+    "ductility": 10.0,
+    "rate_factor": 0.1,
+    "reference_strain_rate": 1e-4,
+}
+LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
+
+
+UNIFORM_DELTA = "depth [m], strength [kPa], stress_anisotropy [1]; 0, 20, 0.3; 30, 20, 0.3"
+
+
+@pytest.mark.parametrize(
+    ("of_sounding", "of_cone"),
+    [
+        (SOFT, SOFT),
+        ({"stress_anisotropy": 0.3}, {"stress_anisotropy": 0.3}),
+        ({"profile": UNIFORM_DELTA}, {"stress_anisotropy": 0.3}),
+    ],
+)
+def test_uniform_clay_is_that_of_the_cone(
+    changed: Callable[..., Sounding], of_sounding: dict[str, float | str], of_cone: dict[str, float]
+) -> None:
+    """To the bit, by the forces of a cone test that goes as far, without an approach."""
+    sounding = changed(to_depth=12.2, **of_sounding)
+    test = ConePenetration(
+        rigidity_index=sounding.rigidity_index,
+        undrained_shear_strength=sounding.undrained_shear_strength,
+        adhesion_factor=0.5,
+        cone_radius=1.0,
+        speed_ratio=0.2,
+        approach=0.0,
+        steady_tolerance=0.0,
+        cells_per_radius=1.5,
+        domain_radius=8.0,
+        domain_above=3.0,
+        domain_below=4.0,
+        in_situ_stress=17e3 * sounding.start_depth,
+        **of_cone,
+    )
+    runs = [Simulation(it.build()) for it in (sounding, test)]
+    for run in runs:
+        run.travel_to(2.0)
+    assert runs[0].plan.arrays.keys() == runs[1].plan.arrays.keys()
+    for name in ("contact.impulse", "particle.stress"):
+        np.testing.assert_array_equal(runs[0].array(name), runs[1].array(name))
+
+
+IN_SITU = (
+    "depth [m], strength [kPa], shear_modulus [kPa], stress_anisotropy [1]; 0, 20, 2000, -0.4; "
+    "13, 20, 2000, -0.4; 13, 30, 4000, 0.5; 40, 30, 4000, 0.5"
+)
+
+
+def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves(
+    changed: Callable[..., Sounding],
+) -> None:
+    """At the first step no node is pulled but those beside the body, and at the side of the border.
+
+    A cell there that the border cuts has the mean stress, and each node holds that of its depth.
+    """
+    simulation = Simulation(changed(profile=IN_SITU).build())
+    scene = soil_scene(simulation)
+    simulation.advance(1)
+    shape = (scene.grid.row_count + 1, scene.grid.column_count + 1, 4)
+    velocity = np.abs(simulation.array("node.velocities")).reshape(shape)[..., :2]
+    # What the stress would do to a node that nothing holds.
+    density, height = scene.material.density, np.diff(scene.grid.rows).min()
+    free = simulation.plan.time_step * 30e3 / (density * height)
+    assert velocity[:, 1:-1].max() < 1e-12 * free
+    depth = scene.material.variation.depth_of(scene.grid.node_positions).reshape(shape[:2])[:, -1]
+    assert velocity[np.abs(depth - 13.0) > height, -1].max() < 1e-12 * free
+
+
+def test_soil_and_springs_that_enter_have_the_stress_of_their_depth(
+    changed: Callable[..., Sounding],
+) -> None:
+    """Beside what ground without it has there: the second layer pulls sideways by 2 Delta su."""
+    with_stress, without = (
+        changed(profile=it) for it in (IN_SITU, IN_SITU.replace("-0.4", "0").replace("0.5", "0"))
+    )
+    runs = [Simulation(it.build()) for it in (with_stress, without)]
+    for run in runs:
+        run.travel_to(13.0 - with_stress.start_depth)
+    entered, nothing_before = (run.array("layer.stress") for run in runs)
+    assert len(entered) > 0
+    np.testing.assert_allclose(entered[:, [0, 3]] - nothing_before[:, [0, 3]], 30e3, rtol=1e-9)
+    np.testing.assert_array_equal(entered[:, [1, 2]], nothing_before[:, [1, 2]])
+    ground = soil_scene(runs[0]).surroundings
+    assert ground is not None
+    held, free = (ground.entering_spring(soil_scene(it), it.travel)[0] for it in runs)
+    stretched = -ground.side_areas[0] * 30e3 / ground.spring[0, 0]
+    assert held - free == pytest.approx(stretched, rel=1e-9)
+
+
+def test_there_is_no_excess_pore_pressure_before_the_cone_has_moved(
+    changed: Callable[..., Sounding],
+) -> None:
+    """But in the row of cells that the border cuts, which has the mean of two stresses."""
+    simulation = Simulation(changed(profile=IN_SITU).build())
+    simulation.advance(1)
+    rows = soil_scene(simulation).grid.row_count
+    largest = np.abs(excess_pore_pressure(simulation)).reshape(rows, -1).max(axis=1)
+    assert np.count_nonzero(largest > 1e-9 * 30e3) <= 1
+
+
+def test_the_resistance_goes_with_the_stress_of_the_ground_before(
+    changed: Callable[..., Sounding],
+) -> None:
+    """From a layer with a low vertical stress to one with a high one, three radii behind it."""
+    row = "{}, 20, {}".format
+    low, high, layers = (
+        changed(
+            profile="depth [m], strength [kPa], stress_anisotropy [1]; "
+            + "; ".join([row(0, first), row(13, first), row(13, then), row(30, then)]),
+            to_depth=16.0,
+        )
+        .run()
+        .net_resistance[-5:]
+        .mean()
+        for first, then in ((-0.4, -0.4), (0.4, 0.4), (-0.4, 0.4))
+    )
+    assert high < low
+    assert abs(layers - high) < 0.5 * abs(low - high)
+
+
+def test_adhesion_factors_by_depth_are_those_of_the_soil_beside(
+    changed: Callable[..., Sounding],
+) -> None:
+    """In uniform clay that is smooth above 13 m and rough below: nodes, then the resistance."""
+    by_depth = changed(
+        profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0; 13, 20, 0; 13, 20, 1; "
+        "30, 20, 1",
+        adhesion_factor=0.0,
+        to_depth=15.0,
+    )
+    scene = by_depth.build()
+    assert scene.contact is not None
+    simulation = Simulation(scene)
+
+    def ratio(tip_depth: float) -> Floats:
+        simulation.travel_to(tip_depth - by_depth.start_depth)
+        beside: Floats = simulation.array("contact.adhesion") / scene.contact.adhesion_forces
+        return beside
+
+    height = scene.grid.node_positions[scene.contact.nodes, 1]
+    # Soil beside the surface is dragged down by some radii at most.
+    at_border = ratio(15.0)
+    np.testing.assert_array_equal(at_border[15.0 - height < 12.0], 0.0)
+    assert at_border[0] > 0.9
+    np.testing.assert_array_equal(ratio(22.0), 1.0)
+
+    smooth, rough = (changed(adhesion_factor=it, to_depth=15.0) for it in (0.0, 1.0))
+    net, least, most = (it.run().net_resistance for it in (by_depth, smooth, rough))
+    above, below = net.depth < 12.4, net.depth > 14.0
+    np.testing.assert_allclose(net[above], least[above], rtol=1e-9)
+    assert float(least[below].mean()) < float(net[below].mean()) < float(most[below].mean())
+
+
+def test_one_adhesion_factor_by_depth_is_the_parameter_to_the_bit(
+    changed: Callable[..., Sounding],
+) -> None:
+    profile = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.5; 30, 20, 0.5"
+    by_depth = changed(profile=profile, adhesion_factor=0.0, to_depth=12.2).run()
+    plain = changed(to_depth=12.2).run()
+    for name in ("net_resistance", "net_resistance_uncertainty", "sleeve_friction"):
+        np.testing.assert_array_equal(by_depth[name], plain[name])
+
+
+def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face(
+    changed: Callable[..., Sounding],
+) -> None:
+    """Of ground the roughest of which the window does not pass."""
+    sounding = changed(
+        profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.2; 90, 20, 0.2; "
+        "90, 20, 0.8; 99, 20, 0.8",
+        adhesion_factor=0.0,
+        shaft_adhesion_factor=0.4,
+    )
+    contact = sounding.build().contact
+    assert isinstance(contact, PenetrometerContact)
+    assert contact.face_adhesion == pytest.approx(0.2 * 20e3)
+    assert contact.shaft_adhesion == pytest.approx(0.1 * 20e3)
+
+
+def test_eight_times_the_strength_softens_as_much(changed: Callable[..., Sounding]) -> None:
+    """In layers; points are as stiff as they are strong, and adhesion softens beside them."""
+    one = changed(profile=LAYERS, to_depth=12.5, **SOFT).run()
+    eightfold = changed(
+        profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
+        "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
+        density=8.0 * changed().density,
+        to_depth=12.5,
+        **SOFT,
+    ).run()
+    np.testing.assert_allclose(eightfold.net_resistance, 8.0 * one.net_resistance, rtol=1e-12)
+    intact = changed(profile=LAYERS, to_depth=12.5).run()
+    assert (one.net_resistance < intact.net_resistance).all()
+    assert one.net_resistance_uncertainty.isnull().all()
+
+
+def test_ground_that_softens_too_steeply_somewhere_is_refused(
+    changed: Callable[..., Sounding],
+) -> None:
+    """The second layer is ten times as strong over its stiffness as the clay that is stiffest."""
+    profile = (
+        "depth [m], strength [kPa], shear_modulus [kPa]; 0, 10, 9000; 13, 10, 9000; "
+        "13, 30, 2700; 20, 30, 2700"
+    )
+    changed(profile=profile, remoulded_strength_ratio=0.2, ductility=0.5)
+    with pytest.raises(ParameterError, match=r"too brittle, must be >= 0\.053"):
+        changed(profile=profile, remoulded_strength_ratio=0.2, ductility=0.05)
