@@ -85,10 +85,10 @@ class EinavRandolph(PerfectlyPlastic):
     def slope(self) -> float:
         """Greatest fall of the strength per plastic shear strain, over G: that of intact clay."""
         fall = 3.0 * (1.0 - self.remoulded_strength_ratio) / self.ductility
-        least_stiff = (
+        over_stiffness = (
             1.0 if self.variation is None else self.variation.greatest_strength_over_stiffness
         )
-        return least_stiff * fall * self._greatest_strength / self.shear_modulus
+        return over_stiffness * fall * self._greatest_strength / self.shear_modulus
 
     @property
     def state(self) -> tuple[str, ...]:

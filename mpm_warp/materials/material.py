@@ -117,7 +117,7 @@ class Material(ABC):
             return np.ones(place.shape[:-1])
         return self.variation.strength_ratio_at(place)
 
-    def adhesion_ratio_at(self, place: Floats) -> Floats:
+    def relative_adhesion_at(self, place: Floats) -> Floats:
         """Adhesion of a surface over what it is beside soil of the material itself, likewise."""
         ratio = self.strength_ratio_at(place)
         return ratio if self.variation is None else ratio * self.variation.adhesion_ratio_at(place)

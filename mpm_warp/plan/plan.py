@@ -226,6 +226,10 @@ class Plan:
         """The same, before all of the step."""
         self._audit(self.step[0], records, offset=0)
 
+    def audit_last(self, *records: Launch) -> None:
+        """The same, after all of the step and of what has been inserted so far."""
+        self.audited_step = [*(self.audited_step or self.step), *records]
+
     def _named(self, name: str) -> Launch:
         return next(launch for launch in self.step if launch.name == name)
 

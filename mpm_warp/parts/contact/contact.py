@@ -129,7 +129,7 @@ class SurfaceContact:
         plan.add_array("contact.nodes", "int", self.nodes, (setting.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
         place = setting.grid.node_positions[self.nodes]
-        adhesion = self.adhesion_forces * setting.material.adhesion_ratio_at(place)
+        adhesion = self.adhesion_forces * setting.material.relative_adhesion_at(place)
         plan.add_array("contact.adhesion", "real", adhesion)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))

@@ -45,8 +45,7 @@ def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -
     plan.add_array("contact.first_adhesion", "real", contact.adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
-    plan.audited_step = [
-        *(plan.audited_step or plan.step),
+    plan.audit_last(
         plan.launch(
             _make_sum_of_strength(law, plan.precision),
             plan.arrays["particle.mass"].shape,
@@ -62,7 +61,7 @@ def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -
             row_count=grid.row_count,
         ),
         plan.launch(_make_clear(plan.precision), (plan.share_count, grid.row_count)),
-    ]
+    )
 
 
 @functools.cache

@@ -123,11 +123,12 @@ def test_records_stand_in_the_audited_step_where_they_are_asked_for(plan: Plan) 
     plan.add_launch(clear, 5, values=values)
     plan.add_launch(scale, 5, factor=2.0)
     cleared, scaled = plan.step
-    first, before, after = (plan.launch(clear, 5, values=values) for _ in range(3))
+    first, before, after, last = (plan.launch(clear, 5, values=values) for _ in range(4))
+    plan.audit_last(last)
     plan.audit_before("scale", before)
     plan.audit_after("scale", after)
     plan.audit_first(first)
-    assert plan.audited_step == [first, cleared, before, scaled, after]
+    assert plan.audited_step == [first, cleared, before, scaled, after, last]
     assert plan.step == [cleared, scaled]
 
 

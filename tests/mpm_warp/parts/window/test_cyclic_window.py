@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable
 
 import numpy as np
@@ -124,5 +125,5 @@ def test_what_does_not_go_with_a_cyclic_window_is_refused(
         ({"ramp_travel": -1.0}, "ramp_travel"),
         ({"stroke": 0.4}, "stroke"),
     ):
-        refused(lambda values=values: dataclasses.replace(WINDOW, **values), SceneError, word)  # type: ignore[misc]
+        refused(functools.partial(dataclasses.replace, WINDOW, **values), SceneError, word)
     refused(lambda: Simulation(travelling).travel_to(1.0), ValueError, "advance to a time")

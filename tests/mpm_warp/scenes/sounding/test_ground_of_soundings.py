@@ -21,7 +21,6 @@ SOFT = {
     "rate_factor": 0.1,
     "reference_strain_rate": 1e-4,
 }
-LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
 UNIFORM_DELTA = "depth [m], strength [kPa], stress_anisotropy [1]; 0, 20, 0.3; 30, 20, 0.3"
@@ -200,20 +199,31 @@ def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face(
     assert contact.shaft_adhesion == pytest.approx(0.1 * 20e3)
 
 
-def test_eight_times_the_strength_softens_as_much(changed: Callable[..., Sounding]) -> None:
-    """In layers; points are as stiff as they are strong, and adhesion softens beside them."""
-    one = changed(profile=LAYERS, to_depth=12.5, **SOFT).run()
-    eightfold = changed(
-        profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
-        "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
-        density=8.0 * changed().density,
-        to_depth=12.5,
-        **SOFT,
-    ).run()
-    np.testing.assert_allclose(eightfold.net_resistance, 8.0 * one.net_resistance, rtol=1e-12)
-    intact = changed(profile=LAYERS, to_depth=12.5).run()
-    assert (one.net_resistance < intact.net_resistance).all()
-    assert one.net_resistance_uncertainty.isnull().all()
+@pytest.mark.parametrize("softening", [{}, SOFT])
+def test_eight_times_the_strength_gives_eight_times_the_curves(
+    changed: Callable[..., Sounding], softening: dict[str, float]
+) -> None:
+    """With eight times the density waves are as fast; a power of two changes no digit."""
+    once, eightfold = (
+        changed(
+            profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
+            f"0, {10 * scale}, {17 * scale}; 13, {10 * scale}, {17 * scale}; "
+            f"13, {30 * scale}, {17 * scale}; 20, {30 * scale}, {17 * scale}",
+            density=scale * changed().density,
+            **softening,
+        ).run()
+        for scale in (1, 8)
+    )
+    for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
+        np.testing.assert_allclose(eightfold[name], 8.0 * once[name], rtol=1e-12)
+
+
+def test_ground_that_softens_resists_less_and_has_no_half_width(
+    changed: Callable[..., Sounding],
+) -> None:
+    soft, intact = (changed(to_depth=12.5, **it).run() for it in (SOFT, {}))
+    assert (soft.net_resistance < intact.net_resistance).all()
+    assert soft.net_resistance_uncertainty.isnull().all()
 
 
 def test_ground_that_softens_too_steeply_somewhere_is_refused(

@@ -16,12 +16,6 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scenes.sounding.layer import change_of_resistance, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
 
-SOFT = {
-    "remoulded_strength_ratio": 0.2,
-    "ductility": 10.0,
-    "rate_factor": 0.1,
-    "reference_strain_rate": 1e-4,
-}
 LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
@@ -59,19 +53,6 @@ def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Data
 def test_the_resistance_rises_towards_that_of_the_stronger_layer(layered: xr.Dataset) -> None:
     net = layered.net_resistance
     assert 1.5 < float(net[-5:].mean() / net[:5].mean()) < 3.0
-
-
-def test_eight_times_the_strength_gives_eight_times_the_curves(
-    changed: Callable[..., Sounding], layered: xr.Dataset
-) -> None:
-    """With eight times the density waves are as fast; a power of two changes no digit."""
-    eightfold = changed(
-        profile="depth [m], strength [kPa], unit_weight [kN/m3]; "
-        "0, 80, 136; 13, 80, 136; 13, 240, 136; 20, 240, 136",
-        density=8.0 * changed().density,
-    ).run()
-    for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure"):
-        np.testing.assert_allclose(eightfold[name], 8.0 * layered[name], rtol=1e-12)
 
 
 def test_stretches_have_the_samples_of_the_whole_and_an_overlap(
