@@ -16,6 +16,7 @@ from harness.pictures.drawing.symbols import assigned, plain
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes.sounding.profile_text import NAME, replaced_by
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
@@ -71,6 +72,9 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
         for name, own in stored.items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
+    ground = dataset[constant[NAME]].item() if NAME in constant else ""
+    for name in replaced_by(ground) if ground else ():
+        constant.pop(name, None)
     others = [
         it
         for it in constant
@@ -85,16 +89,14 @@ def _defaults(
 ) -> dict[str, Value | None]:
     """The defaults of a scene, and what it derives from the parameters of the first case."""
     definitions = parameters_of(scene)
-    defaults = {name: it.default for name, it in definitions.items() if it.default is not None}
-    given = {
-        name: definitions[name].kind(over_cases(dataset, stored[name])[0])
-        for name in defaults
-        if name in stored
-    }
+    derivable: Mapping[str, Value] = from_mapping(scene, {}).derived()
+    defaults = {name: it.default for name, it in definitions.items() if name not in derivable}
+    first = {name: over_cases(dataset, stored[name])[0] for name in defaults if name in stored}
+    given = {name: definitions[name].kind(it) for name, it in first.items() if is_there(it)}
     try:
         return dataclasses.asdict(from_mapping(scene, given)) | defaults
     except ParameterError:  # a case that the scene refuses has nothing derived
-        return {**defaults}
+        return defaults
 
 
 def _same(value: Value, default: Value | None) -> bool:

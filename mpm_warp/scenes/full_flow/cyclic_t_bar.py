@@ -109,8 +109,8 @@ class CyclicTBar(TBar):
             resistance_ratio=(
                 last / first,
                 "1",
-                "resistance of the last cycle over that of the first passage",
-                "mean of penetration and extraction",
+                "resistance left in the last cycle",
+                "mean of penetration and extraction, over that of the first passage",
             ),
         )
         if not isinstance(self.clay, EinavRandolph):

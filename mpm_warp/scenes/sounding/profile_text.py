@@ -61,6 +61,15 @@ def text_of(columns: Mapping[str, Floats]) -> str:
     return "; ".join([", ".join(header), *rows])
 
 
+def replaced_by(text: str) -> set[str]:
+    """Parameters of a sounding whose place a table takes: its columns and the stiffness.
+
+    Raises:
+        ParameterError: header or rows are malformed.
+    """
+    return {*columns_of(text), *STIFFNESS}
+
+
 def _header(line: str) -> dict[str, float]:
     """The columns of a header, and what their units are in SI units."""
     factors: dict[str, float] = {}

@@ -28,8 +28,9 @@ from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, image
 from harness.pictures.effects import effects_figure
 from harness.pictures.pictures import NothingToDrawError, draw, figures
 from harness.pictures.tornado import tornado_figure
-from mpm_warp import ConePenetration
+from mpm_warp import ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
+from mpm_warp.scenes.catalogue import CatalogueScene
 
 from .conftest import MADE, drawn, random_cases, result
 
@@ -105,6 +106,12 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
             assert (written in caption) == (made_up[0][name].ndim == 0)
 
 
+def caption_of(case: CatalogueScene) -> str:
+    """What the caption of a picture of one completed case says was fixed."""
+    variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
+    return fixed(xr.Dataset(variables, attrs={"scene": case.catalogue_name()}))
+
+
 @pytest.mark.parametrize(
     ("given", "told"),
     [
@@ -116,10 +123,27 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
 )
 def test_the_caption_names_what_is_not_the_default(given: dict[str, float], told: bool) -> None:
     case = dataclasses.replace(ConePenetration(), **given)
-    variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
-    caption = fixed(xr.Dataset(variables, attrs={"scene": "cone_penetration"}))
+    caption = caption_of(case)
     assert ("$R/h$" in caption) == told
     assert ("$R$" in caption) == ("cone_radius" in given)
+
+
+def test_the_caption_names_what_has_no_default() -> None:
+    case = ConePenetration(remoulded_strength_ratio=0.3, ductility=15.0)
+    caption = caption_of(case)
+    assert "0.3" in caption
+    assert "15" in caption
+    assert "$R/h$" not in caption
+
+
+def test_the_caption_leaves_out_what_a_profile_takes_the_place_of() -> None:
+    profile = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.3; 9, 20, 0.6"
+    cases = (Sounding(from_depth=2.0), Sounding(from_depth=2.0, profile=profile))
+    uniform, by_table = (caption_of(it) for it in cases)
+    for symbol in (r"$I_{\mathrm{r}}$", "$α$"):
+        assert symbol in uniform
+        assert symbol not in by_table
+    assert "$ν$" in by_table
 
 
 def test_a_title_with_dollars_is_no_mathematics() -> None:
