@@ -1,6 +1,7 @@
 """Workers whose parent is killed, at any moment and however long their steps: none is left.
 
-``HARNESS_ORPHANS=20 python -m pytest tests/harness/run/test_orphans.py`` kills that many parents.
+``HARNESS_ORPHANS=20 python -m pytest tests/harness/run/interrupted/test_orphans.py`` kills that
+many parents.
 """
 
 from __future__ import annotations
