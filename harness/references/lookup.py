@@ -9,7 +9,7 @@ from harness.errors import HarnessError
 from mpm_warp.parameters import nearest_name
 
 
-class UnknownReferenceError(HarnessError):
+class UnknownReferenceError(HarnessError, LookupError):
     """No reference has that id; the message is one line and names the nearest one."""
 
 

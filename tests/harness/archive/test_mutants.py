@@ -301,3 +301,18 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
                 assert len(line) < 400 + len(str(out)), what
                 refused += 1
     assert refused > COUNT // 4
+
+
+def test_a_result_with_an_unknown_reference_is_told_by_its_file(
+    computed: Study, out: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = Content.read(out / "many.nc")
+    renamed_reference = {
+        f"{name}_" if name == "reference_lu_2004" else name: it
+        for name, it in whole.variables.items()
+    }
+    replace(whole, variables=renamed_reference).write(out / "many.nc")
+    assert main(["compare", str(out / "many.nc")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert str(out / "many.nc") in line
+    assert "unknown reference 'lu_2004_'" in line
