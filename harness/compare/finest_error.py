@@ -37,6 +37,23 @@ def states_its_error(dataset: xr.Dataset) -> np.ndarray:
     return known if known.any() else np.ones_like(known)
 
 
+def credited_error(dataset: xr.Dataset) -> np.ndarray:
+    """The error that is told of the settings of each case, dimensionless, shape [case].
+
+    That is the greatest of the error measured, the uncertainty of the reference, and the half width
+    that the case itself states over its headline: where two errors cancel each other, the measured
+    one is small in this soil alone. Not a number where nothing is known of it.
+    """
+    measured = over_cases(dataset, str(error_name(dataset))).astype(float)
+    floor = over_cases(dataset, FLOOR).astype(float)
+    error: np.ndarray = np.fmax(measured, np.where(np.isfinite(measured), floor, np.nan))
+    half_width = uncertainty_of(dataset)
+    if not np.isfinite(half_width).any():
+        return error
+    headline = np.abs(over_cases(dataset, with_role(dataset, Role.HEADLINE)[0]).astype(float))
+    return np.where(states_its_error(dataset), np.fmax(error, half_width / headline), np.nan)
+
+
 def with_finest_error(
     dataset: xr.Dataset, method: Sequence[str], reference: xr.Dataset | None = None
 ) -> xr.Dataset:

@@ -14,7 +14,7 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, over_cases, parameter_names, varied_names
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study, working_on
-from harness.compare.finest_error import FLOOR, error_name, states_its_error
+from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class
@@ -31,7 +31,8 @@ class Recommendation:
         settings: parameters of the method that differ between the cases at hand, or are not as by
             default.
         run_time: longest wall-clock time of the time loop, over all cases with them [s].
-        error: greatest error of these cases, dimensionless.
+        error: greatest error of these cases, dimensionless; no less than what is known of the
+            reference, and than the half width that a case states.
         case_count: how many there are.
         file: the result that they are from.
     """
@@ -128,12 +129,9 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
         dataset: the result of a study.
         file: where it is from.
     """
-    name = error_name(dataset)
-    if name is None or "run_time" not in dataset:
+    if error_name(dataset) is None or "run_time" not in dataset:
         return []
-    # No error is promised that is below what is known of the reference.
-    error = np.fmax(over_cases(dataset, name), over_cases(dataset, FLOOR))
-    error = np.where(states_its_error(dataset), error, np.nan)
+    error = credited_error(dataset)
     seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
     varied = _varied(kinds, dataset)

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from harness.archive.atomic_files import write_whole
-from harness.archive.conventions import COMPLETED, over_cases, scenes_of
-from harness.compare.finest_error import FLOOR, error_name, states_its_error
+from harness.archive.conventions import COMPLETED, over_cases, scenes_of, uncertainty_of
+from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     FAILED,
@@ -33,6 +33,7 @@ from harness.pictures.problems import problem_names, problems_of, setting_of, se
 
 FRONT = "front: no other is faster and better"
 NOT_STATED = "tells nothing of its own error"
+OF_HALF_WIDTH = "An error is no less than the half width that the case states."
 LEGEND_LINE = 0.15
 """Inches of a line of a legend."""
 LABEL_GAP = 0.06
@@ -80,20 +81,20 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     """Error against run time of a study's cases, and the front of those that no other beats.
 
     Each problem, a scene with one soil, has a front of its own: another is not easier or harder to
-    compute, but another. A case that tells nothing of its own error, among others that do, is on no
-    front: its error may be small by luck. A case that did not complete has no error: it stands on
-    the upper edge, at the time it took.
+    compute, but another. An error is no less than the half width that the case states. A case that
+    states none, among others that do, is on no front: its error may be small by luck. A case that
+    did not complete has no error: it stands on the upper edge, at the time it took.
 
     Args:
         dataset: result for which :func:`shows_work_precision` holds.
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
-    errors = over_cases(dataset, name).astype(float)
+    measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
-    sound = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0.0)
-    silent = sound & ~states_its_error(dataset)
-    sound &= ~silent
+    timed = np.isfinite(measured) & np.isfinite(seconds)
+    sound = timed & (errors > 0.0)
+    silent = timed & (measured > 0.0) & ~states_its_error(dataset)
     problems = problems_of(dataset)
     names = problem_names(problems)
     figure, axes = empty_figure()
@@ -126,7 +127,7 @@ def study_figure(dataset: xr.Dataset) -> Figure:
                 bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
             )
     if silent.any():
-        place = seconds[silent], errors[silent]
+        place = seconds[silent], measured[silent]
         axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
     floor = over_cases(dataset, FLOOR).astype(float)
     if np.isfinite(floor).any():
@@ -147,6 +148,8 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
     key = settings_key(dataset, problems)
     told = "Run times of cases side by side are not to be compared."
+    if np.isfinite(uncertainty_of(dataset)).any():
+        told = f"{OF_HALF_WIDTH} {told}"
     write_caption(figure, dataset, key, told)
     return figure
 

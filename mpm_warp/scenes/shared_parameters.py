@@ -109,9 +109,16 @@ def penetration_speed() -> Any:
     )
 
 
-def speed_ratio(maximum: float, default: float = 0.03) -> Any:
-    """The field `speed_ratio` of a penetrometer, the speed of its run, up to this one."""
-    meaning = "penetration speed over shear wave speed"
+def speed_ratio(maximum: float, default: float | None = 0.03, otherwise: str = "") -> Any:
+    """The field `speed_ratio` of a penetrometer, the speed of its run.
+
+    Args:
+        maximum: up to which it is allowed.
+        default: a number, or None where the scene derives it.
+        otherwise: in words, what the scene derives.
+    """
+    derived = f" (default: {otherwise})" if otherwise else ""
+    meaning = f"penetration speed over shear wave speed{derived}"
     return parameter(default, unit="1", meaning=meaning, minimum=1e-4, maximum=maximum)
 
 

@@ -63,7 +63,7 @@ class ConePenetration(ConeTest):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 9
+    version: ClassVar[int] = 10
     comparable: ClassVar[str | None] = "cone_factor"
     snapshots_over: ClassVar[str | None] = AXIS
 
@@ -133,6 +133,7 @@ class ConePenetration(ConeTest):
 
     @property
     def _window(self) -> Window:
+        assert self.speed_ratio is not None
         assert self.approach_speed_ratio is not None
         assert self.approach is not None
         assert self.penetration is not None

@@ -2,9 +2,11 @@
 
 Of the mesh, h the width of the cells at the cone over its radius, g their growth:
 
-    E_mesh = B h + C g^1.5 h^1.3          B by rigidity index and adhesion factor, a table
+    E_mesh = B h + C g^1.5 h^1.3 + W max(0, h - 0.44)
 
-and of the speed, by the inertia i = rho V^2 / su = Ir (V / c_s)^2, c_s the speed of shear waves:
+B by rigidity index and adhesion factor, a table, the last term of cells that are wider than those
+which B was measured with; of the speed, by the inertia i = rho V^2 / su = Ir (V / c_s)^2, c_s the
+speed of shear waves:
 
     E_speed = S i
 
@@ -33,6 +35,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.stated_error import (
     ALL_PASSED,
+    LARGEST_CELL,
     growth_measure,
     inertia,
     parts_of_a_run,
@@ -47,17 +50,23 @@ FACE_ERRORS = ((-0.66, -0.38, -0.43, -0.08, 0.18), (-0.36, -0.32, -0.28, -0.03, 
 """B at these rigidity indices, of a smooth cone and of one with adhesion factor 1."""
 GROWTH_ERROR = 1.2
 """C."""
+WIDE_ERROR = 0.55
+"""W."""
+WIDEST_CELL = 0.58
+"""Width of the cells at the cone over its radius up to which their error is known: 3 rows of cells
+beside a face of 60 degrees."""
 SPEED_ERROR = 0.07
 """S."""
 BOTTOM_ERROR = 0.09
 """D."""
 TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
 """T; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
-FACE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.3, 0.02, 0.004
-"""Half widths: of B; of C; of the form of its law; of what a default window changes, over Nc."""
+FACE, WIDE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.02, 0.004
+"""Half widths: of B; of W; of C; of the form of its law; of what a default window changes, over
+Nc."""
 BOTTOM, TOP = 0.3, 0.5
 """Half widths of the effects of bottom and top, over them."""
-NEAREST_BOTTOM = 0.9
+NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 INERTIA, APPROACH = 0.05, 0.001
 """Half widths: of S; of what the approach leaves, over Nc."""
@@ -114,7 +123,8 @@ def mesh_error(
         for errors in FACE_ERRORS
     )
     slope = smooth + adhesion_factor * (rough - smooth)
-    return slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
+    linear = slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
+    return linear + WIDE_ERROR * _excess_width(cell_size)
 
 
 def top_error(
@@ -154,13 +164,18 @@ def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, 
     """The half widths by what they are of, each 95 %."""
     factor = float(recorded.cone_factor_simulated)
     return {
-        "face": FACE * cell_size,
+        "face": FACE * cell_size + WIDE * _excess_width(cell_size),
         "growth": GROWTH * growth_measure(cell_size, test.cell_growth) + FORM_OF_GROWTH,
         "domain": DOMAIN * factor * _smallness(test) ** 2,
         "bottom": BOTTOM * BOTTOM_ERROR * _nearness(test),
         "top": TOP * _top_error(test, recorded),
         "speed": INERTIA * inertia(test) + APPROACH * factor,
     } | parts_of_a_run(test, recorded)
+
+
+def _excess_width(cell_size: float) -> float:
+    """Width of the cells beyond those that B was measured with, over the cone's radius."""
+    return max(0.0, cell_size - LARGEST_CELL)
 
 
 def _nearness(test: ConeTest) -> float:
@@ -194,5 +209,5 @@ def _not_known(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> str:
             min(test.poissons_ratio, test.poissons_ratio_bound) < SMALLEST_POISSONS_RATIO
         ),
         "the bottom is too near": _nearness(test) * NEAREST_BOTTOM**2 > 1.0,
-    } | why_no_law_holds(test, cell_size, recorded)
+    } | why_no_law_holds(test, cell_size, recorded, largest_cell=WIDEST_CELL)
     return "; ".join(phrase for phrase, holds in phrases.items() if holds)

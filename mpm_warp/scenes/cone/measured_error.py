@@ -90,6 +90,7 @@ def further_tests(test: Test) -> dict[str, Test]:
         ParameterError: one of them is outside the allowed range.
     """
     assert test.cells_per_radius is not None
+    assert test.speed_ratio is not None
     assert test.domain_above is not None
     assert test.approach is not None
     assert test.penetration is not None

@@ -16,8 +16,8 @@ STILL_TO_GO = 1.5
 POINTS, NOISE = 0.001, 0.015
 """Half widths: of what more points change, over Nc; of the noise of a run."""
 LARGEST_CELL = 0.44
-"""Width of the cells at the cone over its radius up to which the law of their error holds: 4 rows
-of cells beside a face of 60 degrees."""
+"""Width of the cells at the cone over its radius up to which their error is linear: 4 rows of cells
+beside a face of 60 degrees."""
 LARGEST_INERTIA = 3.0
 """rho V^2 / su up to which the law of the error of the speed holds."""
 ALL_PASSED = 1.5
@@ -121,16 +121,19 @@ def parts_of_a_run(test: ConeTest, recorded: xr.Dataset) -> dict[str, float]:
     }
 
 
-def why_no_law_holds(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, bool]:
+def why_no_law_holds(
+    test: ConeTest, cell_size: float, recorded: xr.Dataset, *, largest_cell: float = LARGEST_CELL
+) -> dict[str, bool]:
     """Phrases on what keeps the laws of mesh, speed and window from holding, and whether it does.
 
     Args:
         test: the cone penetration test.
         cell_size: width of the cells at the cone over its radius, dimensionless.
         recorded: `penetration_reached`.
+        largest_cell: the widest for which the law of the mesh holds, likewise.
     """
     return {
-        "the cells are too wide": cell_size > LARGEST_CELL,
+        "the cells are too wide": cell_size > largest_cell,
         "the speed is too high": inertia(test) > LARGEST_INERTIA,
         "soil that the cone has not passed is still beside it": not _all_is_passed(test, recorded),
     }
@@ -146,6 +149,7 @@ def inertia(test: ConeTest) -> float:
 
     That is Ir (V / c_s)^2, with c_s the speed of shear waves.
     """
+    assert test.speed_ratio is not None
     return test.rigidity_index * test.speed_ratio * test.speed_ratio
 
 

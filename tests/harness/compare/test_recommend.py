@@ -184,6 +184,7 @@ def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Pat
     found = recommend("cone_penetration", 0.01, [written(tmp_path, dataset)])
     assert found is not None
     assert found.settings["cells_per_radius"] == 3.0
+    assert found.error == pytest.approx(0.08 / 11.3), "no less than the half width it states"
     silent = dataset.drop_vars("cone_factor_uncertainty")
     found = recommend("cone_penetration", 0.01, [written(tmp_path, silent)])
     assert found is not None

@@ -12,10 +12,12 @@ import xarray as xr
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.known_error import (
     FACE_ERRORS,
+    WIDE_ERROR,
     known_error,
     mesh_error,
     top_error,
 )
+from mpm_warp.scenes.cone.stated_error import LARGEST_CELL
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
@@ -79,6 +81,21 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
     assert slope(math.sqrt(50.0 * 100.0), 0.0) == pytest.approx(between)
 
 
+def test_only_cells_of_three_rows_are_wide() -> None:
+    def error(rows: int) -> float:
+        return mesh_error(
+            rigidity_index=100.0,
+            adhesion_factor=0.0,
+            cell_size=math.sqrt(3.0) / rows,
+            cell_growth=1e-9,
+        )
+
+    slope = FACE_ERRORS[0][2]
+    assert error(4) == pytest.approx(slope * math.sqrt(3.0) / 4.0)
+    beyond = math.sqrt(3.0) / 3.0 - LARGEST_CELL
+    assert error(3) == pytest.approx(slope * math.sqrt(3.0) / 3.0 + WIDE_ERROR * beyond)
+
+
 @pytest.mark.parametrize(
     ("part", "changes"),
     [
@@ -127,7 +144,7 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ({"stress_anisotropy": 0.6}, "stress_anisotropy is beyond 0.5"),
         ({"poissons_ratio": 0.3}, "poissons_ratio is below 0.45"),
         ({"speed_ratio": 0.2}, "the speed is too high"),
-        ({"domain_below": 8.0}, "the bottom is too near"),
+        ({"domain_below": 7.0}, "the bottom is too near"),
         ({"penetration": 14.0}, "soil that the cone has not passed is still beside it"),
     ],
 )
@@ -140,7 +157,7 @@ def test_where_nothing_is_known_nothing_is_stated(changes: dict[str, object], wh
 
 
 def test_cells_that_are_too_wide_have_no_stated_error() -> None:
-    known = known_error(TEST, cell_size=math.sqrt(3.0) / 3.0, recorded=recorded(TEST))
+    known = known_error(TEST, cell_size=math.sqrt(3.0) / 2.0, recorded=recorded(TEST))
     assert known.cone_factor_uncertainty.attrs["not_known"] == "the cells are too wide"
 
 
