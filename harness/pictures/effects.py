@@ -20,18 +20,29 @@ from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 
 LEAST_PARAMETERS = 3
+MOST_LISTED = 20
+"""Cases that a reader takes in one by one."""
 COLUMNS = 3
 ROW_HEIGHT, MARGIN = 1.75, 0.9
 """Inches of a row of panels, and of the caption."""
 
 
 def shows_effects(dataset: xr.Dataset) -> bool:
-    """Whether a result varies three parameters or more together, or any at random."""
+    """Whether a result varies much, in cases enough for a fit or too many to look at each."""
+    studied = much_varied(dataset)
+    if studied is None:
+        return False
+    return studied.computed.size > MOST_LISTED or effects(studied).is_fitted
+
+
+def much_varied(dataset: xr.Dataset) -> Studied | None:
+    """What varies three parameters or more together, or any at random; None where none does."""
     studied = Studied.of(dataset)
     if studied is None or studied.design == ONE_AT_A_TIME:
-        return False
+        return None
     least = LEAST_PARAMETERS if studied.is_combined else 1
-    return len(studied.varied) >= least and np.isfinite(studied.computed).sum() >= LEAST_PARAMETERS
+    varies = len(studied.varied) >= least
+    return studied if varies and np.isfinite(studied.computed).sum() >= LEAST_PARAMETERS else None
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
+from harness.pictures.cases import cases_figure, shows_cases
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
 from harness.pictures.cycles import cycles_figure, shows_cycles
@@ -35,6 +36,7 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "convergence": (shows_convergence, convergence_figure),
     "cycles": (shows_cycles, cycles_figure),
     "effects": (shows_effects, effects_figure),
+    "cases": (shows_cases, cases_figure),
     "work_precision": (shows_work_precision, study_figure),
     "resistance": (shows_resistance, resistance_figure),
     "stability": (shows_stability, stability_figure),

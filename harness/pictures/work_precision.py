@@ -130,7 +130,7 @@ def study_figure(dataset: xr.Dataset) -> Figure:
         place = seconds[silent], measured[silent]
         axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
     floor = over_cases(dataset, FLOOR).astype(float)
-    if np.isfinite(floor).any():
+    if np.isfinite(floor).any() and np.nanmax(floor) < 1.1 * np.nanmin(floor):
         told = "uncertainty of the reference"
         axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=told)
     failed = over_cases(dataset, "status") != COMPLETED
@@ -167,8 +167,9 @@ def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
     axes.set_xlabel("run time [s]")
     axes.set_ylabel(f"{plain(meaning)} [-]")
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-        # Over less than two decades there would be a tick or none.
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100.0 * low else (1,)))
+        # Over less than two decades there would be a tick or none, over less than one two or three.
+        digits = (1, 2, 3, 4, 5, 6, 8) if high < 10.0 * low else (1, 2, 5)
+        axis.set_major_locator(LogLocator(subs=digits if high < 100.0 * low else (1,)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
     legend_above(figure, axes)

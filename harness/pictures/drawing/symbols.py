@@ -19,7 +19,7 @@ SYMBOLS = {
     "rigidity_index": "I_r",
     "adhesion_factor": "α",
     "shaft_adhesion_factor": "α_s",
-    "friction_coefficient": "μ",
+    "friction_coefficient": "μ_f",
     "friction": "μ",
     "undrained_shear_strength": "s_u",
     "in_situ_stress": "σ_v0",

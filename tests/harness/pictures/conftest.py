@@ -104,6 +104,16 @@ def one_at_a_time() -> xr.Dataset:
     return result(columns, [11.0, 8.0, 14.0, 11.8, 10.2, np.nan], "one_at_a_time")
 
 
+def a_few_cases() -> xr.Dataset:
+    """Four cases that differ in three parameters; one failed."""
+    columns = {
+        "material": ["tresca", "von_mises", "tresca", "tresca"],
+        "adhesion_factor": [0.5, 0.5, 1.0, 0.5],
+        "apex_angle": [60.0, 60.0, 120.0, 90.0],
+    }
+    return result(columns, [11.0, 10.2, 13.1, np.nan], "list", uncertainty=0.2)
+
+
 def random_cases(count: int = 40) -> xr.Dataset:
     """Cone factors that are a sum of what three random parameters do, a tenth of them failed."""
     random = np.random.default_rng(1)
@@ -132,6 +142,7 @@ MADE: Mapping[str, Callable[[], xr.Dataset]] = {
     ),
     "one at a time": one_at_a_time,
     "at random": random_cases,
+    "a few cases": a_few_cases,
     "a mesh": lambda: result(
         {"cells_per_radius": [2.0, 4.0, 8.0, 16.0], "adhesion_factor": [0.0, 1.0]},
         [10.0 + 1.0 / n + a for n in (2.0, 4.0, 8.0, 16.0) for a in (0.0, 1.5)],

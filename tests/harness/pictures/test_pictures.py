@@ -42,6 +42,7 @@ MAIN = {
     "a text and many values": "curve",
     "one at a time": "tornado",
     "at random": "effects",
+    "a few cases": "cases",
     "a mesh": "convergence",
 }
 
@@ -103,7 +104,8 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
             ("rigidity_index", r"$I_{\mathrm{r}}$ = 100"),
             ("adhesion_factor", "$α$ = 0.5"),
         ):
-            assert (written in caption) == (made_up[0][name].ndim == 0)
+            fixed = caption.partition("Fixed: ")[2]
+            assert (written in fixed) == (made_up[0][name].ndim == 0)
 
 
 def caption_of(case: CatalogueScene) -> str:
@@ -247,6 +249,19 @@ def test_effects_of_random_cases_are_found_again() -> None:
     slope = np.ptp(line.get_ydata()) / np.ptp(line.get_xdata())
     assert slope == pytest.approx(1.5, rel=1e-9)  # what was put in is in the span of the fit
     assert "the fit explains 100% of the variance" in " ".join(figure.get_supxlabel().split())
+
+
+def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
+    (axes,) = drawn("a few cases")[1]["cases"].axes
+    assert [it.get_text() for it in axes.get_yticklabels()] == [
+        "as most",
+        "material = von mises",
+        "$α$ = 1, $β$ = 120",
+        "$β$ = 90",
+    ]
+    assert "1 of 4 cases did not complete" in " ".join(axes.figure.get_supxlabel().split())
+    bottom, top = axes.get_ylim()
+    assert bottom > top, "the first case is the uppermost"
 
 
 def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None:
