@@ -70,6 +70,8 @@ NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 INERTIA, APPROACH = 0.05, 0.001
 """Half widths: of S; of what the approach leaves, over Nc."""
+BOUND = 0.4
+"""Half width of what a bound of Poisson's ratio changes, over Nc and over what it takes off."""
 SMALLEST_POISSONS_RATIO = 0.45
 LARGEST_ANISOTROPY = 0.5
 """Ranges of the cases by which the laws were tested."""
@@ -170,6 +172,7 @@ def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, 
         "bottom": BOTTOM * BOTTOM_ERROR * _nearness(test),
         "top": TOP * _top_error(test, recorded),
         "speed": INERTIA * inertia(test) + APPROACH * factor,
+        "bound": BOUND * factor * max(0.0, test.poissons_ratio - test.poissons_ratio_bound),
     } | parts_of_a_run(test, recorded)
 
 

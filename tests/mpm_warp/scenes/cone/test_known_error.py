@@ -106,6 +106,7 @@ def test_only_cells_of_three_rows_are_wide() -> None:
         ("bottom", {"domain_below": 10.0}),
         ("top", {"penetration": 50.0}),
         ("speed", {"speed_ratio": 0.1}),
+        ("bound", {"poissons_ratio_bound": 0.48}),
     ],
 )
 def test_a_worse_choice_has_a_larger_part(part: str, changes: dict[str, float]) -> None:
