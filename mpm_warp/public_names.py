@@ -21,6 +21,7 @@ from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.boundaries.radial_motion import RadialMotion
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.gravity import Gravity

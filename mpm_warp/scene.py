@@ -59,7 +59,7 @@ class Scene:
             bounds the grid holds it: fixed nodes, or the surroundings, which start with it. Where
             the material varies it is none: the variation has the horizontal stress.
         forces: parts that act on nodes before all others, in this order: loads, gravity, damping,
-            or a user's own.
+            radial motion, or a user's own.
         fixed: nodes held at rest, or none.
         far_field: the medium around the grid, or none.
         surroundings: the ground around a window that travels with a body, or none; it takes the

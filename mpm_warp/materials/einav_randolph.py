@@ -2,11 +2,16 @@
 
 After Einav & Randolph (2005, Int. J. Numer. Meth. Eng. 63:1991-2016). Symbols: f the measure of the
 yield criterion, of a stress and of a strain alike; k strength, su that of intact clay at the
-reference strain rate; xi plastic shear strain so far, gd shear strain rate; G shear modulus.
+reference strain rate; xi plastic shear strain so far, S share of the loss of strength that is still
+to come; gd shear strain rate; G shear modulus.
 
-    k  = su R [delta + (1 - delta) exp(-3 xi / xi_95)],     R = 1 + mu log10(max(gd / gd_ref, 1))
+    k  = su R [delta + (1 - delta) S]
+    S  = exp(-3 xi / xi_95),   R = 1 + mu log10(max(gd / gd_ref, 1))
     gd = 2 f(D)                                Tresca: D_1 - D_3, von Mises: sqrt(2 dev D : dev D)
     f(trial) - G dxi = k(xi + dxi, gd)         the return, implicit in the plastic shear strain
+
+A point remembers 1 - S, the share that is lost, not xi: a return multiplies S by exp(-3 dxi /
+xi_95), and no exponential is taken of a point that stays elastic.
 
 Both criteria take G dxi off their measure as they return, Tresca on sides and in corners alike. So
 in proportional shear f + G xi = G gamma to rounding, whatever the size of the steps.
@@ -22,7 +27,7 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, check_number
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.material import Law, PerfectlyPlastic
+from mpm_warp.materials.material import Law, PerfectlyPlastic, YieldCriterion
 from mpm_warp.precision import Precision
 
 STEEPEST = 0.5
@@ -49,7 +54,7 @@ class EinavRandolph(PerfectlyPlastic):
         SceneError: a value is not allowed, or the strength falls too steeply to be followed.
     """
 
-    criterion: type[PerfectlyPlastic]
+    criterion: type[YieldCriterion]
     rate_factor: float
     reference_strain_rate: float
     remoulded_strength_ratio: float
@@ -92,8 +97,8 @@ class EinavRandolph(PerfectlyPlastic):
 
     @property
     def state(self) -> tuple[str, ...]:
-        """Plastic shear strain xi, and R - 1 when last near yield: what changes the strength."""
-        softening = ("plastic_shear_strain",) if self.softens else ()
+        """1 - S, and R - 1 when last near yield: what changes the strength."""
+        softening = ("lost_share",) if self.softens else ()
         return (*softening, "rate_effect") if self.depends_on_rate else softening
 
     @property
@@ -121,8 +126,9 @@ class EinavRandolph(PerfectlyPlastic):
 
     def update(self, precision: Precision) -> Any:
         """Return to the surface of the criterion, as large as strain and rate leave it."""
-        law = self._perfectly_plastic(self.strength).law(precision)
-        return _make_update(law, self.softens, self.depends_on_rate, precision)
+        perfect = self._perfectly_plastic(self.strength)
+        law, within = perfect.law(precision), perfect.within(precision)
+        return _make_update(law, within, self.softens, self.depends_on_rate, precision)
 
     def yield_function(self, precision: Precision) -> Any:
         """The measure of the criterion, and the strength k."""
@@ -139,7 +145,7 @@ class EinavRandolph(PerfectlyPlastic):
     def _greatest_strength(self) -> float:
         return self.strength * (1.0 + self.rate_factor * math.log10(LARGEST_RATE))
 
-    def _perfectly_plastic(self, strength: float) -> PerfectlyPlastic:
+    def _perfectly_plastic(self, strength: float) -> YieldCriterion:
         return self.criterion(
             shear_modulus=self.shear_modulus,
             poissons_ratio=self.poissons_ratio,
@@ -150,42 +156,41 @@ class EinavRandolph(PerfectlyPlastic):
 
 @functools.cache
 def _make_strength(softens: bool, precision: Precision) -> Any:
-    """The function (properties, xi) -> (k / R, what any strain leaves of it) [Pa]."""
+    """The function (properties, 1 - S) -> (k / R, what of it strain can still take) [Pa]."""
     real, vec2, vec6 = precision.real, precision.vec2, precision.vector(6)
 
     @wp.func
-    def strength(properties: vec6, strain: real) -> vec2:
-        intact, remoulded = properties[0], properties[0]
+    def strength(properties: vec6, lost: real) -> vec2:
+        k, left = properties[0], real(0.0)
         if wp.static(softens):
-            remoulded = properties[1] * intact
-            if strain > real(0.0):  # most soil is intact, and exp takes its time
-                lost = (intact - remoulded) * wp.exp(-properties[2] * strain)
-                return vec2(remoulded + lost, remoulded)
-        return vec2(intact, remoulded)
+            remoulded = properties[1] * k
+            left = (k - remoulded) * (real(1.0) - lost)
+            k = remoulded + left
+        return vec2(k, left)
 
     return strength
 
 
 @functools.cache
 def _make_memory(softens: bool, depends_on_rate: bool, precision: Precision) -> tuple[Any, Any]:
-    """The functions state -> (xi, R - 1), and back."""
+    """The functions state -> (1 - S, R - 1), and back."""
     real, vec2 = precision.real, precision.vec2
     state_type = precision.vector(max(1, softens + depends_on_rate))
 
     @wp.func
     def recalled(state: state_type) -> vec2:
-        strain, rate_effect = real(0.0), real(0.0)
+        lost, rate_effect = real(0.0), real(0.0)
         if wp.static(softens):
-            strain = state[0]
+            lost = state[0]
         if wp.static(depends_on_rate):
             rate_effect = state[wp.static(int(softens))]
-        return vec2(strain, rate_effect)
+        return vec2(lost, rate_effect)
 
     @wp.func
-    def remembered(strain: real, rate_effect: real) -> state_type:
+    def remembered(lost: real, rate_effect: real) -> state_type:
         state = state_type()
         if wp.static(softens):
-            state[0] = strain
+            state[0] = lost
         if wp.static(depends_on_rate):
             state[wp.static(int(softens))] = rate_effect
         return state
@@ -214,42 +219,47 @@ def _make_yield_function(
 
 
 @functools.cache
-def _make_update(law: Law, softens: bool, depends_on_rate: bool, precision: Precision) -> Any:
+def _make_update(
+    law: Law, within: Any, softens: bool, depends_on_rate: bool, precision: Precision
+) -> Any:
     real, vec4 = precision.real, precision.vec4
     vec1, vec6 = precision.vector(1), precision.vector(6)
     state_type = precision.vector(max(1, softens + depends_on_rate))
     recalled, remembered = _make_memory(softens, depends_on_rate, precision)
     strength, perfect_return = _make_strength(softens, precision), law.update
     measure: Any = law.yield_function
+    one = wp.constant(real(1.0))
 
     @wp.func
     def soften_and_return(
         trial: vec4, strain: vec4, time_step: real, properties: vec6, state: state_type
     ):
-        su, G = vec1(properties[0]), properties[wp.static(SHEAR_MODULUS)]
-        f = measure(trial, su, vec1())[0]
-        xi, rate_effect = recalled(state)[0], real(0.0)
-        k = strength(properties, xi)
+        su, G, decay = vec1(properties[0]), properties[wp.static(SHEAR_MODULUS)], properties[2]
+        lost, rate_effect = recalled(state)[0], real(0.0)
+        known = strength(properties, lost)
+        k, left = known[0], known[1]
         # No rate takes the strength below this.
-        if f <= k[0]:
+        if within(trial, k):
             return trial, state
         if wp.static(depends_on_rate):
-            rate = real(2.0) * measure(strain, su, vec1())[0] / time_step
-            rate_effect = properties[4] * wp.log(wp.max(rate * properties[5], real(1.0)))
-        R = real(1.0) + rate_effect
-        k *= R
-        if f > k[0]:
-            if wp.static(softens):
-                # Newton's method: in steps of 1e-3 its first error is 1e-6, its second 1e-12 of the
-                # strain; what is left is a strain, for the stress is put on the surface.
-                plastic = real(0.0)
-                for _ in range(2):
-                    slope = properties[2] * (k[0] - k[1])
-                    plastic += (f - G * plastic - k[0]) / (G - slope)
-                    k = R * strength(properties, xi + plastic)
-                xi += plastic
-            stress, _nothing = perfect_return(trial, strain, time_step, vec1(k[0]), vec1())
-            return stress, remembered(xi, rate_effect)
-        return trial, remembered(xi, rate_effect)
+            rate = real(2.0) / time_step * measure(strain, su, vec1())[0]
+            rate_effect = properties[4] * wp.log(wp.max(rate * properties[5], one))
+            k *= one + rate_effect
+            left *= one + rate_effect
+            if within(trial, k):
+                return trial, remembered(lost, rate_effect)
+        if wp.static(softens):
+            # Newton's method for f - G dxi = k - left (1 - exp(-3 dxi / xi_95)): in steps of 1e-3
+            # its first error is 1e-6, its second 1e-12 of the strain. What is left is a strain, for
+            # the stress is put on the surface.
+            f = measure(trial, su, vec1())[0]
+            plastic = (f - k) / (G - decay * left)
+            kept = wp.exp(-decay * plastic)
+            missing = f - G * plastic - k + left * (one - kept)
+            kept *= one - decay * missing / (G - decay * left * kept)
+            k -= left * (one - kept)
+            lost = one - (one - lost) * kept
+        stress, _nothing = perfect_return(trial, strain, time_step, vec1(k), vec1())
+        return stress, remembered(lost, rate_effect)
 
     return soften_and_return

@@ -74,18 +74,18 @@ def make_elastic_trial(precision: Precision) -> Any:
 def _make_strain_increment(precision: Precision) -> Any:
     """The function (stress increment, G, K) -> dt D that has made it, (rr, zz, rz, tt)."""
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
-    two, three = wp.constant(real(2.0)), wp.constant(real(3.0))
+    third, half = wp.constant(real(1.0 / 3.0)), wp.constant(real(0.5))
 
     @wp.func
     def strain_increment(increment: vec7, shear_modulus: real, bulk_modulus: real) -> vec4:
-        mean = (increment[0] + increment[1] + increment[3]) / three
-        volume = mean / (three * bulk_modulus)
-        twice = two * shear_modulus
+        mean = third * (increment[0] + increment[1] + increment[3])
+        volume = mean * (third / bulk_modulus)
+        in_shear = half / shear_modulus  # divisions take longest
         return vec4(
-            (increment[0] - mean) / twice + volume,
-            (increment[1] - mean) / twice + volume,
-            increment[2] / twice,
-            (increment[3] - mean) / twice + volume,
+            (increment[0] - mean) * in_shear + volume,
+            (increment[1] - mean) * in_shear + volume,
+            increment[2] * in_shear,
+            (increment[3] - mean) * in_shear + volume,
         )
 
     return strain_increment

@@ -222,6 +222,17 @@ class PerfectlyPlastic(Material):
         return 4.0 / 3.0 * self.strength * (1.0 + math.log(self.shear_modulus / self.strength))
 
 
+class YieldCriterion(PerfectlyPlastic):
+    """Perfect plasticity whose yield surface another material may take, as large as it needs it."""
+
+    @abstractmethod
+    def within(self, precision: Precision) -> Any:
+        """The function (stress, strength) -> whether the stress is within the yield surface.
+
+        It is asked of every point in every step, and takes no root.
+        """
+
+
 @functools.cache
 def make_properties_of_point(law: Law) -> Any:
     """The function (properties, number of a point) -> those of the point; see `Law`."""

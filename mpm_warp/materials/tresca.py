@@ -6,12 +6,12 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.material import YieldCriterion
 from mpm_warp.precision import Precision
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tresca(PerfectlyPlastic):
+class Tresca(YieldCriterion):
     """Yields where (sigma_1 - sigma_3) / 2 = su; in axisymmetry the hoop stress is principal."""
 
     def update(self, precision: Precision) -> Any:
@@ -21,6 +21,10 @@ class Tresca(PerfectlyPlastic):
     def yield_function(self, precision: Precision) -> Any:
         """((sigma_1 - sigma_3) / 2, su)."""
         return _make_yield_function(precision)
+
+    def within(self, precision: Precision) -> Any:
+        """Where neither 2 radius nor radius + |centre - hoop| of Mohr's circle exceeds 2 su."""
+        return _make_within(precision)
 
 
 @functools.cache
@@ -41,23 +45,36 @@ def _make_yield_function(precision: Precision) -> Any:
 
 
 @functools.cache
+def _make_within(precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
+
+    @wp.func
+    def within_hexagon(stress: vec4, strength: real) -> bool:
+        centre = real(0.5) * (stress[0] + stress[1])
+        half_difference = real(0.5) * (stress[0] - stress[1])
+        square = half_difference * half_difference + stress[2] * stress[2]
+        room = wp.min(strength, real(2.0) * strength - wp.abs(centre - stress[3]))
+        return room >= real(0.0) and square <= room * room
+
+    return within_hexagon
+
+
+@functools.cache
 def _make_update(precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
     vec1 = precision.vector(1)
+    within = _make_within(precision)
 
     @wp.func
     def return_to_tresca(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
         strength = properties[0]
+        if within(trial, strength):
+            return trial, state
         # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
         centre = real(0.5) * (trial[0] + trial[1])
         half_difference = real(0.5) * (trial[0] - trial[1])
-        square = half_difference * half_difference + trial[2] * trial[2]
+        radius = wp.sqrt(half_difference * half_difference + trial[2] * trial[2])
         hoop = trial[3]
-        # Elastic where neither 2 radius nor radius + |centre - hoop| exceeds 2 su: without a root.
-        room = wp.min(strength, real(2.0) * strength - wp.abs(centre - hoop))
-        if room >= real(0.0) and square <= room * room:
-            return trial, state
-        radius = wp.sqrt(square)
         highest = wp.max(centre + radius, hoop)
         lowest = wp.min(centre - radius, hoop)
 

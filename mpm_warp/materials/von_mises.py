@@ -6,12 +6,12 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.material import YieldCriterion
 from mpm_warp.precision import Precision
 
 
 @dataclass(frozen=True, kw_only=True)
-class VonMises(PerfectlyPlastic):
+class VonMises(YieldCriterion):
     """Yields where sqrt(J2) = su: matched to Tresca in pure shear, not in triaxial compression."""
 
     def update(self, precision: Precision) -> Any:
@@ -21,6 +21,10 @@ class VonMises(PerfectlyPlastic):
     def yield_function(self, precision: Precision) -> Any:
         """(sqrt(J2), su)."""
         return _make_yield_function(precision)
+
+    def within(self, precision: Precision) -> Any:
+        """Where J2 is at most su^2."""
+        return _make_within(precision)
 
 
 @functools.cache
@@ -50,20 +54,31 @@ def _make_yield_function(precision: Precision) -> Any:
 
 
 @functools.cache
+def _make_within(precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
+    j2 = make_j2(precision)
+
+    @wp.func
+    def within_cylinder(stress: vec4, strength: real) -> bool:
+        return j2(stress) <= strength * strength
+
+    return within_cylinder
+
+
+@functools.cache
 def _make_update(precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
     vec1 = precision.vector(1)
-    j2 = make_j2(precision)
+    j2, within = make_j2(precision), _make_within(precision)
 
     @wp.func
     def return_to_von_mises(
         trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1
     ):
         strength = properties[0]
-        square = j2(trial)
-        if square <= strength * strength:
+        if within(trial, strength):
             return trial, state
-        scale = strength / wp.sqrt(square)
+        scale = strength / wp.sqrt(j2(trial))
         mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
         rr, zz, tt = trial[0] - mean, trial[1] - mean, trial[3] - mean
         returned = vec4(mean + scale * rr, mean + scale * zz, scale * trial[2], mean + scale * tt)

@@ -25,7 +25,7 @@ def test_every_scene_and_what_scenes_are_made_of_is_there() -> None:
     assert names >= {
         *("Scene", "Simulation", "Execution", "Grid", "PolarGrid"),
         *("EinavRandolph", "LinearElastic", "Tresca", "VonMises"),
-        *("SurfaceContact", "FarField", "Fixed", "Window", "MovingWall"),
+        *("SurfaceContact", "FarField", "Fixed", "Window", "MovingWall", "RadialMotion"),
         *("Gravity", "NodalLoad", "Damping"),
         *("SceneError", "ParameterError", "SimulationDiverged", "InaccurateRun"),
     }

@@ -28,6 +28,7 @@ OF_PROCESSORS = (
 """Kernels of threads and of measuring, which no GPU ever runs."""
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {
+    "cavity_sphere": [{}, {"remoulded_strength_ratio": 0.2, "ductility": 10.0}],
     "cone_penetration": [{}, {"approach": 0}],
     "sounding": [{"layer_top": 1.1, "layer_strength_ratio": 2.0, "adhesion_factor": 0.5}],
     "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],

@@ -29,7 +29,7 @@ class CavityCylinder(Cavity):
     """
 
     summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     verifications: ClassVar[tuple[Verification, ...]] = verifications(
         0.015, (4, 8), HURRIED, LATE, SOON
     )

@@ -14,10 +14,12 @@ from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries.radial_motion import RadialMotion
+from mpm_warp.parts.part import NodeAction
 from mpm_warp.results import variable
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cavity.common import RADIUS, Cavity
-from mpm_warp.scenes.cavity.verifications import HURRIED, LATE, verifications
+from mpm_warp.scenes.cavity.verifications import HURRIED, LATE, SOON, verifications
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,11 +28,16 @@ class CavitySphere(Cavity):
 
     The grid ends, without traction, at six times the radius of the plastic zone: what is missing
     beyond lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
+
+    Where the clay softens, soil moves along the rays alone, as the exact pressure takes it to: a
+    free flow of Tresca soil parts from that and bears less.
     """
 
     summary: ClassVar[str] = "pressure of an expanding spherical cavity in undrained clay"
-    version: ClassVar[int] = 5
-    verifications: ClassVar[tuple[Verification, ...]] = verifications(0.02, (4, 6), HURRIED, LATE)
+    version: ClassVar[int] = 6
+    verifications: ClassVar[tuple[Verification, ...]] = verifications(
+        0.02, (4, 6), HURRIED, LATE, SOON
+    )
     exponent: ClassVar[int] = 3
     factor: ClassVar[float] = 4.0 / 3.0
     von_mises_strength: ClassVar[float] = math.sqrt(0.75)
@@ -53,6 +60,11 @@ class CavitySphere(Cavity):
         radial[0] = True
         vertical[-1] = True
         return Fixed.where(radial=radial, vertical=vertical)
+
+    @property
+    def guides(self) -> tuple[NodeAction, ...]:
+        """See `Cavity`: rays, where the clay softens."""
+        return (RadialMotion(),) if self.remoulded_strength_ratio < 1.0 else ()
 
     def far_field(self, grid: Grid, material: Material) -> FarField | None:
         """None: the grid ends without traction."""

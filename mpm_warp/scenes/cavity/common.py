@@ -18,6 +18,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.part import NodeAction
 from mpm_warp.results import variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
@@ -168,10 +169,16 @@ class Cavity(CatalogueScene):
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             stress_at_rest=self.stress_at_rest,
+            forces=self.guides,
             fixed=self.fixed(grid),
             far_field=self.far_field(grid, material),
             moving_wall=self.wall,
         )
+
+    @property
+    def guides(self) -> tuple[NodeAction, ...]:
+        """What keeps the flow as symmetric as the exact one, beyond the fixed nodes."""
+        return ()
 
     @property
     def stress_at_rest(self) -> Floats:

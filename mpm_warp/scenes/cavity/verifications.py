@@ -21,22 +21,30 @@ HURRIED: dict[str, Value] = {"rate_factor": 0.1, "reference_strain_rate": 0.01}
 """Clay that softens, sooner and later, and clay with a rate effect."""
 
 
+LARGEST_ERROR_OF_CHANGING_CLAY = 0.01
+"""Of the pressure over the whole curve, over the exact one at the end."""
+
+
 def verifications(
     largest_error: float, resolutions: tuple[int, ...], *changing: Mapping[str, Value]
 ) -> tuple[Verification, ...]:
     """Perfectly plastic soils, and clays whose strength changes, at two resolutions.
 
     Args:
-        largest_error: bound of the finer one's.
+        largest_error: bound of the finer one's in perfectly plastic soils.
         resolutions: cells per radius, rising.
         changing: parameters of the clays.
     """
+    bounds = (
+        *((soil, largest_error) for soil in SOILS),
+        *((clay, LARGEST_ERROR_OF_CHANGING_CLAY) for clay in changing),
+    )
     return tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=resolutions,
-            bounds={"error": largest_error, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
+            bounds={"error": bound, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
             settings=settings,
         )
-        for settings in (*SOILS, *changing)
+        for settings, bound in bounds
     )

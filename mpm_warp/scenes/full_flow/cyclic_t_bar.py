@@ -38,7 +38,7 @@ class CyclicTBar(TBar):
     """
 
     summary: ClassVar[str] = "T-bar pushed down and pulled up in undrained clay, plane strain"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cells_per_radius",

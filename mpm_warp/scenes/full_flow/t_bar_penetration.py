@@ -24,7 +24,7 @@ class TBarPenetration(TBar, FullFlowPenetration):
     """
 
     summary: ClassVar[str] = "T-bar pushed through undrained clay to steady flow, plane strain"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",

@@ -43,7 +43,7 @@ class MaterialPoint(CatalogueScene):
     """
 
     summary: ClassVar[str] = "one material point on strain paths, against exact stresses"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="step_count",

@@ -39,7 +39,7 @@ class Sounding(SoundingTest):
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
 
     def __post_init__(self) -> None:
         super().__post_init__()

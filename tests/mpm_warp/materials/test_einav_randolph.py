@@ -81,7 +81,8 @@ def test_plastic_strain_adds_up_forth_and_back(criterion: type[PerfectlyPlastic]
     before = shear(pulled(material, 1.0))
     plastic = 1.0 - before / 200.0 + 0.5 - (before + tau) / 200.0
     assert tau == pytest.approx(strength(material, plastic, 1.0), rel=1e-7)
-    assert simulation.array("particle.state")[0, 0] == pytest.approx(plastic, rel=1e-7)
+    lost = 1.0 - math.exp(-3.0 * plastic / material.ductility)
+    assert simulation.array("particle.state")[0, 0] == pytest.approx(lost, rel=1e-7)
 
 
 def test_strength_follows_the_rate_at_once_and_not_below_that_of_reference() -> None:
@@ -108,9 +109,9 @@ def test_without_softening_and_rate_the_stress_is_that_of_perfect_plasticity(
 
 def test_points_remember_only_what_changes_their_strength() -> None:
     assert clay().state == ()
-    assert clay(**SOFT).state == ("plastic_shear_strain",)
+    assert clay(**SOFT).state == ("lost_share",)
     assert clay(**HURRIED).state == ("rate_effect",)
-    assert clay(**SOFT, **HURRIED).state == ("plastic_shear_strain", "rate_effect")
+    assert clay(**SOFT, **HURRIED).state == ("lost_share", "rate_effect")
 
 
 def test_each_kind_of_strength_law_has_a_key_of_its_own() -> None:

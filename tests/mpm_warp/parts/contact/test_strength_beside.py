@@ -43,7 +43,7 @@ def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening
     simulation = Simulation(softening)
     row = softening.grid.row_count - 2
     cell = simulation.array("particle.cell")
-    simulation.array("particle.state")[(cell[:, 0] == 0) & (cell[:, 1] == row)] = 1e3
+    simulation.array("particle.state")[(cell[:, 0] == 0) & (cell[:, 1] == row)] = 1.0
     simulation.advance(AUDIT_INTERVAL)
     mass = simulation.array("particle.mass")
     in_row = [mass[(cell[:, 0] == 0) & (cell[:, 1] == it)].sum() for it in range(row + 2)]
