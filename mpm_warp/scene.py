@@ -24,6 +24,7 @@ from mpm_warp.parts.boundaries.moving_wall import MovingWall
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.part import FitsGrid, NodeAction
 from mpm_warp.parts.window.cyclic_window import CyclicWindow
+from mpm_warp.parts.window.passing_surface import PassingSurface
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.window import Window
 from mpm_warp.precision import PRECISIONS
@@ -40,6 +41,7 @@ OPTIONAL = {
     "contact": (SurfaceContact,),
     "moving_wall": (MovingWall,),
     "window": (Window, CyclicWindow),
+    "passing_surface": (PassingSurface,),
 }
 """Of what type it has to be where it is not None."""
 
@@ -71,6 +73,8 @@ class Scene:
             so there is neither a far field nor surroundings then.
         free_surface: whether the surface of the ground passes through cells: their stress then acts
             as far as they are filled.
+        passing_surface: the free surface that a window leaves behind, or none; the scene has a
+            window and a free surface then.
         conservative_interpolation: whether particles follow a flow that changes volume alike all
             over a cell; for soil that streams along a wall for long. The grid has horizontal rows.
         energy_audit: whether to sample what energy the transfers create or dissipate.
@@ -97,6 +101,7 @@ class Scene:
     moving_wall: MovingWall | None = None
     window: Window | CyclicWindow | None = None
     free_surface: bool = False
+    passing_surface: PassingSurface | None = None
     conservative_interpolation: bool = False
     energy_audit: bool = False
     energy_balance: bool = False
@@ -150,6 +155,12 @@ class Scene:
             ("far_field", turns, "a cyclic window; hold the nodes around the grid"),
             ("surroundings", turns, "a cyclic window; hold the nodes around the grid"),
             ("surroundings", self.far_field, "a far field"),
+            (
+                "passing_surface",
+                self.window is None or turns,
+                "a grid that stays; give it a window",
+            ),
+            ("passing_surface", not self.free_surface, "full cells; set free_surface"),
             ("surroundings", self.window is None, "a grid at rest; give it a window"),
             ("conservative_interpolation", self.grid.polar, "a grid of rays"),
             ("far_field", varies, "a material that varies; around a window give it surroundings"),
@@ -166,9 +177,18 @@ class Scene:
 
     @property
     def node_actions(self) -> Iterator[NodeAction]:
-        """The parts that act on nodes, in their order; the push of a moving wall comes after."""
+        """The parts that act on nodes, in their order, or that follow the window beside them.
+
+        The push of a moving wall comes after.
+        """
         yield from self.forces
-        for part in (self.fixed, self.far_field, self.surroundings, self.contact):
+        for part in (
+            self.fixed,
+            self.far_field,
+            self.surroundings,
+            self.contact,
+            self.passing_surface,
+        ):
             if part is not None:
                 yield part
 
@@ -176,7 +196,8 @@ class Scene:
     def has_mass_matrix_correction(self) -> bool:
         """Whether nodes are given back what the transfers take from their velocity at the least.
 
-        The correction is that of full cells. A single particle in the middle of a cell takes
-        nothing of what it gives back.
+        The correction is that of full cells. Where a surface passes only those far below it have
+        it. A single particle in the middle of a cell takes nothing of what it gives back.
         """
-        return self.particles_per_side > 1 and not self.free_surface
+        has_full_cells = not self.free_surface or self.passing_surface is not None
+        return self.particles_per_side > 1 and has_full_cells

@@ -17,9 +17,9 @@ plane strain per unit thickness.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,6 +228,13 @@ class GroundGrid(Grid):
     """
 
     ground_level: float
+
+    @classmethod
+    def of(cls, grid: Grid, ground_level: float) -> Self:
+        """A grid with soil up to a level [m] only."""
+        return cls(
+            **{it.name: getattr(grid, it.name) for it in fields(Grid)}, ground_level=ground_level
+        )
 
     def __post_init__(self) -> None:
         super().__post_init__()

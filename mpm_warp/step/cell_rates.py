@@ -47,8 +47,15 @@ def add_cell_rates(
     if internal_flow is not None:
         plan.add_zeros("cell.internal_flow", "vec4", grid.cell_count)
     viscous, corrected = plan.find("cell.dilation_rate"), plan.find("cell.correction")
+    blended = plan.find("cell.pic_fraction")
     plan.add_launch(
-        _make_cell_rates(viscous is not None, corrected is not None, internal_flow, plan.precision),
+        _make_cell_rates(
+            viscous is not None,
+            corrected is not None,
+            blended is not None,
+            internal_flow,
+            plan.precision,
+        ),
         grid.cell_count,
         column_count=grid.column_count,
         shear_modulus=material.shear_modulus,
@@ -56,6 +63,7 @@ def add_cell_rates(
         cell_dilation_rate=viscous,
         correction_weight=weight,
         cell_correction=corrected,
+        cell_pic_fraction=blended,
         cell_interpolation_weights=plan.find("cell.interpolation_weights"),
         cell_internal_flow=plan.find("cell.internal_flow"),
     )
@@ -63,12 +71,12 @@ def add_cell_rates(
 
 @functools.cache
 def _make_cell_rates(
-    viscous: bool, corrected: bool, internal_flow: Any, precision: Precision
+    viscous: bool, corrected: bool, blended: bool, internal_flow: Any, precision: Precision
 ) -> Any:
-    """The kernel, launched over cells."""
+    """The kernel, launched over cells; `blended`: those with a PIC fraction are not corrected."""
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, vec10 = precision.vec5, precision.vec7, precision.vector(10)
-    one = wp.constant(real(1.0))
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
     stress_increment_of = make_stress_increment(precision)
     correction_of_cell = make_mass_matrix_correction(precision).of_cell
     interpolated = internal_flow is not None
@@ -79,7 +87,7 @@ def _make_cell_rates(
 
     parts = ("viscous" if viscous else "inviscid", "corrected" if corrected else "lumped")
     flow = internal_flow.key if internal_flow is not None else "bilinear"
-    key = f"{'.'.join(parts)}.{flow}.{precision.numpy_name}"
+    key = f"{'.'.join(parts)}{'.blended' if blended else ''}.{flow}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(
@@ -94,6 +102,7 @@ def _make_cell_rates(
         cell_dilation_rate: wp.array(dtype=real),
         correction_weight: real,
         cell_correction: wp.array(dtype=vec4),
+        cell_pic_fraction: wp.array(dtype=real),
         cell_stress_increment: wp.array(dtype=vec7),
         cell_interpolation_weights: wp.array(dtype=vec10),
         cell_internal_flow: wp.array(dtype=vec4),
@@ -113,6 +122,9 @@ def _make_cell_rates(
             cell_dilation_rate[c] = L[0] + L[3] + L[4]
         if wp.static(corrected):
             weight = correction_weight * cell_volume[c]
+            if wp.static(blended):
+                if cell_pic_fraction[c] > zero:
+                    weight = zero
             cell_correction[c] = correction_of_cell(v_00, v_10, v_01, v_11, weight)
         cell_stress_increment[c] = stress_increment_of(L, time_step, shear_modulus, bulk_modulus)
         if wp.static(interpolated):

@@ -2,9 +2,10 @@
 
 Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, D
 and W strain rate and spin of the cell, tr the trace, U the velocity of the soil past a grid that
-travels, E the displacement by the flow within the cell where velocities are interpolated so.
+travels, E the displacement by the flow within the cell where velocities are interpolated so,
+a the share of its velocity that a particle takes from the grid as it is (PIC fraction).
 
-    v_p   <- v_p + N (v - u)
+    v_p   <- v_p + N (v - u)                    + a (N u - v_p) where a share a is taken as it is
     x_p   <- x_p + dt (N v + U) + E
     sigma <- law(R sigma R' + dt (K tr D + 2 G dev D))      R the rotation by dt W (Cayley)
 """
@@ -49,10 +50,16 @@ def add_grid_to_particles(
     law = material.law(plan.precision)
     plan.add_launch(
         _make_grid_to_particles(
-            grid.polar, law, flow_displacement, window_top is not None, plan.precision
+            grid.polar,
+            law,
+            flow_displacement,
+            window_top is not None,
+            plan.find("cell.pic_fraction") is not None,
+            plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
         cell_internal_flow=plan.find("cell.internal_flow"),
+        cell_pic_fraction=plan.find("cell.pic_fraction"),
         outer_radius=grid.outer_radius,
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
         shear_modulus=material.shear_modulus,
@@ -66,7 +73,12 @@ def add_grid_to_particles(
 
 @functools.cache
 def _make_grid_to_particles(
-    polar: bool, law: Law, flow_displacement: Any, travelling: bool, precision: Precision
+    polar: bool,
+    law: Law,
+    flow_displacement: Any,
+    travelling: bool,
+    blended: bool,
+    precision: Precision,
 ) -> Any:
     """The kernel, launched over slots of particles."""
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
@@ -79,7 +91,8 @@ def _make_grid_to_particles(
     interpolated = flow_displacement is not None
     flow = flow_displacement.key if flow_displacement is not None else "bilinear"
     key = f"{'polar' if polar else 'rows'}.{law.key}.{flow}"
-    key = f"{key}.{'travelling' if travelling else 'resting'}.{precision.numpy_name}"
+    key = f"{key}.{'travelling' if travelling else 'resting'}{'.blended' if blended else ''}"
+    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
@@ -87,6 +100,7 @@ def _make_grid_to_particles(
         node_velocities: wp.array(dtype=vec4),
         cell_stress_increment: wp.array(dtype=vec7),
         cell_internal_flow: wp.array(dtype=vec4),
+        cell_pic_fraction: wp.array(dtype=real),
         grid_columns: wp.array(dtype=vec3),
         grid_rows: wp.array(dtype=vec5),
         outer_radius: real,
@@ -123,9 +137,12 @@ def _make_grid_to_particles(
         here = left + xi * (right - left)
         v = vec2(here[0], here[1])
         u = vec2(here[2], here[3])
-        particle_velocity[p] += v - u
-
         c = j * cell_counts[0] + i
+        change = v - u
+        if wp.static(blended):
+            change += cell_pic_fraction[c] * (u - particle_velocity[p])
+        particle_velocity[p] += change
+
         remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],

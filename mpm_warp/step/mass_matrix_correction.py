@@ -21,7 +21,8 @@ affine part of a particle's momentum instead (Jiang et al. 2015, ACM Trans. Grap
 returns all of a linear field, but what it takes from one motion for another not the other way,
 waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
 
-In cells that are filled in part P may be anything: there is no S where a free surface passes.
+In cells that are filled in part P may be anything: there is no S where a free surface passes, or
+only far below it (`mpm_warp.parts.window.passing_surface`).
 """
 
 import functools

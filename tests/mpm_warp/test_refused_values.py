@@ -29,6 +29,7 @@ from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.window.passing_surface import PassingSurface
 from mpm_warp.parts.window.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.material.strain_paths import StrainPaths
@@ -168,6 +169,11 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
         },
     ),
     (
+        PassingSurface,
+        {"level": 0.0, "layer": 1.0, "pic_fraction": 0.02},
+        {"level": [NAN], "layer": [0.0, INF], "pic_fraction": [0.0, 1.5, NAN]},
+    ),
+    (
         Scene,
         SCENE,
         {
@@ -180,6 +186,7 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             "fixed": [SIDE],
             "contact": [FarField(**FAR)],
             "window": [1.0],
+            "passing_surface": [1.0],
             "free_surface": ["no"],
         },
     ),

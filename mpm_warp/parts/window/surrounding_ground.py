@@ -6,6 +6,8 @@ each component, A its area and t the growth of the source's traction per way:
 
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
+Where a free surface passes, a node with less mass than beside full cells has as much less of k, c.
+
 Soil that enters at the bottom has the velocity and the stress of the source, and springs that enter
 beside it hold that stress. Where the material varies, stress, springs and dashpots are those of the
 soil's own stiffness; k and t are in proportion, so that the motion is that of uniform ground.
@@ -156,7 +158,8 @@ class SurroundingGround:
         plan.add_array("far_field.flow", "vec2", side_flow)
         plan.add_array("far_field.drawn", "vec2", side_flow + drawn / self.spring)
         plan.add_array("far_field.displacement", "vec2", at_rest)
-        plan.add_launch(_make_moving_side(precision), len(self.side))
+        partly = plan.find("cell.full_mass") is not None
+        plan.add_launch(_make_moving_side(partly, precision), len(self.side))
         # After the side: a spring in a corner must not move what the bottom holds.
         plan.add_array("end.nodes", "int", self.ends, nodes)
         plan.add_array("end.free", "vec2", self.free)
@@ -202,11 +205,13 @@ def _make_moving_ends(precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_moving_side(precision: Precision) -> Any:
+def _make_moving_side(partly: bool, precision: Precision) -> Any:
+    """The kernel, launched over the nodes of the side; `partly`: there may be less soil at some."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    zero = wp.constant(real(0.0))
+    zero, two = wp.constant(real(0.0)), wp.constant(real(2.0))
+    key = f"{'partly.' if partly else ''}{precision.numpy_name}"
 
-    @wp.kernel(module=f"mpm_warp.moving_side.{precision.numpy_name}", enable_backward=False)
+    @wp.kernel(module=f"mpm_warp.moving_side.{key}", enable_backward=False)
     def moving_side(
         offset: int,
         far_field_nodes: wp.array(dtype=int),
@@ -215,6 +220,7 @@ def _make_moving_side(precision: Precision) -> Any:
         far_field_flow: wp.array(dtype=vec2),
         far_field_drawn: wp.array(dtype=vec2),
         node_mass: wp.array(dtype=real),
+        node_least_mass: wp.array(dtype=real),
         time_step: real,
         window_motion: wp.array(dtype=wp.float64),
         far_field_displacement: wp.array(dtype=vec2),
@@ -225,7 +231,10 @@ def _make_moving_side(precision: Precision) -> Any:
         if node_mass[node] <= zero:
             return
         v, V, w = node_velocities[node], real(window_motion[1]), far_field_displacement[k]
-        rate = time_step / node_mass[node]
+        m = node_mass[node]
+        if wp.static(partly):
+            m = wp.max(m, two * node_least_mass[node])  # that beside full cells
+        rate = time_step / m
         c = rate * far_field_dashpot[k]
         pulled = vec2(v[0], v[1]) - rate * wp.cw_mul(far_field_spring[k], w)
         # The dashpots are implicit.

@@ -132,13 +132,7 @@ class ConeSelfSimilar(CatalogueScene):
             depth_below=12.0 * RADIUS,
             height_above=RADIUS,
         )
-        return GroundGrid(
-            columns=fitted.columns,
-            rows=fitted.rows,
-            surface_radius=fitted.surface_radius,
-            outer_radius=fitted.outer_radius,
-            ground_level=0.0,
-        )
+        return GroundGrid.of(fitted, ground_level=0.0)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the cone in, and fit the exponent of the depth in its load."""

@@ -46,7 +46,7 @@ def sounding_curves(
             half_width,
             "Pa",
             "uncertainty of the net cone resistance",
-            "half width, 95 %, of a sample; not a number where the error is not known",
+            _half_width_is(sounding),
         ),
         total_resistance=(
             net + vertical,
@@ -81,6 +81,15 @@ def sounding_curves(
     return own.merge(costs)
 
 
+def _half_width_is(sounding: SoundingTest) -> str:
+    """What the half width is, and where there is none."""
+    described = "half width, 95 %, of a sample; not a number where the error is not known"
+    if not sounding.starts_at_surface:
+        return described
+    passed = sounding.start_depth + sounding.surface_passed
+    return f"{described}: the surface of the ground is in the window to a depth of {passed:.4g} m"
+
+
 def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
     """The cone factor at the end: a mean over two radii, in which the noise of samples is small.
 
@@ -90,6 +99,7 @@ def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
     count = min(STEADY_SAMPLES, recorded.sizes["depth"])
     last = recorded.isel(depth=slice(-count, None))
     half_width = last.net_resistance_uncertainty / last.strength
+    greatest = float(half_width.max(skipna=False))  # one that is not known is the greatest
     described = f"mean over the last {count * SAMPLE_SPACING:g} radii"
     return labelled(
         role="headline",
@@ -102,7 +112,7 @@ def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
     ) | labelled(
         role="uncertainty",
         last_cone_factor_uncertainty=(
-            float(half_width.max()),
+            greatest,
             "1",
             "uncertainty of the cone factor at the end",
             "half width, 95 %: the greatest of its samples",

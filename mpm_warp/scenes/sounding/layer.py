@@ -27,12 +27,16 @@ UNDISTURBED = 20
 def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.Variable]:
     """Scalars of a sounding through a layer of the scene's parameters; none where there is none.
 
+    There are none of a sounding from the surface either.
+
     Args:
         sounding: what was run.
         recorded: its curves over depth.
     """
     top, ratio = sounding.layer_top, sounding.layer_strength_ratio
     if top is None or sounding.profile is not None or ratio == 1.0:
+        return {}
+    if sounding.starts_at_surface:  # no resistance of undisturbed ground to hold it against
         return {}
     depth = recorded.depth.values
     without = sounding.undrained_shear_strength + sounding.strength_gradient * depth

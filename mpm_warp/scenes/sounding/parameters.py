@@ -15,6 +15,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.scenes.sounding.profile import Profile, layered
+from mpm_warp.scenes.sounding.surface import LAYER
 
 LEAD = 2.5
 """Way before the first depth of the curves, beyond the extent of the window above the shoulder, in
@@ -23,6 +24,8 @@ LAST_DEPTH = 1e4
 """Greatest depth that a sounding may have [m]."""
 WAY = 30.0
 """Way from the first to the last depth of the curves by default, in cone radii."""
+ROUNDING = 1e-6
+"""Share of a sample that counts as rounding of a depth."""
 APEX_ANGLE = math.radians(60.0)
 
 
@@ -80,8 +83,8 @@ class SoundingTest(CatalogueScene):
     from_depth: float = parameter(
         1.0,
         unit="m",
-        meaning="depth of the tip where the curves begin",
-        above=0,
+        meaning="depth of the tip where the curves begin; 0: at the surface of the ground",
+        minimum=0,
         maximum=LAST_DEPTH,
     )
     to_depth: float | None = parameter(
@@ -177,14 +180,13 @@ class SoundingTest(CatalogueScene):
                 "profile",
                 f"profile: ends at {last:g} m, must reach to_depth = {self.to_depth:g} m",
             )
-        assert self.domain_above is not None
-        room = (self._lead + self.domain_above) * self.cone_radius + self.penetrometer.cone_height
-        highest = room + float(self.ground.depth[0])
-        if self.from_depth < highest:
+        first = float(self.ground.depth[0])
+        if self.starts_at_surface and first > 0.0:
             raise ParameterError(
                 "from_depth",
-                f"from_depth = {self.from_depth:g} is not allowed: must be >= {highest:.4g}, the "
-                "window has to be below the first depth of the ground when the cone starts",
+                f"from_depth = {self.from_depth:g} is not allowed: must be >= "
+                f"{self._highest_in_place:.4g}, or the profile, which begins at {first:g} m, must "
+                "begin at 0, where the cone then starts",
             )
 
     def _check_layers(self) -> None:
@@ -221,9 +223,9 @@ class SoundingTest(CatalogueScene):
         """The ground that the window of the stretch passes: it sets speed and time step."""
         assert self.domain_above is not None
         assert self.domain_below is not None
-        above = self.penetrometer.cone_height + self.domain_above * self.cone_radius
         below = self.travel + self.domain_below * self.cone_radius
-        return self.ground.between(self.start_depth - above, self.start_depth + below)
+        begin = max(float(self.ground.depth[0]), self.start_depth - self._extent_above_tip)
+        return self.ground.between(begin, self.start_depth + below)
 
     @property
     def penetrometer(self) -> Penetrometer:
@@ -256,8 +258,29 @@ class SoundingTest(CatalogueScene):
         return range(max(0, first - overlap), count * self.stretch_number // self.stretch_count)
 
     @property
+    def starts_at_surface(self) -> bool:
+        """Whether the cone of the stretch starts at the surface, and not in place.
+
+        It does where its curves begin so high that the window would not be below the first depth of
+        the ground when the cone starts in place.
+        """
+        return self._first_depth < self._highest_in_place
+
+    @property
+    def surface_passed(self) -> float:
+        """Way of a cone from the surface until the layer below it has left the window [m]."""
+        return self._extent_above_tip + (LAYER * self.cone_radius)
+
+    def is_past_surface(self, way: float) -> bool:
+        """Whether the surface is not in the window after a way from the start [m]."""
+        return not self.starts_at_surface or way >= self.surface_passed
+
+    @property
     def lead_count(self) -> int:
         """Samples on the way before the curves begin."""
+        if self.starts_at_surface:
+            # Not below the surface, and less than a sample above it.
+            return math.ceil(self._first_depth / self.spacing - ROUNDING)
         return math.ceil(self._lead / SAMPLE_SPACING)
 
     @property
@@ -276,7 +299,24 @@ class SoundingTest(CatalogueScene):
         return (self.lead_count + len(self.samples)) * self.spacing
 
     @property
+    def _first_depth(self) -> float:
+        """Depth of the tip where the curves of the stretch begin [m]."""
+        return self.from_depth + self.samples[0] * self.spacing
+
+    @property
+    def _highest_in_place(self) -> float:
+        """Depth where curves can begin at the highest with a cone that starts in place [m]."""
+        first = float(self.ground.depth[0])
+        return self._lead * self.cone_radius + self._extent_above_tip + first
+
+    @property
+    def _extent_above_tip(self) -> float:
+        """Extent of the window above the tip [m]."""
+        assert self.domain_above is not None
+        return self.domain_above * self.cone_radius + self.penetrometer.cone_height
+
+    @property
     def _lead(self) -> float:
-        """Way of the cone before the first depth of its curves, over its radius."""
+        """Way of a cone that starts in place before its first depth, over its radius."""
         assert self.domain_above is not None
         return self.domain_above + LEAD

@@ -2,7 +2,8 @@
 
 The resistance is corrected as a cone factor is (`mpm_warp.scenes.cone.known_error`), with rigidity
 index and mean strength of the soil around the tip. These laws were measured in uniform, perfectly
-plastic clay; where strain or its rate changes the strength nothing is known. Near a
+plastic clay; where strain or its rate changes the strength nothing is known, nor while the surface
+of the ground is in the window. Near a
 border they are taken as they are, and the place of the border is known to a cell: half of what a
 shift by one cell changes is a part of the half width.
 """
@@ -27,6 +28,10 @@ AROUND = 2.0
 SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
 deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
+
+LEFT_BY_SURFACE = 0.015
+"""Half width of what the surface leaves when it is out of the window, over the resistance: in a
+window of twice the extents it differs by 0.6 % smooth and 1.3 % rough, at 20 to 28 radii."""
 
 
 def sample_error(
@@ -75,6 +80,8 @@ def sample_error(
         SAMPLE_NOISE * np.ones_like(depth),
         0.25 * factor * np.abs(shift) / around,
     ]
+    if sounding.starts_at_surface:
+        parts.append(LEFT_BY_SURFACE * factor)
     half_width = around * np.sqrt(np.sum(np.square(parts), axis=0))
     is_known = (
         (index >= known.RIGIDITY_INDICES[0])
@@ -85,4 +92,6 @@ def sample_error(
         & (sounding.poissons_ratio >= known.SMALLEST_POISSONS_RATIO)
         & (not sounding.strength_changes)
     )
+    if sounding.starts_at_surface:
+        is_known &= way >= sounding.surface_passed / radius
     return np.where(is_known, correction, 0.0), np.where(is_known, half_width, np.nan)

@@ -23,6 +23,7 @@ from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.curves import last_factor, sounding_curves
 from mpm_warp.scenes.sounding.layer import layer_values
 from mpm_warp.scenes.sounding.parameters import SoundingTest
+from mpm_warp.scenes.sounding.surface import TIME_STEP_FRACTION, from_surface
 from mpm_warp.simulation import Simulation
 
 
@@ -34,8 +35,8 @@ class Sounding(SoundingTest):
     real speed, everywhere by the same law.
 
     The ground is a `profile`, or one of linear strength with a layer in it. The penetrometer starts
-    in place, above the first depth. Excess stresses are simulated: those over the vertical in-situ
-    stress, which balances itself.
+    in place, above the first depth, or with its tip at the surface of the ground. Excess stresses
+    are simulated: those over the vertical in-situ stress, which balances itself.
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
@@ -68,6 +69,7 @@ class Sounding(SoundingTest):
         anisotropy = float(of_ground[0]) if ground.is_uniform else 0.0
         # Beside all soil the shaft has the same share of the adhesion of the face.
         of_shaft = adhesion_factor / in_all_ground if in_all_ground > 0.0 else 1.0
+        greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
         assert self.shaft_adhesion_factor is not None
         return ConePenetration(
             rigidity_index=shear_modulus / strength,
@@ -80,7 +82,7 @@ class Sounding(SoundingTest):
             ductility=self.ductility,
             penetration_speed=self.penetration_speed,
             stress_anisotropy=anisotropy,
-            in_situ_stress=float(ground.vertical_stress_at(np.array(self.start_depth))),
+            in_situ_stress=float(ground.vertical_stress_at(np.array(max(0.0, self.start_depth)))),
             poissons_ratio=self.poissons_ratio,
             density=self.density,
             cone_radius=self.cone_radius,
@@ -89,7 +91,7 @@ class Sounding(SoundingTest):
             speed_ratio=self.speed_ratio * math.sqrt(softest / shear_modulus),
             cells_per_radius=self.cells_per_radius,
             cell_growth=self.cell_growth,
-            time_step_fraction=self.time_step_fraction,
+            time_step_fraction=min(self.time_step_fraction, greatest_fraction),
             domain_radius=self.domain_radius,
             domain_above=self.domain_above,
             domain_below=self.domain_below,
@@ -103,8 +105,11 @@ class Sounding(SoundingTest):
         return replace(self._test.clay, variation=variation)
 
     def build(self) -> Scene:
-        """The scene of a cone test, in clay that varies."""
-        return replace(self._test.build(), material=self._clay)
+        """The scene of a cone test, in clay that varies; or of one from the surface."""
+        scene = replace(self._test.build(), material=self._clay)
+        if not self.starts_at_surface:
+            return scene
+        return from_surface(scene, level=self.start_depth, radius=self.cone_radius)
 
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the last depth of the stretch."""
@@ -124,7 +129,8 @@ class Sounding(SoundingTest):
         """Push the penetrometer through the ground.
 
         Raises:
-            InaccurateRun: the transfers took too much of the penetrometer's work.
+            InaccurateRun: the transfers took too much of the penetrometer's work; not while the
+                surface is in the window, where no accuracy is stated.
         """
         curves = PenetrationCurves(
             simulation,
@@ -150,7 +156,8 @@ class Sounding(SoundingTest):
         results = over_depth.assign(values).assign(
             energy_error=energy_error(transferred_energy(simulation) / curves.work)
         )
-        check_energy(results)
+        if self.is_past_surface(self.travel):
+            check_energy(results)
         return results
 
     def _over_depth(self, recorded: xr.Dataset) -> xr.Dataset:

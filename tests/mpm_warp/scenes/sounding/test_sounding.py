@@ -84,7 +84,11 @@ def test_two_stretches_agree_where_they_overlap(changed: Callable[..., Sounding]
     ("changes", "message"),
     [
         ({"to_depth": 12.0}, "to_depth = 12 is not allowed: must be > from_depth = 12"),
-        ({"from_depth": 2.0}, "from_depth = 2 is not allowed: must be >= 10.23"),
+        ({"from_depth": -1.0}, "from_depth = -1"),
+        (
+            {"from_depth": 2.0, "profile": "depth [m], strength [kPa]; 1, 1; 19, 1"},
+            "must be >= 11.23, or the profile, which begins at 1 m, must begin at 0, where",
+        ),
         ({"stretch_number": 2}, "stretch_number = 2 is not allowed: must be <= stretch_count = 1"),
         (
             {"profile": "depth [m], strength [kPa]; 0, 1; 14, 1"},

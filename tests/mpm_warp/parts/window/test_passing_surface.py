@@ -1,0 +1,106 @@
+"""A free surface that the soil carries up through a window."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import GroundGrid
+from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.window.passing_surface import PassingSurface
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+
+LEVEL_ROW = 5
+"""Number of the row of nodes at the surface."""
+
+
+@pytest.fixture
+def ground(cone: Scene) -> Scene:
+    """Soil up to a row of the window, and no penetrometer in it."""
+    rows = cone.grid.rows
+    level = float(rows[LEVEL_ROW])
+    plain = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
+    layer = 1.5 * float(rows[1] - rows[0])
+    assert cone.window is not None
+    return dataclasses.replace(
+        cone,
+        grid=GroundGrid.of(plain, level),
+        contact=None,
+        fixed=Fixed.axis_and_ends(plain),
+        window=dataclasses.replace(cone.window, spare_fraction=3.0),
+        free_surface=True,
+        passing_surface=PassingSurface(level=level, layer=layer, pic_fraction=0.25),
+    )
+
+
+def _by_row(simulation: Simulation, ground: Scene, name: str) -> np.ndarray:
+    return simulation.array(name).reshape(ground.grid.row_count, -1)
+
+
+def test_cells_are_filled_in_part_near_the_surface_wherever_it_is(ground: Scene) -> None:
+    """Of one and a half rows below the surface two are near it; it rises with the travel."""
+    simulation = Simulation(ground)
+    height = float(ground.grid.rows[1] - ground.grid.rows[0])
+    full = (ground.material.density * ground.grid.cell_volumes).reshape(ground.grid.row_count, -1)
+    for travelled in (0, 1, 2):
+        simulation.travel_to((travelled + 0.3) * height)
+        near = np.arange(ground.grid.row_count) >= LEVEL_ROW - 2 + travelled
+        expected = np.where(near[:, None], full, 0.5 * full)
+        np.testing.assert_allclose(_by_row(simulation, ground, "cell.full_mass"), expected)
+        fraction = _by_row(simulation, ground, "cell.pic_fraction")
+        np.testing.assert_array_equal(fraction, np.where(near, 0.25, 0.0)[:, None] + 0.0 * full)
+
+
+def test_ground_below_a_surface_is_at_rest_until_it_has_left_the_window(ground: Scene) -> None:
+    simulation = Simulation(ground)
+    extent = float(np.ptp(ground.grid.rows))
+    simulation.travel_to(0.7 * extent)
+    assert np.abs(simulation.array("particle.velocity")).max() == 0.0
+    cell = simulation.array("particle.cell")
+    assert set(cell[cell[:, 0] >= 0, 1]) == set(range(ground.grid.row_count))
+
+
+def test_a_point_near_the_surface_takes_its_share_of_the_velocity_of_the_grid(
+    ground: Scene,
+) -> None:
+    """All of it is the velocity that the point moves with; deeper points keep their own."""
+
+    def after_a_step(fraction: float) -> tuple[np.ndarray, np.ndarray]:
+        assert ground.passing_surface is not None
+        surface = dataclasses.replace(ground.passing_surface, pic_fraction=fraction)
+        simulation = Simulation(
+            dataclasses.replace(ground, passing_surface=surface, conservative_interpolation=False)
+        )
+        velocity = simulation.array("particle.velocity")
+        velocity[:, 0] = 1e-3 * np.sin(np.arange(len(velocity)))
+        before = simulation.array("particle.position")[:, 0].copy()
+        simulation.advance(1)
+        moved = simulation.array("particle.position")[:, 0] - before
+        return velocity[:, 0].copy(), moved / simulation.plan.time_step
+
+    cell = Simulation(ground).array("particle.cell")
+    is_near = cell[:, 1] >= LEVEL_ROW - 2
+    is_deep = (cell[:, 0] >= 0) & ~is_near
+    (own, _), (part, _), (whole, moving) = map(after_a_step, (1e-15, 0.25, 1.0))
+    np.testing.assert_allclose(whole[is_near], moving[is_near], rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(part, 0.75 * own + 0.25 * whole, rtol=0.0, atol=1e-15)
+    np.testing.assert_array_equal(part[is_deep], own[is_deep])
+    assert np.abs(own - whole)[is_near].max() > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"window": None}, "passing_surface: not together with a grid that stays"),
+        ({"free_surface": False}, "passing_surface: not together with full cells"),
+    ],
+)
+def test_it_needs_a_window_and_a_free_surface(
+    ground: Scene, changes: dict[str, object], message: str
+) -> None:
+    with pytest.raises(SceneError, match=message):
+        dataclasses.replace(ground, **changes)
