@@ -45,7 +45,8 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     try:
         profile = Profile.read(text)
     except ParameterError as error:
-        raise StudyError(f"{where}: {error}") from None
+        # The place says already whose it is.
+        raise StudyError(f"{where}: {str(error).removeprefix(f'{NAME}: ')}") from None
     return rest | {"fixed": {**fixed.values, NAME: profile.text}}
 
 

@@ -55,7 +55,7 @@ def test_a_study_that_stands_on_another_has_its_ground(write: Write, tmp_path: P
         ('[profile]\n"depth [m]" = [0, 1]\n"strength [kPa]" = [1]', "have different lengths"),
         ('[profile]\n"depth" = [0]\n"strength [kPa]" = [1]', "column depth has no unit"),
         ('[profile]\n"depth [m]" = [0]\n"strength [kPa]" = [-1]', "strength in row 1 is -1000"),
-        ("[profile]\n", "[profile]: profile: header"),
+        ("[profile]\n", "[profile]: header"),
         ("profile = 3", "profile = 3: must be a table [profile]"),
         (COLUMNS + '[fixed]\nprofile = "x"', "stands under [profile] as well"),
         (COLUMNS + "[fixed]\nto_depth = 9", "profile: ends at 8 m, must reach to_depth = 9 m"),
