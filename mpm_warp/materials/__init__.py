@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from mpm_warp.materials.material import YieldCriterion
+from mpm_warp.materials.perfectly_plastic import YieldCriterion
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
 

@@ -27,7 +27,8 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, check_number
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.material import Law, PerfectlyPlastic, YieldCriterion
+from mpm_warp.materials.material import Law
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, YieldCriterion
 from mpm_warp.precision import Precision
 
 STEEPEST = 0.5

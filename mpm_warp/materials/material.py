@@ -197,42 +197,6 @@ class Material(ABC):
         return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PerfectlyPlastic(Material):
-    """Elastic up to an undrained shear strength, then perfectly plastic and isochoric.
-
-    Attributes:
-        strength: undrained shear strength in pure shear su [Pa], > 0.
-    """
-
-    strength: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_number("material: strength", self.strength, POSITIVE, unit="Pa")
-
-    @property
-    def properties(self) -> tuple[float, ...]:
-        """The strength su [Pa]."""
-        return (self.strength,)
-
-    @property
-    def limit_pressure(self) -> float:
-        """Of a spherical cavity: 4/3 su (1 + ln(G / su)) [Pa] (Hill 1950)."""
-        return 4.0 / 3.0 * self.strength * (1.0 + math.log(self.shear_modulus / self.strength))
-
-
-class YieldCriterion(PerfectlyPlastic):
-    """Perfect plasticity whose yield surface another material may take, as large as it needs it."""
-
-    @abstractmethod
-    def within(self, precision: Precision) -> Any:
-        """The function (stress, strength) -> whether the stress is within the yield surface.
-
-        It is asked of every point in every step, and takes no root.
-        """
-
-
 @functools.cache
 def make_properties_of_point(law: Law) -> Any:
     """The function (properties, number of a point) -> those of the point; see `Law`."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import YieldCriterion
+from mpm_warp.materials.perfectly_plastic import YieldCriterion
 from mpm_warp.precision import Precision
 
 

@@ -14,7 +14,7 @@ import scipy  # loads its integrators where they are first used: no other scene 
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 
 NEWTON_STEPS = 8
 """More than it takes: the strength falls by less than half as steeply as the stress rises."""

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter
 
 NEEDED = (

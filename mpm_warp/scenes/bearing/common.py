@@ -12,7 +12,7 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed

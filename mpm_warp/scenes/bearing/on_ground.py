@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.bearing.common import RADIUS, Bearing

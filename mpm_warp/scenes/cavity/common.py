@@ -13,7 +13,8 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import Material, PerfectlyPlastic
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed

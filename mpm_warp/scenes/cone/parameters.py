@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene

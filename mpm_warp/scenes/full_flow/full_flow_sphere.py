@@ -9,7 +9,7 @@ from typing import ClassVar
 import xarray as xr
 
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.results import labelled
 from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import Progress, Verification

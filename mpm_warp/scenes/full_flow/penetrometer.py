@@ -11,7 +11,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import growing
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.cyclic_window import CyclicWindow

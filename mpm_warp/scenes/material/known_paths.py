@@ -10,7 +10,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.monotonic_shear import shear_stress, simple_shear
 

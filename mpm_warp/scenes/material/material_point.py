@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import Value, parameter
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes import rate_and_softening, shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene
@@ -140,63 +139,6 @@ class SoundingTest(CatalogueScene):
             "to_depth": self.from_depth + WAY * self.cone_radius,
         }
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._check_depths()
-        self._check_layers()
-        for name in ("adhesion_factor", "stress_anisotropy"):
-            value = getattr(self, name)
-            if getattr(self.ground, name) is not None and value != 0.0:
-                raise ParameterError(
-                    name,
-                    f"{name} = {value:g} is not allowed: the profile has it by depth; keep one of "
-                    "them",
-                )
-
-    def _check_depths(self) -> None:
-        assert self.to_depth is not None
-        if self.to_depth < self.from_depth + SAMPLE_SPACING * self.cone_radius:
-            raise ParameterError(
-                "to_depth",
-                f"to_depth = {self.to_depth:g} is not allowed: must be > from_depth = "
-                f"{self.from_depth:g} by {SAMPLE_SPACING:g} radii",
-            )
-        if self.stretch_number > self.stretch_count:
-            raise ParameterError(
-                "stretch_number",
-                f"stretch_number = {self.stretch_number} is not allowed: must be <= "
-                f"stretch_count = {self.stretch_count}",
-            )
-        if self.stretch_count > self.sample_count:
-            raise ParameterError(
-                "stretch_count",
-                f"stretch_count = {self.stretch_count} is not allowed: must be <= "
-                f"{self.sample_count}, the samples of {SAMPLE_SPACING:g} radii from from_depth "
-                "to to_depth",
-            )
-        last = float(self.ground.depth[-1])
-        if last < self.to_depth:
-            raise ParameterError(
-                "profile",
-                f"profile: ends at {last:g} m, must reach to_depth = {self.to_depth:g} m",
-            )
-        first = float(self.ground.depth[0])
-        if self.starts_at_surface and first > 0.0:
-            raise ParameterError(
-                "from_depth",
-                f"from_depth = {self.from_depth:g} is not allowed: must be >= "
-                f"{self._highest_in_place:.4g}, or the profile, which begins at {first:g} m, must "
-                "begin at 0, where the cone then starts",
-            )
-
-    def _check_layers(self) -> None:
-        thinnest, cell = self.ground.thinnest_layer, self.cell_size
-        if thinnest < cell:
-            raise ParameterError(
-                "layer_thickness" if self.profile is None else "profile",
-                f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
-            )
-
     @property
     def ground(self) -> Profile:
         """The ground by depth."""
@@ -264,7 +206,7 @@ class SoundingTest(CatalogueScene):
         It does where its curves begin so high that the window would not be below the first depth of
         the ground when the cone starts in place.
         """
-        return self._first_depth < self._highest_in_place
+        return self._first_depth < self.highest_in_place
 
     @property
     def surface_passed(self) -> float:
@@ -304,7 +246,7 @@ class SoundingTest(CatalogueScene):
         return self.from_depth + self.samples[0] * self.spacing
 
     @property
-    def _highest_in_place(self) -> float:
+    def highest_in_place(self) -> float:
         """Depth where curves can begin at the highest with a cone that starts in place [m]."""
         first = float(self.ground.depth[0])
         return self._lead * self.cone_radius + self._extent_above_tip + first

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scene import Scene
@@ -20,6 +20,7 @@ from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.sounding.checks import check_sounding
 from mpm_warp.scenes.sounding.curves import last_factor, sounding_curves
 from mpm_warp.scenes.sounding.layer import layer_values
 from mpm_warp.scenes.sounding.parameters import SoundingTest
@@ -44,6 +45,7 @@ class Sounding(SoundingTest):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_sounding(self)
         try:
             _ = self._clay
         except ParameterError as refusal:

@@ -12,7 +12,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
 from mpm_warp.precision import FLOAT64

@@ -10,7 +10,8 @@ import pytest
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.materials.material import Material, PerfectlyPlastic
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.precision import FLOAT64, PRECISIONS
 
 STRENGTH = 2.5
