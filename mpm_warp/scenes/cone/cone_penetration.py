@@ -24,7 +24,7 @@ from mpm_warp.scenes import rate_and_softening
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.energy_balance import EnergyBalance, check_balance
 from mpm_warp.scenes.cone.known_error import known_error
-from mpm_warp.scenes.cone.measured_error import Run, further_tests, with_measured_error
+from mpm_warp.scenes.cone.measured_error import further_tests, with_measured_error
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
@@ -201,16 +201,15 @@ class ConePenetration(ConeTest):
     def _compute(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots | None
     ) -> xr.Dataset:
-        def run(test: ConePenetration, report: Progress) -> Run:
+        def run(test: ConePenetration, report: Progress) -> xr.Dataset:
             shown = snapshots if test is self else None
             scene = test.build() if shown is None else replace(test.build(), history=True)
             simulation = Simulation(scene, execution)
             report(0.0)
-            cell_size = test.cell_size / test.cone_radius
-            return Run(test, cell_size, test.record(simulation, report, shown))
+            return test.record(simulation, report, shown)
 
         if self.uncertainty == "known":
-            return run(self, progress).results
+            return run(self, progress)
         return with_measured_error(self, run, progress)
 
     def record(
@@ -267,8 +266,9 @@ class ConePenetration(ConeTest):
                 meaning="time steps to the greatest penetration",
             ),
         )
-        cell_size = self.cell_size / self.cone_radius
-        results = results.assign(known_error(self, cell_size=cell_size, recorded=results))
+        results = results.assign(
+            known_error(self, cell_size=self.relative_cell_size, recorded=results)
+        )
         check_energy(results)
         if balances:
             check_balance(results)

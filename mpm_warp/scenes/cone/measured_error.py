@@ -14,14 +14,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import InaccurateRun, ParameterError, SimulationDiverged, UnfinishedRun
-from mpm_warp.results import labelled, variable
+from mpm_warp.scenes import further_runs
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.stated_error import (
@@ -32,55 +31,23 @@ from mpm_warp.scenes.cone.stated_error import (
     stated_error,
     why_no_law_holds,
 )
+from mpm_warp.scenes.further_runs import Run
+from mpm_warp.scenes.stated_value import further_values
 
 FINER, GROWING, SLOWER, WIDER = 1.6, 2.0, 0.5, 1.4
 """Cells per radius, growth of the cells, speed and extents of the window in the further runs, over
 those of the case."""
-EFFECTS = {
+DIFFERENCES = {
     "face": "smaller cells",
     "growth": "more growth",
     "speed": "half the speed",
     "domain": "a wider window",
 }
-"""What B h and the other terms are of, in their order, and the further run that tells each."""
-FORM = 0.5
-"""Half width of an effect over what the best run still has of it: about what lies between a law and
-one of the next order."""
+"""What B h and the other terms are of, and what the further run has that tells each."""
 APPROACH = 0.001
 """Half width of what the approach leaves, over Nc."""
 
 Test = TypeVar("Test", bound=ConeTest)
-
-
-@dataclass(frozen=True)
-class Run:
-    """A run by which the error of a case is measured.
-
-    Attributes:
-        test: what was run.
-        cell_size: width of its cells at the cone over the radius, dimensionless.
-        results: what came out.
-    """
-
-    test: ConeTest
-    cell_size: float
-    results: xr.Dataset
-
-    @property
-    def factor(self) -> float:
-        """The cone factor as simulated."""
-        return float(self.results.cone_factor_simulated)
-
-    def measures(self, case: ConeTest) -> tuple[float, ...]:
-        """h, g^1.5 h^1.3, i and w, which the `EFFECTS` are in proportion to."""
-        assert self.test.domain_radius is not None
-        assert case.domain_radius is not None
-        return (
-            self.cell_size,
-            growth_measure(self.cell_size, self.test.cell_growth),
-            inertia(self.test),
-            (case.domain_radius / self.test.domain_radius) ** 2,
-        )
 
 
 def further_tests(test: Test) -> dict[str, Test]:
@@ -94,7 +61,6 @@ def further_tests(test: Test) -> dict[str, Test]:
     assert test.domain_above is not None
     assert test.approach is not None
     assert test.penetration is not None
-    alone = replace(test, uncertainty="known")
     wider = {name: WIDER * getattr(test, name) for name in test.default_extents}
     # In a higher window the cone has more soil to pass.
     further = wider["domain_above"] - test.domain_above
@@ -105,26 +71,18 @@ def further_tests(test: Test) -> dict[str, Test]:
         "speed": {"speed_ratio": SLOWER * test.speed_ratio},
         "domain": wider,
     }
-    tests = {}
-    for effect, changed in changes.items():
-        try:
-            tests[effect] = replace(alone, **changed)
-        except ParameterError as error:
-            raise ParameterError(
-                error.key,
-                f"uncertainty = measured needs a run with {EFFECTS[effect]}, where {error}",
-            ) from error
-    return tests
+    return further_runs.further_tests(replace(test, uncertainty="known"), changes, DIFFERENCES)
 
 
 def with_measured_error(
-    test: Test, run: Callable[[Test, Progress], Run], progress: Progress
+    test: Test, run: Callable[[Test, Progress], xr.Dataset], progress: Progress
 ) -> xr.Dataset:
     """Run a case and its further tests.
 
     Args:
         test: the case.
-        run: runs one test.
+        run: runs one test; its results have the curve `penetration_resistance`,
+            `cone_factor_simulated`, `cone_factor_shear` and `penetration_reached`.
         progress: is told the fraction done of all.
 
     Returns:
@@ -132,79 +90,73 @@ def with_measured_error(
         `run_time` and `particle_updates` too.
     """
     further = further_tests(test)
-    case_alone = replace(test, uncertainty="known")
-    updates = [_updates(it) for it in (case_alone, *further.values())]
-    done = np.cumsum([0.0, *updates]) / sum(updates)
-
-    def part(number: int) -> Progress:
-        begin, end = done[number : number + 2]
-        return lambda fraction: progress(float(begin + fraction * (end - begin)))
-
-    case = run(test, part(0))
-    runs: dict[str, Run | str] = {}
-    for number, (effect, it) in enumerate(further.items(), start=1):
-        try:
-            runs[effect] = run(it, part(number))
-        except (SimulationDiverged, InaccurateRun, UnfinishedRun) as error:
-            runs[effect] = str(error)
-    made = [it.results for it in runs.values() if isinstance(it, Run)]
-    took = sum(float(it.run_time) for it in made)
+    alone = replace(test, uncertainty="known")
+    case, made = further_runs.run_all(
+        (test, *further.values()),
+        updates=[_updates(it) for it in (alone, *further.values())],
+        run=run,
+        progress=progress,
+    )
+    runs = dict(zip(further, made, strict=True))
     results = case.results.drop_vars(
         [name for name in case.results if str(name).startswith("cone_factor_uncertainty")]
     )
-    for name in ("run_time", "particle_updates"):
-        whole = float(results[name]) + sum(float(it[name]) for it in made)
-        results[name] = results[name].copy(data=whole)
-    return results.assign(measured_error(case, runs)).assign(
-        labelled(
-            role="measured",
-            uncertainty_run_time=(took, "s", "run time of the runs that tell the uncertainty"),
-        )
-    )
+    return further_runs.with_cost(results, made).assign(measured_error(case, runs))
 
 
-def measured_error(case: Run, further: Mapping[str, Run | str]) -> xr.Dataset:
+def measured_error(case: Run[Test], further: Mapping[str, Run[Test] | str]) -> xr.Dataset:
     """The cone factor less its error, and its uncertainty, as five runs tell them.
 
     Args:
-        case: the run whose error is measured; its results have the curve `penetration_resistance`,
-            `cone_factor_simulated`, `cone_factor_shear` and `penetration_reached`.
+        case: the run whose error is measured.
         further: the runs of `further_tests`, or why there is none, by the effect that each tells.
 
     Returns:
         What `stated_error` gives, and what each further run gave. Nothing is known of the error
         where one of the runs failed, or where the laws do not hold.
     """
-    runs = {"the case": case} | {f"the run with {EFFECTS[it]}": run for it, run in further.items()}
+    runs = {"the case": case} | {
+        f"the run with {DIFFERENCES[effect]}": run for effect, run in further.items()
+    }
     not_known = "; ".join(
         f"{name}: {reason}" for name, run in runs.items() for reason in _faults(run)
     )
-    parts = dict.fromkeys(EFFECTS, 0.0) | parts_of_a_run(case.test, case.results)
+    parts = dict.fromkeys(DIFFERENCES, 0.0) | parts_of_a_run(case.test, case.results)
     correction = 0.0
     if not not_known:
         whole = [run for run in runs.values() if isinstance(run, Run)]
-        measures = np.array([(1.0, *run.measures(case.test)) for run in whole])
-        inverse = np.linalg.inv(measures)
-        factor, *slopes = inverse @ [run.factor for run in whole]
-        correction = float(factor) - case.factor
-        least = measures[:, 1:].min(axis=0)
-        parts |= dict(zip(EFFECTS, (FORM * np.abs(slopes) * least).tolist(), strict=True))
-        parts["speed"] += APPROACH * case.factor
-        # Each run has its noise; the first row tells what comes of it in Nc.
-        parts["noise"] = NOISE * float(np.linalg.norm(inverse[0]))
+        found = further_runs.without_errors(
+            [_factor(run) for run in whole], [_measures(run.test, case.test) for run in whole]
+        )
+        correction = found.value - _factor(case)
+        parts |= found.left_open
+        parts["speed"] += APPROACH * _factor(case)
+        parts["noise"] = NOISE * float(np.linalg.norm(found.weights))
     stated = stated_error(
         case.test, case.results, correction=correction, parts=parts, not_known=not_known
     )
-    return stated.assign(
-        {
-            f"cone_factor_further_{effect}": variable(
-                run.factor if isinstance(run, Run) else math.nan,
-                unit="1",
-                meaning=f"cone factor as simulated with {EFFECTS[effect]}",
-            )
-            for effect, run in further.items()
-        }
-    )
+    factors = {
+        effect: _factor(run) if isinstance(run, Run) else math.nan
+        for effect, run in further.items()
+    }
+    return stated.assign(further_values("cone_factor", factors, DIFFERENCES))
+
+
+def _factor(run: Run[Test]) -> float:
+    return float(run.results.cone_factor_simulated)
+
+
+def _measures(test: ConeTest, case: ConeTest) -> dict[str, float]:
+    """h, g^1.5 h^1.3, i and w, which the errors are in proportion to."""
+    assert test.domain_radius is not None
+    assert case.domain_radius is not None
+    size = test.relative_cell_size
+    return {
+        "face": size,
+        "growth": growth_measure(size, test.cell_growth),
+        "speed": inertia(test),
+        "domain": (case.domain_radius / test.domain_radius) ** 2,
+    }
 
 
 def _updates(test: ConeTest) -> float:
@@ -213,9 +165,9 @@ def _updates(test: ConeTest) -> float:
     return size.particle_updates
 
 
-def _faults(run: Run | str) -> list[str]:
+def _faults(run: Run[Test] | str) -> list[str]:
     """Why a run says nothing of an error."""
     if isinstance(run, str):
         return [run]
-    phrases = why_no_law_holds(run.test, run.cell_size, run.results)
+    phrases = why_no_law_holds(run.test, run.test.relative_cell_size, run.results)
     return [phrase for phrase, holds in phrases.items() if holds]

@@ -205,6 +205,11 @@ class ConeTest(CatalogueScene):
         return self.penetrometer.cone_height / rows
 
     @property
+    def relative_cell_size(self) -> float:
+        """Width of the cells at the cone over its radius."""
+        return self.cell_size / self.cone_radius
+
+    @property
     def stress_at_rest(self) -> Floats:
         """Stress of the ground before, over the vertical in-situ stress [Pa]."""
         horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 
 import xarray as xr
 
-from mpm_warp.results import labelled, variable
+from mpm_warp.results import labelled
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import STEADY_SAMPLES
+from mpm_warp.scenes.stated_value import stated_value
 
 STILL_TO_GO = 1.5
 """Half width of what is to come, over the last change of the mean."""
@@ -47,29 +48,15 @@ def stated_error(
         Where nothing is known of the error there is no correction, the uncertainty is not a number,
         and its attribute `not_known` tells why.
     """
-    if not_known:
-        correction, parts = 0.0, dict.fromkeys(parts, math.nan)
-    factor = float(recorded.cone_factor_simulated) + correction
-    headline = labelled(
-        role="headline",
-        cone_factor=(
-            factor,
-            "1",
-            "cone factor",
-            "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window",
-        ),
+    stated = stated_value(
+        "cone_factor",
+        float(recorded.cone_factor_simulated),
+        correction=correction,
+        parts=parts,
+        not_known=not_known,
+        description="Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and "
+        "window",
     )
-    uncertainty = labelled(
-        role="uncertainty",
-        cone_factor_uncertainty=(
-            math.hypot(*parts.values()),
-            "1",
-            "uncertainty of the cone factor",
-            "half width, 95 %",
-        ),
-    )
-    if not_known:
-        uncertainty["cone_factor_uncertainty"].attrs["not_known"] = not_known
     settled = labelled(
         role="settled",
         cone_factor_settled=(
@@ -79,27 +66,15 @@ def stated_error(
             "1 where the cone has passed all soil beside the shaft, else 0",
         ),
     )
-    others = labelled(
+    normal = labelled(
         cone_factor_normal=(
-            factor - float(recorded.cone_factor_shear),
+            float(stated["cone_factor"].values) - float(recorded.cone_factor_shear),
             "1",
             "cone factor, normal part",
             "what the normal traction on the face adds to Nc",
         ),
-        cone_factor_correction=(
-            correction,
-            "1",
-            "correction of the cone factor",
-            "what is known of the error of mesh, speed and window, taken off; 0 where nothing is",
-        ),
     )
-    of_parts = {
-        f"cone_factor_uncertainty_{name}": variable(
-            value, unit="1", meaning=f"uncertainty of the cone factor, {name}"
-        )
-        for name, value in parts.items()
-    }
-    return xr.Dataset(headline | uncertainty | settled | others | of_parts)
+    return xr.Dataset(stated | settled | normal)
 
 
 def parts_of_a_run(test: ConeTest, recorded: xr.Dataset) -> dict[str, float]:

@@ -54,7 +54,10 @@ class CyclicTBar(TBar):
     )
 
     # Remoulded clay is weak: half the speed has a quarter of the inertia.
-    speed_ratio: float = shared_parameters.speed_ratio(0.1, default=0.015)
+    relative_speed: ClassVar[float] = 0.15
+    speed_ratio: float | None = shared_parameters.speed_ratio(
+        0.1, default=None, otherwise="0.15 / sqrt(Ir)"
+    )
     cycle_count: int = parameter(
         5,
         unit="1",
@@ -70,7 +73,7 @@ class CyclicTBar(TBar):
     def window(self) -> CyclicWindow:
         """The travel of the grid: the speed is reached in a radius after each turn."""
         return CyclicWindow(
-            speed=self.speed_ratio * self.clay.shear_wave_speed,
+            speed=self.speed,
             ramp_travel=self.body.radius,
             stroke=self.stroke * self.body.radius,
         )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
+from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.window.window import Window
 from mpm_warp.results import curves, labelled
@@ -21,8 +22,10 @@ from mpm_warp.scenes.cone.penetration import (
     steady_mean,
 )
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.full_flow.measured_error import further_tests, with_measured_error
 from mpm_warp.scenes.full_flow.penetrometer import FullFlowPenetrometer, ResistanceSamples
 from mpm_warp.scenes.full_flow.round_body import RoundBody
+from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.simulation import Simulation
 
 SPARE_FRACTION = 0.4
@@ -35,17 +38,38 @@ LARGEST_CHANGE = 0.02
 class FullFlowPenetration(FullFlowPenetrometer):
     """A round body pushed at constant speed through clay, to steady flow."""
 
-    method: ClassVar[tuple[str, ...]] = (*FullFlowPenetrometer.method, "penetration")
+    method: ClassVar[tuple[str, ...]] = (
+        *FullFlowPenetrometer.method,
+        "penetration",
+        "uncertainty",
+    )
 
     penetration: float = parameter(
         8.0, unit="1", meaning="penetration over radius", minimum=5, maximum=50
     )
+    uncertainty: str = parameter(
+        "none",
+        unit="1",
+        meaning="whether the error of the resistance factor is measured, by three further runs, "
+        "which take some eight times as long",
+        choices=("none", "measured"),
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.uncertainty == "measured":
+            further_tests(self._alone)  # all are allowed
+
+    @property
+    def _alone(self) -> Self:
+        """The test without its further runs."""
+        return replace(self, uncertainty="none")
 
     @property
     def window(self) -> Window:
         """The travel of the grid: the speed is reached after a radius."""
         return Window(
-            speed=self.speed_ratio * self.clay.shear_wave_speed,
+            speed=self.speed,
             ramp_travel=self.body.radius,
             spare_fraction=SPARE_FRACTION,
         )
@@ -54,6 +78,29 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def end_time(self) -> float:
         """Time to the end of the penetration [s]."""
         return self.window.time_to(self.penetration * self.body.radius)
+
+    def run_size(self) -> RunSize:
+        """See `FullFlowPenetrometer`; that of several runs where the uncertainty is measured."""
+        if self.uncertainty == "none":
+            return super().run_size()
+        alone = self._alone
+        return of_several([it.run_size() for it in (alone, *further_tests(alone).values())])
+
+    def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
+        """What a run gives; with its uncertainty to be measured, the further runs are made too."""
+
+        def run(test: FullFlowPenetration, report: Progress) -> xr.Dataset:
+            simulation = Simulation(test.build(), execution)
+            report(0.0)
+            return test.record(simulation, report)
+
+        if self.uncertainty == "none":
+            return self.held_against_exact(run(self, progress))
+        return self.held_against_exact(with_measured_error(self._alone, run, progress))
+
+    def held_against_exact(self, results: xr.Dataset) -> xr.Dataset:
+        """The results beside the exact resistance factor, where there is one."""
+        return results
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the body down, and take the mean of its resistance over the last two radii.

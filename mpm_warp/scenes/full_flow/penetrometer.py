@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -60,7 +61,9 @@ class FullFlowPenetrometer(CatalogueScene):
     poissons_ratio: float = shared_parameters.poissons_ratio(minimum=0.4)
     density: float = shared_parameters.density_of_clay()
     penetration_speed: float = shared_parameters.penetration_speed()
-    speed_ratio: float = shared_parameters.speed_ratio(0.1)
+    speed_ratio: float | None = shared_parameters.speed_ratio(
+        0.1, default=None, otherwise="0.3 / sqrt(Ir)"
+    )
     cells_per_radius: int = parameter(
         4, unit="1", meaning="cells per radius of the body", minimum=2, maximum=40
     )
@@ -76,9 +79,16 @@ class FullFlowPenetrometer(CatalogueScene):
         maximum=100,
     )
 
+    relative_speed: ClassVar[float] = 0.3
+    """Speed over sqrt(su / rho), by default: rho V^2 is 9 % of su."""
+
     def __post_init__(self) -> None:
         super().__post_init__()
         rate_and_softening.check_clay(self, lambda: self.clay)
+
+    def derived(self) -> Mapping[str, float]:
+        """The stiffer the clay, the faster its waves, and the slower the body against them."""
+        return {"speed_ratio": self.relative_speed / math.sqrt(self.rigidity_index)}
 
     @property
     @abstractmethod
@@ -100,17 +110,22 @@ class FullFlowPenetrometer(CatalogueScene):
         """Time from the first step to the end [s]."""
 
     @property
+    def speed(self) -> float:
+        """Of the body in the run [m/s]."""
+        assert self.speed_ratio is not None
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        return self.speed_ratio * math.sqrt(shear_modulus / self.density)
+
+    @property
     def clay(self) -> PerfectlyPlastic:
         """The soil."""
-        shear_modulus = self.rigidity_index * self.undrained_shear_strength
-        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
         return rate_and_softening.clay_of(
             self,
-            shear_modulus=shear_modulus,
+            shear_modulus=self.rigidity_index * self.undrained_shear_strength,
             poissons_ratio=self.poissons_ratio,
             density=self.density,
             strength=self.undrained_shear_strength,
-            speed_up=speed / self.penetration_speed,
+            speed_up=self.speed / self.penetration_speed,
         )
 
     @property

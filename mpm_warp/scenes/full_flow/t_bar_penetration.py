@@ -9,11 +9,10 @@ import xarray as xr
 
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.results import labelled
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.full_flow.full_flow_cylinder import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
 from mpm_warp.scenes.full_flow.t_bar import TBar
-from mpm_warp.simulation import Simulation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,9 +34,8 @@ class TBarPenetration(TBar, FullFlowPenetration):
         for adhesion_factor in (0.0, 0.5, 1.0)
     )
 
-    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """See `FullFlowPenetration`; in perfectly plastic clay beside the limit load."""
-        results = super().record(simulation, progress)
+    def held_against_exact(self, results: xr.Dataset) -> xr.Dataset:
+        """The results beside the limit load, in perfectly plastic clay."""
         if isinstance(self.clay, EinavRandolph):
             return results
         exact = limit_load(self.adhesion_factor)

@@ -12,7 +12,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.measured_error import EFFECTS, Run, further_tests, with_measured_error
+from mpm_warp.scenes.cone.measured_error import DIFFERENCES, further_tests, with_measured_error
 from mpm_warp.scenes.cone.stated_error import NOISE
 
 TEST = ConePenetration(uncertainty="measured", material="von_mises")
@@ -39,12 +39,12 @@ def cell_size(test: ConePenetration) -> float:
     return math.sqrt(3.0) / round(test.cells_per_radius * math.sqrt(3.0))
 
 
-def run(test: ConePenetration, progress: Progress) -> Run:
+def run(test: ConePenetration, progress: Progress) -> xr.Dataset:
     """What a run would leave behind, steady and at once."""
     progress(1.0)
     factor = simulated(test)
     resistance = factor * test.undrained_shear_strength * np.ones(60)
-    results = xr.Dataset(
+    return xr.Dataset(
         {
             "penetration_resistance": ("penetration", resistance),
             "cone_factor_simulated": factor,
@@ -56,7 +56,6 @@ def run(test: ConePenetration, progress: Progress) -> Run:
             "particle_updates": 1e6,
         }
     )
-    return Run(test, cell_size(test), results)
 
 
 def test_effects_that_follow_the_laws_are_taken_off_exactly() -> None:
@@ -71,7 +70,7 @@ def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
     finest = cell_size(further_tests(TEST)["face"])
     assert float(results.cone_factor_uncertainty_face) == pytest.approx(-0.5 * FACE * finest)
     assert float(results.cone_factor_uncertainty_domain) == pytest.approx(0.5 * DOMAIN / 1.4**2)
-    parts = [*EFFECTS, "steadiness", "points", "noise"]
+    parts = [*DIFFERENCES, "steadiness", "points", "noise"]
     squares = [float(results[f"cone_factor_uncertainty_{it}"]) ** 2 for it in parts]
     assert float(results.cone_factor_uncertainty) == pytest.approx(math.sqrt(sum(squares)))
     assert "cone_factor_uncertainty_bottom" not in results
@@ -82,11 +81,10 @@ def test_the_noise_of_all_runs_counts() -> None:
     shifts = []
     for shifted in (TEST, *further_tests(TEST).values()):
 
-        def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> Run:
+        def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> xr.Dataset:
             made = run(test, progress)
             if test == shifted:
-                results = made.results.assign(cone_factor_simulated=made.factor + NOISE)
-                made = dataclasses.replace(made, results=results)
+                made["cone_factor_simulated"] += NOISE
             return made
 
         results = with_measured_error(TEST, noisy, lambda fraction: None)
@@ -107,7 +105,7 @@ def test_what_the_runs_took_is_told() -> None:
 
 
 def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
-    def failing(test: ConePenetration, progress: Progress) -> Run:
+    def failing(test: ConePenetration, progress: Progress) -> xr.Dataset:
         if test.cell_growth > TEST.cell_growth:
             raise UnfinishedRun("the resistance still changes", xr.Dataset())
         return run(test, progress)

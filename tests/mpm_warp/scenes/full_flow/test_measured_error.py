@@ -1,0 +1,114 @@
+"""The error of a resistance factor by further runs: exact where the laws hold, told where not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.errors import ParameterError, UnfinishedRun
+from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
+from mpm_warp.scenes.full_flow.full_flow_cylinder import limit_load
+from mpm_warp.scenes.full_flow.measured_error import DIFFERENCES, further_tests, with_measured_error
+from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+
+TEST = BallPenetration()
+FACTOR, MESH, SPEED, DOMAIN, CHANGE = 11.0, -3.0, 0.6, 0.05, 0.001
+"""A resistance factor, what mesh, speed and window add to it, and its last change, over it."""
+
+
+def simulated(test: BallPenetration) -> float:
+    """A resistance factor that follows the laws exactly."""
+    assert test.speed_ratio is not None
+    return (
+        FACTOR
+        + MESH / test.cells_per_radius**2
+        + SPEED * (test.speed_ratio * math.sqrt(test.rigidity_index)) ** 1.4
+        + DOMAIN * (TEST.domain_extent / test.domain_extent) ** 2
+    )
+
+
+def run(test: BallPenetration, progress: Progress) -> xr.Dataset:
+    """What a run would leave behind, at once."""
+    progress(1.0)
+    return xr.Dataset(
+        {
+            "resistance_factor": simulated(test),
+            "resistance_factor_change": CHANGE,
+            "run_time": ((), 2.0, {"role": "measured"}),
+            "particle_updates": 1e6,
+        }
+    )
+
+
+def test_errors_that_follow_the_laws_are_taken_off_exactly() -> None:
+    results = with_measured_error(TEST, run, lambda fraction: None)
+    assert float(results.resistance_factor) == pytest.approx(FACTOR, rel=1e-12)
+    correction = FACTOR - simulated(TEST)
+    assert float(results.resistance_factor_correction) == pytest.approx(correction, abs=1e-10)
+    finer = further_tests(TEST)["mesh"]
+    assert float(results.resistance_factor_further_mesh) == simulated(finer)
+
+
+def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
+    results = with_measured_error(TEST, run, lambda fraction: None)
+    finest = further_tests(TEST)["mesh"].cells_per_radius
+    left = float(results.resistance_factor_uncertainty_mesh)
+    assert left == pytest.approx(-0.5 * MESH / finest**2)
+    parts = [*DIFFERENCES, "steadiness", "points"]
+    squares = [float(results[f"resistance_factor_uncertainty_{it}"]) ** 2 for it in parts]
+    assert float(results.resistance_factor_uncertainty) == pytest.approx(math.sqrt(sum(squares)))
+
+
+def test_what_the_runs_took_is_told() -> None:
+    fractions: list[float] = []
+    results = with_measured_error(TEST, run, fractions.append)
+    assert float(results.uncertainty_run_time) == 6.0
+    assert float(results.run_time) == 8.0
+    assert float(results.particle_updates) == 4e6
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
+
+
+def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
+    def failing(test: BallPenetration, progress: Progress) -> xr.Dataset:
+        if test.domain_extent > TEST.domain_extent:
+            raise UnfinishedRun("the resistance still changes", xr.Dataset())
+        return run(test, progress)
+
+    results = with_measured_error(TEST, failing, lambda fraction: None)
+    reason = "the run with a wider window: the resistance still changes"
+    assert results.resistance_factor_uncertainty.attrs["not_known"] == reason
+    assert np.isnan(results.resistance_factor_uncertainty)
+    assert np.isnan(results.resistance_factor_further_domain)
+    assert float(results.resistance_factor) == simulated(TEST)
+
+
+def test_the_further_runs_are_checked_before_anything_runs() -> None:
+    with pytest.raises(ParameterError, match="needs a run with a wider window, where domain_"):
+        TBarPenetration(uncertainty="measured", domain_extent=80)
+
+
+def test_of_wide_cells_nothing_is_known() -> None:
+    wide = BallPenetration(cells_per_radius=2)
+    results = with_measured_error(wide, run, lambda fraction: None)
+    assert results.resistance_factor_uncertainty.attrs["not_known"] == "the cells are too wide"
+
+
+def test_a_case_is_run_with_its_further_runs() -> None:
+    """Small and short, and held against the limit load with its error taken off."""
+    bar = TBarPenetration(
+        uncertainty="measured", cells_per_radius=3, domain_extent=4, penetration=6
+    )
+    fractions: list[float] = []
+    results = bar.run(fractions.append)
+    assert fractions == sorted(fractions)
+    off = float(results.resistance_factor) - limit_load(0.0)
+    # Elastic strains, which the limit load leaves out, take some 5 / Ir off.
+    assert abs(off) <= float(results.resistance_factor_uncertainty) + 5 / bar.rigidity_index
+    assert float(results.error) == pytest.approx(abs(off) / limit_load(0.0))
+    expected = bar.run_size().particle_updates
+    assert float(results.particle_updates) == pytest.approx(expected, rel=0.5)
