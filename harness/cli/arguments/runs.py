@@ -45,7 +45,7 @@ def add_runs(commands: Commands) -> None:
     run.add_argument(
         "--uncertainty",
         action="store_true",
-        help="measure the uncertainty of each cone factor by further runs of its case, some ten "
+        help="measure the uncertainty of each cone or resistance factor by further runs, some ten "
         "times as long; the same as --set uncertainty=measured",
     )
     run.add_argument("--fresh", action="store_true", help="run what is done already again")

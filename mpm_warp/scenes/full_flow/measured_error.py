@@ -76,7 +76,7 @@ def with_measured_error(
         The results of the case with `resistance_factor` less its error, its correction, its
         uncertainty and the parts of it; what each further run gave, and what all of them took, in
         `run_time` and `particle_updates` too. Where a further run failed nothing is known of the
-        error, nor where the cells are too wide.
+        error, nor where the laws do not hold.
     """
     further = further_tests(test)
     tests = (test, *further.values())
@@ -89,8 +89,7 @@ def with_measured_error(
         for choice, it in zip(further, made, strict=True)
         if isinstance(it, str)
     ]
-    if test.cells_per_radius < FEWEST_CELLS:
-        reasons.append("the cells are too wide")
+    reasons += [phrase for phrase, holds in _why_no_law_holds(test).items() if holds]
     correction = 0.0
     parts = dict.fromkeys(DIFFERENCES, 0.0) | {
         "steadiness": 0.0,
@@ -130,6 +129,17 @@ def _factor(run: Run[Test]) -> float:
 def _change(run: Run[Test]) -> float:
     """Of the resistance factor over its last two radii."""
     return float(run.results.resistance_factor_change) * _factor(run)
+
+
+def _why_no_law_holds(test: FullFlowPenetrometer) -> dict[str, bool]:
+    """Phrases on what keeps the laws from holding, and whether it does."""
+    body = test.body
+    return {
+        "the cells are too wide": test.cells_per_radius < FEWEST_CELLS,
+        "soil leaves a hole behind a ball without a shaft": (
+            not body.planar and body.shaft_radius == 0.0
+        ),
+    }
 
 
 def _measures(test: FullFlowPenetrometer, case: FullFlowPenetrometer) -> dict[str, float]:

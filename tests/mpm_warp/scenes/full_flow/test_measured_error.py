@@ -92,10 +92,19 @@ def test_the_further_runs_are_checked_before_anything_runs() -> None:
         TBarPenetration(uncertainty="measured", domain_extent=80)
 
 
-def test_of_wide_cells_nothing_is_known() -> None:
-    wide = BallPenetration(cells_per_radius=2)
-    results = with_measured_error(wide, run, lambda fraction: None)
-    assert results.resistance_factor_uncertainty.attrs["not_known"] == "the cells are too wide"
+@pytest.mark.parametrize(
+    ("test", "reason"),
+    [
+        (BallPenetration(cells_per_radius=2), "the cells are too wide"),
+        (
+            BallPenetration(shaft_radius_ratio=0),
+            "soil leaves a hole behind a ball without a shaft",
+        ),
+    ],
+)
+def test_where_no_law_holds_nothing_is_known(test: BallPenetration, reason: str) -> None:
+    results = with_measured_error(test, run, lambda fraction: None)
+    assert results.resistance_factor_uncertainty.attrs["not_known"] == reason
 
 
 def test_a_case_is_run_with_its_further_runs() -> None:
