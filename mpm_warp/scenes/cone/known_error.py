@@ -61,9 +61,11 @@ BOTTOM_ERROR = 0.09
 """D."""
 TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
 """T; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
-FACE, WIDE, GROWTH, FORM_OF_GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.02, 0.004
-"""Half widths: of B; of W; of C; of the form of its law; of what a default window changes, over
-Nc."""
+FACE, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.004
+"""Half widths: of B; of W; of C; of what a default window changes, over Nc."""
+FORM_OF_GROWTH, SHARE_OF_GROWTH = 0.02, 1.0 / 3.0
+"""Half width of the form of the law of growth, where cells are not small; and what it is at most,
+over the effect of growth."""
 BOTTOM, TOP = 0.3, 0.5
 """Half widths of the effects of bottom and top, over them."""
 NEAREST_BOTTOM = 0.74
@@ -129,6 +131,13 @@ def mesh_error(
     return linear + WIDE_ERROR * _excess_width(cell_size)
 
 
+def growth_uncertainty(cell_size: float, cell_growth: float) -> float:
+    """Half width of what the growth of the cells adds to the cone factor; see `mesh_error`."""
+    measure = growth_measure(cell_size, cell_growth)
+    form = min(FORM_OF_GROWTH, SHARE_OF_GROWTH * GROWTH_ERROR * measure)
+    return GROWTH * measure + form
+
+
 def top_error(
     *, rigidity_index: Floats | float, above: float, below: float, way: Floats | float
 ) -> Floats:
@@ -167,7 +176,7 @@ def _parts(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> dict[str, 
     factor = float(recorded.cone_factor_simulated)
     return {
         "face": FACE * cell_size + WIDE * _excess_width(cell_size),
-        "growth": GROWTH * growth_measure(cell_size, test.cell_growth) + FORM_OF_GROWTH,
+        "growth": growth_uncertainty(cell_size, test.cell_growth),
         "domain": DOMAIN * factor * _smallness(test) ** 2,
         "bottom": BOTTOM * BOTTOM_ERROR * _nearness(test),
         "top": TOP * _top_error(test, recorded),

@@ -19,7 +19,6 @@ from mpm_warp.scenes.cone.stated_error import (
     LARGEST_CELL,
     LARGEST_INERTIA,
     POINTS,
-    growth_measure,
 )
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 
@@ -71,7 +70,7 @@ def sample_error(
     shift = shift - ground.mean_strength_around(depth - cell, AROUND * radius)
     parts = [
         known.FACE * h * np.ones_like(depth),
-        known.GROWTH * growth_measure(h, g) + known.FORM_OF_GROWTH * np.ones_like(depth),
+        known.growth_uncertainty(h, g) * np.ones_like(depth),
         known.DOMAIN * factor,
         known.BOTTOM * bottom,
         known.INERTIA * inertia,

@@ -12,12 +12,16 @@ import xarray as xr
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.known_error import (
     FACE_ERRORS,
+    GROWTH,
+    GROWTH_ERROR,
+    SHARE_OF_GROWTH,
     WIDE_ERROR,
+    growth_uncertainty,
     known_error,
     mesh_error,
     top_error,
 )
-from mpm_warp.scenes.cone.stated_error import LARGEST_CELL
+from mpm_warp.scenes.cone.stated_error import LARGEST_CELL, growth_measure
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
@@ -116,6 +120,13 @@ def test_a_worse_choice_has_a_larger_part(part: str, changes: dict[str, float]) 
     before = known_error(TEST, cell_size=CELL, recorded=recorded(TEST))
     after = known_error(worse, cell_size=cell, recorded=recorded(worse))
     assert float(after[name]) > float(before[name])
+
+
+def test_what_is_left_open_of_growth_goes_with_its_effect() -> None:
+    assert growth_uncertainty(CELL, 1e-9) == pytest.approx(0.0, abs=1e-12)
+    effect = GROWTH_ERROR * growth_measure(0.5 * CELL, 0.4)
+    quarter_and_third = GROWTH / GROWTH_ERROR + SHARE_OF_GROWTH
+    assert growth_uncertainty(0.5 * CELL, 0.4) == pytest.approx(quarter_and_third * effect)
 
 
 def test_the_top_takes_no_part_in_a_test_that_is_steady_at_once() -> None:
