@@ -17,6 +17,7 @@ from harness.archive.conventions import COMPLETED, CRASHED, FAILED
 from harness.archive.provenance import provenance
 from harness.errors import HarnessError, in_one_line
 from harness.run.pool import Watcher
+from harness.run.predicted_time import costliest_first
 from harness.run.worker import Result, compute
 from harness.study.cases import Case
 
@@ -84,8 +85,10 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
         ClusterError: the scheduler is lost.
         ArchiveError: a result cannot be written.
     """
-    # Not pure: a case that is asked for again has failed before.
-    case_of = {client.submit(compute_in_turn, case, pure=False): case for case in cases}
+    # The scheduler takes first what comes first. Not pure: a case asked for again failed before.
+    case_of = {
+        client.submit(compute_in_turn, case, pure=False): case for case in costliest_first(cases)
+    }
     ended = as_completed(list(case_of), loop=client.loop, with_results=True, raise_errors=False)
     for future, answer in ended:
         case = case_of.pop(future)  # with it the cluster lets go of the result

@@ -7,14 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.errors import tell
+from harness.run.predicted_time import predicted_time
 from harness.study.cases import Case
-from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.parameters import from_mapping
-from mpm_warp.scenes import CatalogueScene, scene_class
-from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.errors import SceneError
+from mpm_warp.scenes import CatalogueScene
 
-UPDATE_RATE = 20e6
-"""Particle updates a second on one thread, as `harness bench` measures them."""
 LONG = 24 * 3600.0
 """Time of a case beyond which a run tells of it before it begins [s]."""
 PROCESS_MEMORY = 300e6
@@ -72,7 +69,7 @@ def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -
 
 def tell_of_long_cases(cases: Sequence[Case]) -> None:
     """Say in one line which cases may take longer than `LONG`."""
-    seconds = {case.label: _seconds(case) for case in cases}
+    seconds = {case.label: predicted_time(case) for case in cases}
     long = {label: it for label, it in seconds.items() if it > LONG}
     if long:
         longest = max(long, key=lambda label: long[label])
@@ -81,12 +78,3 @@ def tell_of_long_cases(cases: Sequence[Case]) -> None:
             f"{longest}: about {long[longest] / 86400:.3g} days on one thread; --case-timeout ends "
             "such cases"
         )
-
-
-def _seconds(case: Case) -> float:
-    """Time of a case on one thread, about [s]; 0 where it is not known, or the case is refused."""
-    try:
-        size: RunSize | None = from_mapping(scene_class(case.scene), case.parameters).run_size()
-    except (ParameterError, SceneError):
-        return 0.0
-    return 0.0 if size is None else size.particle_updates / UPDATE_RATE

@@ -17,6 +17,7 @@ from harness.run import collect_and_clean as results
 from harness.run.device import check_device
 from harness.run.limits import default_memory_limit, tell_of_long_cases
 from harness.run.pool import Watcher, cases_at_once, run_cases
+from harness.run.predicted_time import costliest_first
 from harness.run.progress import Display
 from harness.study.cases import Case
 from harness.study.study import Study
@@ -61,18 +62,23 @@ def on_this_machine(
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
     memory = memory_limit or default_memory_limit()
-    return lambda cases, folder, watcher: run_cases(
-        cases,
-        folder,
-        workers,
-        watcher,
-        device=device,
-        threads=1 if threads is None and repeats else threads,
-        time_limit=time_limit,
-        repeats=repeats,
-        batch=batch,
-        memory_limit=memory / max(1, min(workers * batch, len(cases))),
-    )
+
+    def run(cases: Sequence[Case], folder: Path, watcher: Watcher) -> None:
+        run_cases(
+            # One worker takes as long in any order, and the order of the study can be followed.
+            costliest_first(cases) if workers > 1 else cases,
+            folder,
+            workers,
+            watcher,
+            device=device,
+            threads=1 if threads is None and repeats else threads,
+            time_limit=time_limit,
+            repeats=repeats,
+            batch=batch,
+            memory_limit=memory / max(1, min(workers * batch, len(cases))),
+        )
+
+    return run
 
 
 def on_cluster(study: Study, address: str) -> RunCases:

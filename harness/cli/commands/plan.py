@@ -10,7 +10,7 @@ from typing import Any
 from tqdm import tqdm
 
 from harness.cli.exit_codes import DONE
-from harness.run.limits import UPDATE_RATE
+from harness.run.predicted_time import UPDATE_RATE
 from harness.study.cases import Case
 from harness.study.study import is_scene, load_study, study_of_scene
 from harness.study.unusual_values import tell_of_unusual_values

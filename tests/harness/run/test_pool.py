@@ -222,3 +222,19 @@ def test_the_time_of_a_case_begins_with_its_computation(tmp_path: Path, small: S
         assert worker.deadline(1.0) <= time.monotonic() + 1.0
     finally:
         end_all([worker])
+
+
+def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
+    tmp_path: Path, small: Study
+) -> None:
+    """What is at work may have a file half-written, and is told to end by a signal it can catch."""
+    folder = prepared(small, tmp_path)
+    busy, idle = (WorkerProcess(folder, "cpu", 0) for _ in range(2))
+    try:
+        busy.begin(small.cases[:1])
+        busy.connection.poll(60)
+        assert busy.news(math.inf) == [(small.cases[0], 0.0)]
+    finally:
+        end_all([busy, idle])
+    assert busy.process.exitcode == 128 + signal.SIGTERM
+    assert idle.process.exitcode == -signal.SIGKILL
