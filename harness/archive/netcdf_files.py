@@ -32,7 +32,6 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, write_whole
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.structure import TEXT, Form, Outline, malformed
-from harness.archive.without_dask import without_dask
 
 DIGEST = "digest"
 """Attribute of a file that ends with its digest."""
@@ -89,7 +88,6 @@ def read_fields_netcdf(path: Path) -> xr.Dataset:
         return _loaded(found)
 
 
-@without_dask()
 def _loaded(found: Outline) -> xr.Dataset:
     """All of a file, as xarray reads it, which takes twice as long for a case file.
 
@@ -239,7 +237,6 @@ def _memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
-@without_dask()
 def _image(dataset: xr.Dataset) -> memoryview:
     """The bytes of the netCDF file."""
     image: memoryview = dataset.to_netcdf(engine="netcdf4", encoding=_encoding(dataset))

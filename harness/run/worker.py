@@ -30,7 +30,6 @@ from harness.archive.conventions import (
     with_role,
 )
 from harness.archive.provenance import SOURCES, provenance, sources_digest
-from harness.archive.without_dask import without_dask
 from harness.compare.differences import differing
 from harness.errors import in_one_line
 from harness.run.limits import check_memory, default_memory_limit
@@ -168,8 +167,6 @@ def serve(
             outcome = Outcome(MISSING, str(error))
         connection.send((number, outcome))
 
-    with without_dask():
-        xr.Variable((), 0.0)  # with its first array xarray looks for those of Dask
     threads = 1
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
