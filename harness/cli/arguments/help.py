@@ -82,7 +82,7 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     "verify": (
         (
             "Run scenes that have an exact solution, and print error, bound and observed order. "
-            "All of them take about 5 minutes."
+            "All of them take about six minutes."
         ),
         ("verify --scene thick_cylinder", "verify --extreme --out checks"),
     ),
