@@ -15,6 +15,13 @@ if TYPE_CHECKING:
 
 def add_runs(commands: Commands) -> None:
     """The commands that run cases, and those on the files of a study."""
+    _add_run(commands)
+    _add_looking_after(commands)
+    _add_measuring(commands)
+
+
+def _add_run(commands: Commands) -> None:
+    """The command that runs a study."""
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
     add_study(run)
     where = run.add_mutually_exclusive_group()
@@ -64,6 +71,9 @@ def add_runs(commands: Commands) -> None:
         "more than its share is refused; default: 90%% of this machine's",
     )
 
+
+def _add_looking_after(commands: Commands) -> None:
+    """The commands on the cases of a study that have been run."""
     status = commands.add_parser("status", help="list the cases of a study with their status")
     status.add_argument(
         "study",
@@ -90,6 +100,9 @@ def add_runs(commands: Commands) -> None:
     rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
     add_execution(rerun)
 
+
+def _add_measuring(commands: Commands) -> None:
+    """The commands that measure errors and speed of the simulator."""
     verify = commands.add_parser("verify", help="compare scenes with their exact solutions")
     verify.add_argument(
         "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
