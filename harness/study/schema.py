@@ -112,10 +112,9 @@ def _snapshots(scene: type[CatalogueScene]) -> Schema:
 
 def value_schema(parameter: Parameter) -> Schema:
     """The schema of a parameter's value."""
-    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
     schema: Schema = {
         "type": TYPES[parameter.kind],
-        "description": f"{parameter.meaning}{unit}; {parameter.allowed}",
+        "description": parameter.explanation,
         "minimum": parameter.minimum,
         "maximum": parameter.maximum,
         "exclusiveMinimum": parameter.above,
