@@ -76,6 +76,12 @@ class Parameter:
         kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
         return " ".join([kind[self.kind], " and ".join(bounds)]).strip()
 
+    @property
+    def explanation(self) -> str:
+        """Its meaning, with the unit where there is one, and what values are allowed."""
+        unit = "" if self.unit == "1" else f" [{self.unit}]"
+        return f"{self.meaning}{unit}; {self.allowed}"
+
     def checked(self, value: object) -> Value | None:
         """Return `value` in the parameter's own type.
 

@@ -56,45 +56,84 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     """
     results = [_result(folder, case) for case in study.cases]
     gathered = _gathered(results)
-    axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}
     definitions = {name: it for part in study.parts for name, it in part.parameters.items()}
     names = {name: stored_name(name, {*gathered.variables, *gathered.dims}) for name in definitions}
+    axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}
     if study.is_grid:
         varied = study.parts[0].varied
         axes = {names[name]: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
     grid = {name: len(values) for name, values in axes.items()}
 
-    variables = {
+    own = {
         name: _over_grid(grid, it.values, it.attrs, it.dims[1:]) if it.dims[:1] == (CASE,) else it
         for name, it in gathered.variables.items()
         if name != CASE
     }
+    origins, origin = _origins(results, grid)
+    inputs, coordinates = _parameters(study, definitions, names, axes)
+    return xr.Dataset(
+        own | _records(study, results, grid) | origins | inputs,
+        coordinates | _case_coordinates(study, axes),
+        {
+            "title": study.title,
+            "study": study.name,
+            "design": study.design.kind,
+            "scene": " ".join(part.name for part in study.parts),
+            "scene_version": study.cases[0].scene_version,
+            "format_version": FORMAT_VERSION,
+            **origin,
+        },
+    )
+
+
+def _records(
+    study: Study, results: Sequence[xr.Dataset | None], grid: Mapping[str, int]
+) -> Variables:
+    """Status, message and key of each case."""
     texts = {
         "status": ("outcome of the case", _attributes(results, "status", MISSING)),
         "message": ("why the case did not complete", _attributes(results, "message")),
         "case_key": ("name of the case's file", [case.key for case in study.cases]),
     }
-    variables |= {
+    return {
         name: _over_grid(grid, np.array(values), {"long_name": meaning})
         for name, (meaning, values) in texts.items()
     }
-    attributes: dict[str, str | int] = {
-        "title": study.title,
-        "study": study.name,
-        "design": study.design.kind,
-        "scene": " ".join(part.name for part in study.parts),
-        "scene_version": study.cases[0].scene_version,
-        "format_version": FORMAT_VERSION,
-    }
+
+
+def _origins(
+    results: Sequence[xr.Dataset | None], grid: Mapping[str, int]
+) -> tuple[Variables, dict[str, str]]:
+    """Where, when and with what cases were computed: what differs over cases, what all agree on."""
+    differing: Variables = {}
+    agreed: dict[str, str] = {}
     for name in OF_CASE:
         said = _attributes(results, name)
         known = set(said) - {""}
         if len(known) > 1:
-            variables[name] = _over_grid(grid, np.array(said), {"long_name": spoken(name)})
+            differing[name] = _over_grid(grid, np.array(said), {"long_name": spoken(name)})
         elif known:
-            attributes[name] = known.pop()
+            agreed[name] = known.pop()
+    return differing, agreed
 
+
+def _parameters(
+    study: Study,
+    definitions: Mapping[str, Parameter],
+    names: Mapping[str, str],
+    axes: Mapping[str, Sequence[Value]],
+) -> tuple[Variables, Variables]:
+    """The parameters as variables, and those that the study varies as coordinates.
+
+    Args:
+        study: the study.
+        definitions: of its parameters, by name.
+        names: what each is called in the dataset.
+        axes: values along the dims of cases.
+    """
+    variables: Variables = {}
     coordinates: Variables = {}
+    grid = {name: len(values) for name, values in axes.items()}
     assigned = {name for part in study.parts for name in part.assigned}
     for name, definition in definitions.items():
         stored, labels = names[name], parameter_attributes(definition)
@@ -107,6 +146,12 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             is_derived = definition.default is None and name not in assigned
             place = variables if is_derived else coordinates
             place[stored] = _over_grid(grid, _filled(values, definition), labels)
+    return variables, coordinates
+
+
+def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Variables:
+    """Numbers of the cases where they are a dim, and their scenes where these are several."""
+    coordinates: Variables = {}
     if CASE in axes:
         coordinates[CASE] = xr.Variable(CASE, np.arange(len(study.cases)), {"long_name": CASE})
     if len(study.parts) > 1:
@@ -118,7 +163,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             name: xr.Variable(CASE, values, {"long_name": spoken(name)})
             for name, values in columns.items()
         }
-    return xr.Dataset(variables, coordinates, attributes)
+    return coordinates
 
 
 def _result(folder: Path, case: Case) -> xr.Dataset | None:

@@ -17,16 +17,15 @@ def scene_rows(name: str) -> list[str]:
     rows = [f"{name}: {scene.summary}", ""]
     for parameter, definition in parameters_of(scene).items():
         meaning = f"{definition.meaning}; {definition.allowed}"
-        rows.append(f"{parameter:26} {default_of(definition):16} {meaning}")
+        rows.append(f"{parameter:26} {_default(definition):16} {meaning}")
     return rows
 
 
-def default_of(definition: Parameter) -> str:
+def _default(definition: Parameter) -> str:
     """The default of a parameter with its unit, in words."""
     if definition.default is None:
-        return "derived"
-    unit = "" if definition.unit == "1" else f" {definition.unit}"
-    return f"{definition.default}{unit}"
+        return "derived" if definition.unit == "1" else f"derived [{definition.unit}]"
+    return f"{definition.default}{_unit(definition)}"
 
 
 def study_rows(study: Study) -> list[str]:

@@ -17,7 +17,7 @@ from typing import Any
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.scenes.sounding.profile_text import NAME
+from mpm_warp.scenes.sounding.profile_text import PROFILE
 
 LARGEST_PROFILE = 1_000_000
 """Bytes of a file; a table of more than some ten thousand rows is a slip."""
@@ -33,21 +33,21 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     Raises:
         StudyError: the profile is not allowed, or its file cannot be read.
     """
-    rest = {key: value for key, value in values.items() if key != NAME}
-    if NAME not in values:
+    rest = {key: value for key, value in values.items() if key != PROFILE}
+    if PROFILE not in values:
         return rest
-    table = Table(f"{path}:", values).table(NAME)
+    table = Table(f"{path}:", values).table(PROFILE)
     fixed = Table(f"{path}:", values).table("fixed")
-    if NAME in fixed.values:
-        raise fixed.refuse(NAME, f"stands under [{NAME}] as well; keep one of them")
+    if PROFILE in fixed.values:
+        raise fixed.refuse(PROFILE, f"stands under [{PROFILE}] as well; keep one of them")
     text = _of_file(path.parent, table) if "file" in table.values else _of_columns(table)
     where = table.place("file") if "file" in table.values else table.where
     try:
         profile = Profile.read(text)
     except ParameterError as error:
         # The place says already whose it is.
-        raise StudyError(f"{where}: {str(error).removeprefix(f'{NAME}: ')}") from None
-    return rest | {"fixed": {**fixed.values, NAME: profile.text}}
+        raise StudyError(f"{where}: {str(error).removeprefix(f'{PROFILE}: ')}") from None
+    return rest | {"fixed": {**fixed.values, PROFILE: profile.text}}
 
 
 def _of_file(folder: Path, table: Table) -> str:

@@ -19,7 +19,7 @@ from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
 from harness.study.study import LARGEST_SEED, MOST_REPEATS
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
-from mpm_warp.scenes.sounding.profile_text import NAME
+from mpm_warp.scenes.sounding.profile_text import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
@@ -53,7 +53,7 @@ def study_schema() -> Schema:
         "exclude": texts,
         "case": {"type": "array", "items": {"type": "object"}},
         SNAPSHOTS: {},
-        NAME: {
+        PROFILE: {
             "type": "object",
             "description": "ground by depth: columns as 'depth [m]', or file, a CSV file",
         },
@@ -112,10 +112,9 @@ def _snapshots(scene: type[CatalogueScene]) -> Schema:
 
 def value_schema(parameter: Parameter) -> Schema:
     """The schema of a parameter's value."""
-    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
     schema: Schema = {
         "type": TYPES[parameter.kind],
-        "description": f"{parameter.meaning}{unit}; {parameter.allowed}",
+        "description": parameter.explanation,
         "minimum": parameter.minimum,
         "maximum": parameter.maximum,
         "exclusiveMinimum": parameter.above,

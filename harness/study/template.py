@@ -109,9 +109,9 @@ def _defaults(parameters: Iterable[Parameter]) -> list[str]:
 
 
 def _meaning(definition: Parameter) -> str:
-    unit = "" if definition.unit == "1" else f" [{definition.unit}]"
-    text = f"{definition.meaning}{unit}; {definition.allowed}"
-    return textwrap.fill(text, WIDTH, initial_indent="# ", subsequent_indent="#   ")
+    return textwrap.fill(
+        definition.explanation, WIDTH, initial_indent="# ", subsequent_indent="#   "
+    )
 
 
 def _toml(value: Value) -> str:

@@ -1,4 +1,4 @@
-"""The speed of a run, in samples, and what is measured turn about with them."""
+"""The speed of a run, in samples, and what is measured in alternation with them."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Run:
 
 
 class Companion:
-    """What is measured turn about with the samples of a run; this one measures nothing.
+    """What is measured after each sample of a run; this one measures nothing.
 
     The speed of a machine changes from second to second. So two speeds are compared only where they
     are measured one right after the other.

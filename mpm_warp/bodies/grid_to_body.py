@@ -50,7 +50,7 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
 
 @functools.cache
 def make_grid_to_body(axisymmetric: bool, damped: bool, precision: Precision) -> Any:
-    """The kernel, launched over particles; `moduli` holds (G, K) of each body, `retardation` tau.
+    """The kernel, launched over particles; `body_moduli` holds (G, K) of each body.
 
     Args:
         axisymmetric: whether there is a hoop direction.

@@ -83,7 +83,7 @@ def add_clock(plan: Plan) -> None:
 def make_body_loads(precision: Precision) -> Any:
     """Forces of all loads on each particle; launched over particles.
 
-    `schedule` holds (t_0, T) of each load.
+    `load_schedule` holds (t_0, T) of each load.
     """
     real, vec2 = precision.real, precision.vec2
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))

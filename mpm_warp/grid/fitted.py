@@ -87,7 +87,7 @@ class Grid:
         check_kind("grid: planar", self.planar, (bool, np.bool_))
 
     def weight(self, radius: Floats) -> Floats:
-        """Volume per area of the half plane (r, z): r, or 1 in plane strain."""
+        """Volume per area of the half plane (r, z) at radii [m]: r, or 1 in plane strain, [...]."""
         return np.ones_like(radius) if self.planar else radius
 
     def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
@@ -265,7 +265,7 @@ def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
 
 
 def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
-    """Shape functions and their derivatives along xi and eta, each [4 nodes, points]."""
+    """Shape functions and their derivatives along xi and eta, 0 to 1; each [4 nodes, points]."""
     shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta])
     d_xi = np.array([eta - 1, 1 - eta, -eta, eta])
     d_eta = np.array([xi - 1, -xi, 1 - xi, xi])

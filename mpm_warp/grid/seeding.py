@@ -35,6 +35,12 @@ def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: in
     At the centroids, the mass of each node comes out as the exact integral of its shape function
     where cells are upright; where they lean, along a cone, within 0.2 %.
     Particles are ordered by height, then by radius: one layer of particles after the other.
+
+    Args:
+        grid: the grid; only where it holds soil are there particles.
+        first_row: number of the lowest row to fill.
+        row_count: number of rows, >= 1.
+        particles_per_side: along each side of a cell, >= 1.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.
     rows = [

@@ -167,7 +167,7 @@ class Material(ABC):
             return law
         return _varied(law, len(self.properties), self.varies_adhesion, precision)
 
-    def properties_argument(self, law: Law) -> Any:
+    def launch_properties(self, law: Law) -> Any:
         """What a launch is given for the properties: one vector for all points, or an array."""
         return PROPERTIES if law.varies else law.properties_type(*self.properties)
 

@@ -39,7 +39,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
         blocks,
         count=count,
         particle_state=plan.find("particle.state"),
-        properties=material.properties_argument(law),
+        properties=material.launch_properties(law),
     )
 
 

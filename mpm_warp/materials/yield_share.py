@@ -30,7 +30,7 @@ def add_yield_share(plan: Plan, material: Material) -> None:
         _make_yield_share(law, plan.precision),
         count,
         particle_state=plan.find("particle.state"),
-        properties=material.properties_argument(law),
+        properties=material.launch_properties(law),
     )
 
 

@@ -63,6 +63,7 @@ class Launch:
     @property
     def name(self) -> str:
         """That of its kernel, whichever of its variants it is."""
+        # Warp names a kernel by the functions that it was defined in, too.
         return str(self.kernel.key.split("__")[-1])
 
     @property

@@ -52,7 +52,7 @@ def add_cell_stress(
 def _make_cell_stress(
     share_count: int, viscous: bool, free_surface: bool, precision: Precision
 ) -> Any:
-    """The kernel, launched over cells; it clears the particles' sums, of which each has so many."""
+    """The kernel, launched over cells; it clears the particles' sums of all shares."""
     real, vec4 = precision.real, precision.vec4
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
 

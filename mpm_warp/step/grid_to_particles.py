@@ -64,7 +64,7 @@ def add_grid_to_particles(
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
-        properties=material.properties_argument(law),
+        properties=material.launch_properties(law),
         particle_state=plan.find("particle.state"),
         window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,

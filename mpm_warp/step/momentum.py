@@ -49,9 +49,9 @@ def add_momentum(plan: Plan, grid: Grid, material: Material, *, corrected: bool)
 
 @functools.cache
 def _make_momentum(share_count: int, corrected: bool, precision: Precision) -> Any:
-    """The kernel, launched over (rows, columns) of nodes; it clears the sums, each of so many.
+    """The kernel, launched over (rows, columns) of nodes; it clears the sums of all shares.
 
-    `velocities` is (v_r, v_z, u_r, u_z): velocity after the step and before it.
+    `node_velocities` is (v_r, v_z, u_r, u_z): velocity after the step and before it.
     """
     real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
     zero, half, one = (wp.constant(real(x)) for x in (0.0, 0.5, 1.0))

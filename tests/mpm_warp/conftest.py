@@ -21,6 +21,7 @@ from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 from mpm_warp.parts.window.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from tests.mpm_warp.edges import axis_and_ends
 
 
 @pytest.fixture
@@ -75,7 +76,7 @@ def cone(fitted: Grid) -> Scene:
         particles_per_side=2,
         time_step_fraction=0.85,
         bulk_viscosity=0.2,
-        fixed=Fixed.axis_and_ends(fitted),
+        fixed=axis_and_ends(fitted),
         far_field=FarField.around(fitted, clay),
         contact=SurfaceContact(
             nodes=fitted.node(0, row),

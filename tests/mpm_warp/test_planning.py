@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
+from tests.mpm_warp.edges import axis_and_ends
 
 STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
 
@@ -57,7 +57,7 @@ def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(floating: Scene) -
     bare = make_plan(floating)
     load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
     for changes, kernel, words in (
-        ({"fixed": Fixed.axis_and_ends(grid)}, {"fixed"}, {"fixed.nodes", "fixed.free"}),
+        ({"fixed": axis_and_ends(grid)}, {"fixed"}, {"fixed.nodes", "fixed.free"}),
         (
             {"far_field": FarField.around(grid, material)},
             {"far_field"},

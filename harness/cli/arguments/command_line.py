@@ -18,9 +18,9 @@ def make_parser() -> Parser:
     """The parser; the attribute `command` of what it parses is the name of the command."""
     parser = Parser(
         prog="harness",
-        description="Parametric studies of the material point method.",
+        description="Parametric studies of cone penetration by the material point method.",
         epilog="first steps:\n"
-        "  harness run adhesion_factor    the main job, in some seconds\n"
+        "  harness run adhesion_factor    the main job, in half a minute\n"
         "  harness new my_study           a study of your own, to be edited and run\n"
         "  harness help COMMAND           options and examples of a command",
     )

@@ -25,6 +25,6 @@ def add_definitions(commands: Commands) -> None:
 
     commands.add_parser("schema", help="print a JSON schema of studies, for editors")
 
-    plan = commands.add_parser("plan", help="say what a scene or a study takes, before it runs")
+    plan = commands.add_parser("plan", help="print what a scene or a study costs, before it runs")
     add_subject(plan)
     add_set(plan)

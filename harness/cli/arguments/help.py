@@ -25,8 +25,8 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "status": (
         (
-            "List the cases of a study with their status, their time, and why one did not "
-            "complete. Without a study, or with a scene: the results that there are."
+            "List the cases of a study with their status, their time, and why a case did not "
+            "complete. Without a study, or with a scene: list the stored results."
         ),
         (
             "status",
@@ -37,7 +37,7 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "collect": (
         (
-            "Write the dataset of a study out of the cases that are done by now. A run does so "
+            "Write the dataset of a study from the cases that are done by now. A run does so "
             "itself at its end."
         ),
         ("collect mesh_size",),
@@ -70,8 +70,8 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "plan": (
         (
-            "Say what a run takes before it is run. Of one case: its kernels, arrays, steps and "
-            "time. Of a study of several: material points, memory, steps and time of each."
+            "Print what a run will cost. For one case: its kernels, arrays, steps and time. For a "
+            "study of several: material points, memory, steps and time of each."
         ),
         (
             "plan cone_penetration",
@@ -82,7 +82,7 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     "verify": (
         (
             "Run scenes that have an exact solution, and print error, bound and observed order. "
-            "All of them take about 5 minutes."
+            "All of them take about six minutes."
         ),
         ("verify --scene thick_cylinder", "verify --extreme --out checks"),
     ),
@@ -93,7 +93,7 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     "references": (
         (
             "List the cone factors of the literature and the bands of experience that a study can "
-            "be compared with: formula, range, source, how known. With ID: one in full."
+            "be compared with: formula, range, source, how it is known. With ID: one in full."
         ),
         ("references", "references lu_2004"),
     ),
@@ -122,7 +122,7 @@ HELP: dict[str, tuple[str, tuple[str, ...]]] = {
     "recommend": (
         (
             "Look through the results of a scene for the cheapest settings of the method whose "
-            "error is small enough in all cases."
+            "error is at most X in all cases."
         ),
         ("recommend cone_penetration --error 1%",),
     ),

@@ -14,9 +14,13 @@ if TYPE_CHECKING:
 def add_results(commands: Commands) -> None:
     """The commands that take results of studies."""
     references = commands.add_parser("references", help="list what results are compared with")
-    references.add_argument("id", nargs="?", metavar="ID", help="name of one; default: all")
+    references.add_argument(
+        "id", nargs="?", metavar="ID", help="name of one reference or band; default: all"
+    )
 
-    compare = commands.add_parser("compare", help="compare a result with the references")
+    compare = commands.add_parser(
+        "compare", help="compare a result with references, or with another result"
+    )
     compare.add_argument("file", type=Path, metavar="FILE", help="result of a study, netCDF")
     compare.add_argument(
         "other", type=Path, nargs="?", metavar="OTHER", help="a result to set beside it"
@@ -25,7 +29,7 @@ def add_results(commands: Commands) -> None:
         "--tolerance",
         type=finite_number("a number >= 0", lambda it: it >= 0),
         metavar="X",
-        help="relative difference allowed between FILE and OTHER; default: none",
+        help="largest relative difference allowed between FILE and OTHER; default: 0",
     )
 
     plot = commands.add_parser("plot", help="draw the pictures of a result")
@@ -50,12 +54,23 @@ def add_results(commands: Commands) -> None:
 
     report = commands.add_parser("report", help="write one page of HTML on results")
     report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
-    report.add_argument("-o", "--out", type=html_file, default=Path("report.html"), metavar="HTML")
+    report.add_argument(
+        "-o",
+        "--out",
+        type=html_file,
+        default=Path("report.html"),
+        metavar="HTML",
+        help="default: report.html",
+    )
 
     recommend = commands.add_parser("recommend", help="name the cheapest settings for an error")
-    recommend.add_argument("scene", metavar="SCENE")
+    recommend.add_argument("scene", metavar="SCENE", help="name of a scene, as cone_penetration")
     recommend.add_argument(
-        "--error", type=share, required=True, metavar="X", help="largest error, as 1%% or 0.01"
+        "--error",
+        type=share,
+        required=True,
+        metavar="X",
+        help="largest relative error, as 1%% or 0.01",
     )
     recommend.add_argument(
         "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"

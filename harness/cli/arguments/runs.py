@@ -15,6 +15,13 @@ if TYPE_CHECKING:
 
 def add_runs(commands: Commands) -> None:
     """The commands that run cases, and those on the files of a study."""
+    _add_run(commands)
+    _add_looking_after(commands)
+    _add_measuring(commands)
+
+
+def _add_run(commands: Commands) -> None:
+    """The command that runs a study."""
     run = commands.add_parser("run", help="run a study; run it again to go on where it stopped")
     add_study(run)
     where = run.add_mutually_exclusive_group()
@@ -22,11 +29,11 @@ def add_runs(commands: Commands) -> None:
         "--workers",
         type=positive_count,
         metavar="N",
-        help="processes, each with a case at a time; default: one for each core, or for each "
-        "--threads of them",
+        help="processes, each with a case at a time; default: as many as there are cores, over "
+        "--threads",
     )
     where.add_argument(
-        "--dask", metavar="ADDRESS", help="run on a Dask cluster, by its scheduler's address"
+        "--dask", metavar="ADDRESS", help="run on the Dask cluster whose scheduler has this address"
     )
     add_execution(run)
     run.add_argument(
@@ -39,44 +46,49 @@ def add_runs(commands: Commands) -> None:
     run.add_argument(
         "--snapshots",
         metavar="LIST",
-        help="keep the soil of each case at these moments, for `harness view`: 5,10 of the "
-        "penetration over the cone radius",
+        help="keep the soil of each case, for `harness view`, at these penetrations over the cone "
+        "radius, as 5,10",
     )
     run.add_argument(
         "--uncertainty",
         action="store_true",
-        help="measure the uncertainty of each cone or resistance factor by further runs, some ten "
-        "times as long; the same as --set uncertainty=measured",
+        help="measure the uncertainty of each cone or resistance factor by further runs, which "
+        "take some ten times as long; the same as --set uncertainty=measured",
     )
-    run.add_argument("--fresh", action="store_true", help="run what is done already again")
+    run.add_argument("--fresh", action="store_true", help="run all cases, those that are done too")
     run.add_argument(
         "--case-timeout",
         type=finite_number("a number > 0", lambda it: it > 0),
         default=math.inf,
         metavar="SECONDS",
-        help="end a case that computes for longer; default: none is ended",
+        help="end a case that computes for longer; default: no limit",
     )
     run.add_argument(
         "--memory-limit",
         type=size_in_bytes,
         metavar="SIZE",
-        help="memory that the cases at work may take together, as 8e9 or 8GB; one that needs more "
-        "than its share is refused; default: most of this machine's",
+        help="memory that all running cases may take together, as 8e9 or 8GB; a case that needs "
+        "more than its share is refused; default: 90%% of this machine's",
     )
 
-    status = commands.add_parser("status", help="list how the cases of a study stand")
+
+def _add_looking_after(commands: Commands) -> None:
+    """The commands on the cases of a study that have been run."""
+    status = commands.add_parser("status", help="list the cases of a study with their status")
     status.add_argument(
         "study",
         nargs="?",
         metavar="STUDY",
-        help="name of a study, a TOML file, or a result; none, or a scene: all results",
+        help="name of a study, a TOML file, or a result; without it, or with a scene: all results",
     )
     add_settings(status)
     status.add_argument(
-        "--traceback", action="store_true", help="print where in the program failed cases failed"
+        "--traceback",
+        action="store_true",
+        help="print the place in the program where a case failed",
     )
 
-    collect = commands.add_parser("collect", help="write the dataset of what is done of a study")
+    collect = commands.add_parser("collect", help="write the dataset of the cases that are done")
     add_study(collect)
 
     clean = commands.add_parser("clean", help="remove files that are no results of a study")
@@ -88,7 +100,10 @@ def add_runs(commands: Commands) -> None:
     rerun.add_argument("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
     add_execution(rerun)
 
-    verify = commands.add_parser("verify", help="hold scenes against their exact solutions")
+
+def _add_measuring(commands: Commands) -> None:
+    """The commands that measure errors and speed of the simulator."""
+    verify = commands.add_parser("verify", help="compare scenes with their exact solutions")
     verify.add_argument(
         "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
     )

@@ -24,7 +24,11 @@ def add_subject(command: argparse.ArgumentParser) -> None:
 def add_settings(command: argparse.ArgumentParser) -> None:
     """Where results are, and what is changed of the study."""
     command.add_argument(
-        "--out", type=Path, default=Path("results"), metavar="DIR", help="default: results"
+        "--out",
+        type=Path,
+        default=Path("results"),
+        metavar="DIR",
+        help="folder of the results; default: results",
     )
     add_set(command)
 
@@ -47,7 +51,7 @@ def add_execution(command: argparse.ArgumentParser) -> None:
         type=int,
         choices=THREAD_COUNTS,
         metavar="N",
-        help="threads of a case, 1, 2 or 4, which do not change it; default: those that are idle",
+        help="threads of a case, 1, 2 or 4; the result does not change; default: idle cores help",
     )
     add_device(command)
 

@@ -119,5 +119,4 @@ def _plan_text(plan: Plan, step_count_bound: int | None) -> str:
 
 
 def _launch_line(launch: Launch) -> str:
-    # Warp names a kernel by the functions that it was defined in, too.
-    return f"  {launch.kernel.key.split('__')[-1]:24} {launch.dim}"
+    return f"  {launch.name:24} {launch.dim}"

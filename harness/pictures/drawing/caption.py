@@ -16,7 +16,7 @@ from harness.pictures.drawing.symbols import assigned, plain
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.sounding.profile_text import NAME, replaced_by
+from mpm_warp.scenes.sounding.profile_text import PROFILE, replaced_by
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
@@ -72,7 +72,7 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
         for name, own in stored.items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
-    ground = dataset[constant[NAME]].item() if NAME in constant else ""
+    ground = dataset[constant[PROFILE]].item() if PROFILE in constant else ""
     for name in replaced_by(ground) if ground else ():
         constant.pop(name, None)
     others = [

@@ -52,15 +52,6 @@ class Fixed:
         return cls.where(radial=radial, vertical=np.zeros_like(radial))
 
     @classmethod
-    def axis_and_ends(cls, grid: Grid) -> Self:
-        """No radial velocity on the axis, none at all at the bottom, no vertical one at the top."""
-        free = np.ones((grid.row_count + 1, grid.column_count + 1, 2))
-        free[grid.surface_radius == 0.0, 0, 0] = 0.0
-        free[0] = 0.0
-        free[-1, :, 1] = 0.0
-        return cls.where(radial=free[..., 0] == 0.0, vertical=free[..., 1] == 0.0)
-
-    @classmethod
     def where(cls, *, radial: Booleans, vertical: Booleans) -> Self:
         """Nodes held where a mask says so, one mask a component.
 

@@ -110,7 +110,7 @@ def crossing_time(array: Callable[[str], NDArray[Any]], material: Material) -> f
 def _make_move_wall(precision: Precision) -> Any:
     """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
 
-    `motion` is (time [s], speed [m/s], radius [m]) of the wall.
+    `wall_motion` is (time [s], speed [m/s], radius [m]) of the wall.
     """
     real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
 
@@ -172,8 +172,8 @@ def _make_refit_cells(precision: Precision) -> Any:
 def _make_refit_sectors(precision: Precision) -> Any:
     """The same for the cells of a polar grid; launched over cells.
 
-    `angular` holds the integrals over the angle (g sin^2, g' sin cos, g sin cos, g' sin^2, g) of
-    the two rays of each row, `caps` that of sin.
+    `wall_angular` holds the integrals over the angle (g sin^2, g' sin cos, g sin cos, g' sin^2, g)
+    of the two rays of each row, `wall_caps` that of sin.
     """
     real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
     half, sixth, third = (wp.constant(real(x)) for x in (0.5, 1.0 / 6.0, 1.0 / 3.0))

@@ -50,7 +50,7 @@ def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -
             _make_sum_of_strength(law, plan.precision),
             plan.arrays["particle.mass"].shape,
             particle_state=plan.find("particle.state"),
-            properties=setting.material.properties_argument(law),
+            properties=setting.material.launch_properties(law),
             common=law.properties_type(*ratio, *setting.material.properties, *adhesion),
             contact_strength_sum=ShareRow("contact.strength_sum"),
         ),

@@ -63,7 +63,7 @@ def add_energy_balance(plan: Plan, grid: Grid, material: Material) -> None:
         column_count=grid.column_count,
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
-        properties=material.properties_argument(law),
+        properties=material.launch_properties(law),
         particle_state=plan.find("particle.state"),
     )
     # Cells still have the mass of their points, and the rates of the step before.

@@ -44,7 +44,7 @@ def add_plastic_strain_audit(plan: Plan, grid: Grid, material: Material) -> None
         column_count=grid.column_count,
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
-        properties=material.properties_argument(law),
+        properties=material.launch_properties(law),
         particle_state=plan.find("particle.state"),
     )
     # The rates of cells are known, and the stress is still that before the law.

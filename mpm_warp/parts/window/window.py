@@ -88,7 +88,7 @@ class Window:
         return 2.0 * self.ramp_travel / self.first_speed
 
     def time_to(self, travel: float) -> float:
-        """Time to travel so far [s], where the approach is longer than ramp and slowing."""
+        """Time to a travel [m], >= 0, where the approach is longer than ramp and slowing [s]."""
         if travel <= self.ramp_travel:
             return self.ramp_time * math.sqrt(travel / self.ramp_travel)
         if self.approach is None:
@@ -101,7 +101,7 @@ class Window:
         return time + max(0.0, travel - self.approach.travel) / slow
 
     def highest_speed_from(self, travel: float) -> float:
-        """The highest speed that the grid has beyond some travel [m/s]."""
+        """The highest speed that the grid has beyond a travel [m], after the ramp [m/s]."""
         if self.approach is None:
             return self.speed
         left = (self.approach.travel - travel) / self.approach.slowing_travel

@@ -176,7 +176,7 @@ class StepCost(CatalogueScene):
         return result.merge(companion.dataset())
 
     def _companion(self, simulation: Simulation, execution: Execution) -> Companion:
-        """What is measured turn about with the samples, by how the case is computed."""
+        """What is measured after each sample, by how the case is computed."""
         if isinstance(execution, ClockedExecution):
             return StageTimes(simulation, execution)
         if self.cases > 1 or execution.device != "cpu":

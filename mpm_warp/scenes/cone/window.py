@@ -89,16 +89,26 @@ def window_of_test(
 
 
 def unsteady_penetration(window: Window, radius: float, rigidity_index: float) -> float:
-    """Penetration before which no mean of the resistance is taken, over the radius [m]."""
+    """Penetration before which no mean of the resistance is taken, over the radius.
+
+    Args:
+        window: of the test.
+        radius: of the penetrometer [m].
+        rigidity_index: G/su.
+    """
     if window.approach is None:
         return FROM_REST
     return window.approach.travel / radius + forgetting(rigidity_index)
 
 
 def slowing_penetration(window: Window, radius: float) -> tuple[float, float] | None:
-    """Penetrations between which the soil is slowed down, over the radius [m]; or none.
+    """Penetrations between which the soil is slowed down, over the radius; or none.
 
     Its inertia then takes from the resistance up to 1.3 su.
+
+    Args:
+        window: of the test.
+        radius: of the penetrometer [m].
     """
     approach = window.approach
     if approach is None:

@@ -40,37 +40,59 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
         return {}
     depth = recorded.depth.values
     without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
-    share = change_of_resistance(recorded.net_resistance.values / without, ratio)
+    factor = recorded.net_resistance.values / without
+    share = change_of_resistance(factor, ratio)
     distance = (depth - top) / sounding.cone_radius
-    thickness = sounding.layer_thickness
-    if thickness is not None:
-        in_layer = (distance > 0.0) & (distance < thickness / sounding.cone_radius + 5.0)
-        reached = float(np.nanmax(share[in_layer], initial=-math.inf))
-        # Errors of mesh and speed are in both resistances; that of the top grows on the way.
-        relative = math.hypot(_top(sounding, recorded.net_resistance.values / without), NOISE)
-        of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
-        half_width = math.hypot(
-            of_resistances, _of_borders(reached, sounding.cell_size / thickness)
-        )
-        if sounding.strength_changes:  # then no law of the error is known
-            half_width = math.nan
-        return labelled(
-            role="headline",
-            layer_share=(
-                reached,
-                "1",
-                "share of the layer's resistance that is reached",
-                "greatest change, mean over a radius, over that in a layer without end",
-            ),
-        ) | labelled(
-            role="uncertainty",
-            layer_share_uncertainty=(
-                half_width,
-                "1",
-                "uncertainty of the share of the layer's resistance",
-                "half width, 95 %",
-            ),
-        )
+    if sounding.layer_thickness is None:
+        return _ways_felt(distance, share)
+    in_layer = (distance > 0.0) & (distance < sounding.layer_thickness / sounding.cone_radius + 5.0)
+    reached = float(np.nanmax(share[in_layer], initial=-math.inf))
+    return labelled(
+        role="headline",
+        layer_share=(
+            reached,
+            "1",
+            "share of the layer's resistance that is reached",
+            "greatest change, mean over a radius, over that in a layer without end",
+        ),
+    ) | labelled(
+        role="uncertainty",
+        layer_share_uncertainty=(
+            _half_width(sounding, reached, factor),
+            "1",
+            "uncertainty of the share of the layer's resistance",
+            "half width, 95 %",
+        ),
+    )
+
+
+def _half_width(sounding: SoundingTest, reached: float, factor: Floats) -> float:
+    """Half width of the share of a layer's resistance; NaN where no law of the error is known.
+
+    Args:
+        sounding: what was run; its layer has a thickness.
+        reached: the share.
+        factor: net resistance over the strength that the soil would have without the layer, [n].
+    """
+    assert sounding.layer_thickness is not None
+    if sounding.strength_changes:
+        return math.nan
+    ratio = sounding.layer_strength_ratio
+    # Errors of mesh and speed are in both resistances; that of the top grows on the way.
+    relative = math.hypot(_top(sounding, factor), NOISE)
+    of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
+    return math.hypot(
+        of_resistances, _of_borders(reached, sounding.cell_size / sounding.layer_thickness)
+    )
+
+
+def _ways_felt(distance: Floats, share: Floats) -> dict[str, xr.Variable]:
+    """From where above a border, and to where below it, the resistance feels it.
+
+    Args:
+        distance: of the tip below the border, over the cone's radius, shape [n].
+        share: of the change of the resistance that is reached, shape [n].
+    """
     return labelled(
         felt_before=(
             _first(-distance, share > FELT),

@@ -211,7 +211,7 @@ class SoundingTest(CatalogueScene):
     @property
     def surface_passed(self) -> float:
         """Way of a cone from the surface until the layer below it has left the window [m]."""
-        return self._extent_above_tip + (LAYER * self.cone_radius)
+        return self._extent_above_tip + LAYER * self.cone_radius
 
     def is_past_surface(self, way: float) -> bool:
         """Whether the surface is not in the window after a way from the start [m]."""

@@ -36,7 +36,8 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 """Units of each column, and what they are in SI units."""
 REQUIRED = ("depth", "strength")
 STIFFNESS = ("rigidity_index", "shear_modulus")
-NAME = "profile"
+PROFILE = "profile"
+"""The parameter of a sounding that holds such a text, and the table of a study that gives it."""
 
 
 def columns_of(text: str) -> dict[str, Floats]:
@@ -109,4 +110,4 @@ def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
 
 def refused(problem: str) -> ParameterError:
     """The error of a profile, in one line."""
-    return ParameterError(NAME, f"{NAME}: {problem}")
+    return ParameterError(PROFILE, f"{PROFILE}: {problem}")

@@ -3,9 +3,8 @@
 The resistance is corrected as a cone factor is (`mpm_warp.scenes.cone.known_error`), with rigidity
 index and mean strength of the soil around the tip. These laws were measured in uniform, perfectly
 plastic clay; where strain or its rate changes the strength nothing is known, nor while the surface
-of the ground is in the window. Near a
-border they are taken as they are, and the place of the border is known to a cell: half of what a
-shift by one cell changes is a part of the half width.
+of the ground is in the window. Near a border they are taken as they are. The place of the border is
+known to a cell: half of what a shift by one cell changes is a part of the half width.
 """
 
 from __future__ import annotations
@@ -27,7 +26,6 @@ AROUND = 2.0
 SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
 deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
-
 LEFT_BY_SURFACE = 0.026
 """Half width of what the surface leaves when it is out of the window, over the resistance: twice
 what a window of twice the extents changes, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii."""
@@ -36,12 +34,16 @@ what a window of twice the extents changes, 0.6 % smooth and 1.3 % rough, at 20 
 def sample_error(
     sounding: SoundingTest, depth: Floats, resistance: Floats
 ) -> tuple[Floats, Floats]:
-    """Correction of the resistance over the mean strength around the tip, and half width [Pa].
+    """What is known of the error of the samples of a resistance.
 
     Args:
         sounding: what was run.
         depth: of the tip [m], shape [n].
         resistance: net, as simulated [Pa], shape [n].
+
+    Returns:
+        What is to be added to the resistance, over the mean strength around the tip, dimensionless,
+        0 where nothing is known; and the half width of 95 % [Pa], NaN there. Each of shape [n].
     """
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
     strength = ground.strength_at(depth)

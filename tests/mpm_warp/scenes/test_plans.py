@@ -13,7 +13,7 @@ STEP = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_p
 
 
 def kernels(plan: Plan) -> list[str]:
-    return [launch.kernel.key.split("__")[-1] for launch in plan.step]
+    return [launch.name for launch in plan.step]
 
 
 @pytest.mark.parametrize("name", scene_names())

@@ -10,9 +10,9 @@ import pytest
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.edges import axis_and_ends
 
 
 def test_its_springs_are_those_of_an_elastic_cavity(
@@ -59,7 +59,7 @@ def test_the_springs_of_the_far_field_rise_with_the_soil(cone: Scene) -> None:
     grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
     assert cone.far_field is not None
     limp = dataclasses.replace(cone.far_field, spring=0.0 * cone.far_field.spring)
-    fixed = Fixed.axis_and_ends(grid)
+    fixed = axis_and_ends(grid)
     still = dataclasses.replace(cone, grid=grid, contact=None, fixed=fixed, far_field=limp)
     simulation = Simulation(still)
     count = simulation.array("far_field.displacement").shape[0]

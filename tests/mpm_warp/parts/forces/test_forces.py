@@ -9,13 +9,13 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.parts.part import NodeAction
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.edges import axis_and_ends
 
 
 def after_a_step(scene: Scene, *forces: NodeAction) -> Simulation:
@@ -66,7 +66,7 @@ def test_a_node_without_soil_has_neither_load_nor_weight(floating: Scene) -> Non
 
 
 def test_fixed_nodes_are_at_rest_along_what_is_held(floating: Scene, rectilinear: Grid) -> None:
-    fixed = Fixed.axis_and_ends(rectilinear)
+    fixed = axis_and_ends(rectilinear)
     simulation = after_a_step(dataclasses.replace(floating, fixed=fixed))
     shape = (rectilinear.row_count + 1, rectilinear.column_count + 1, 4)
     velocity = simulation.array("node.velocities").reshape(shape)[..., :2]

@@ -11,12 +11,12 @@ import warp as wp
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.materials.material import PROPERTIES, Material
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.window import Approach
 from mpm_warp.planning import make_plan
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.edges import axis_and_ends
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ def _make_ageing(precision: Precision) -> Any:
 def empty(cone: Scene) -> Scene:
     """The window without a penetrometer in it."""
     grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
-    fixed = Fixed.axis_and_ends(grid)
+    fixed = axis_and_ends(grid)
     return dataclasses.replace(cone, grid=grid, contact=None, fixed=fixed)
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import GroundGrid
-from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.passing_surface import PassingSurface
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.edges import axis_and_ends
 
 LEVEL_ROW = 5
 """Number of the row of nodes at the surface."""
@@ -30,7 +30,7 @@ def ground(cone: Scene) -> Scene:
         cone,
         grid=GroundGrid.of(plain, level),
         contact=None,
-        fixed=Fixed.axis_and_ends(plain),
+        fixed=axis_and_ends(plain),
         window=dataclasses.replace(cone.window, spare_fraction=3.0),
         free_surface=True,
         passing_surface=PassingSurface(level=level, layer=layer, pic_fraction=0.25),
