@@ -114,7 +114,11 @@ def spoken(name: Hashable) -> str:
 
 def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
     """The half width of each case's headline, not a number where none is known."""
-    return over_cases(dataset, next(iter(with_role(dataset, Role.UNCERTAINTY)), math.nan))
+    known = over_cases(dataset, math.nan)
+    # Each scene has a headline of its own, which the cases of the others do not have.
+    for name in with_role(dataset, Role.UNCERTAINTY):
+        known = np.where(np.isnan(known), over_cases(dataset, name), known)
+    return known
 
 
 def known_digits(value: float, half_width: float) -> str:
@@ -141,11 +145,26 @@ def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:
 
 
 def varied_names(dataset: xr.Dataset) -> list[str]:
-    """What a study varies: the dims of cases, or the coordinates along the dim `case`."""
+    """What a study varies: the dims of cases, or the coordinates along the dim `case`.
+
+    With several scenes there are coordinates that only some of them have: such a one counts where
+    these differ in it.
+    """
+    names = _axes_and_coordinates(dataset)
+    if "scene" not in names:
+        return names
+    return [name for name in names if name == "scene" or _is_varied(dataset, name)]
+
+
+def _axes_and_coordinates(dataset: xr.Dataset) -> list[str]:
     if case_dims(dataset) != (CASE,):
         return list(case_dims(dataset))
     along = (str(name) for name, array in dataset.coords.items() if array.dims == (CASE,))
     return [name for name in along if name not in (CASE, "scene_version")]
+
+
+def _is_varied(dataset: xr.Dataset, name: str) -> bool:
+    return len({value for value in over_cases(dataset, name).tolist() if is_there(value)}) > 1
 
 
 def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
@@ -218,7 +237,7 @@ def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
         stored if (stored := f"{it}{PARAMETER_SUFFIX}") in dataset else it for it in known
     ]
     if "status" in dataset.variables:
-        parameters += [name for name in varied_names(dataset) if name != "scene"]
+        parameters += [name for name in _axes_and_coordinates(dataset) if name != "scene"]
         # Scalars are parameters that are the same in all cases, unless there is one case alone.
         parameters += [
             str(name)

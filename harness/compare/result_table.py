@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import COMPLETED, Role, limits_of, over_cases, spoken, with_role
+from harness.archive.conventions import (
+    CASE,
+    COMPLETED,
+    Role,
+    limits_of,
+    over_cases,
+    scenes_of,
+    spoken,
+    with_role,
+)
 from harness.compare.cone_factor_table import cone_factor_table
 from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.finest_error import error_name
@@ -23,10 +33,25 @@ from harness.references.cone_factors import COMPARED
 def result_table(dataset: xr.Dataset) -> str:
     """A text table for a terminal: one row a case, and how to read it below.
 
+    Where cone factors stand beside results of other scenes, these have a table of their own.
+
     Raises:
         NothingToCompareError: no case has a result, or a cone factor lacks its parameters.
     """
-    return cone_factor_table(dataset) if COMPARED in dataset else _exact_table(dataset)
+    if COMPARED not in dataset:
+        return _exact_table(dataset)
+    scenes = np.array(scenes_of(dataset))
+    of_cones = np.isin(scenes, scenes[np.isfinite(over_cases(dataset, COMPARED).astype(float))])
+    if of_cones.all() or not of_cones.any():
+        return cone_factor_table(dataset)
+    tables = cone_factor_table(_cases(dataset, of_cones)), _exact_table(_cases(dataset, ~of_cones))
+    return "\n\n".join(tables)
+
+
+def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
+    """Some cases of several scenes, with the variables that they have."""
+    part = dataset.isel({CASE: np.flatnonzero(chosen)})
+    return part.drop_vars([name for name, it in part.data_vars.items() if it.isnull().all()])
 
 
 def _exact_table(dataset: xr.Dataset) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from harness.archive.conventions import uncertainty_of, varied_names
 from harness.compare.cone_factors import NothingToCompareError
 from harness.compare.result_table import result_table
 from mpm_warp.results import labelled
@@ -44,6 +45,46 @@ def test_a_headline_has_the_half_width_that_is_stated_of_it() -> None:
     lines = result_table(stated).splitlines()
     assert lines[3].split()[1:4] == ["5.75", "+-", "0.02"]
     assert lines[4].split()[1] == "6.10"
+
+
+def cone_and_bar() -> xr.Dataset:
+    """A cone and two T-bars; only the cone has an apex angle, only a T-bar a half width."""
+    nan, dims = np.nan, ("case",)
+    headlines = labelled(
+        dims=dims,
+        role="headline",
+        cone_factor=([11.36, nan, nan], "1", "cone factor"),
+        resistance_factor=([nan, 10.81, 9.12], "1", "resistance factor"),
+    )
+    half_widths = labelled(
+        dims=dims,
+        role="uncertainty",
+        cone_factor_uncertainty=([0.11, nan, nan], "1", "uncertainty"),
+        resistance_factor_uncertainty=([nan, 0.07, nan], "1", "uncertainty"),
+    )
+    coordinates = {
+        "scene": (dims, ["cone_penetration", "t_bar_penetration", "t_bar_penetration"]),
+        "adhesion_factor": (dims, [0.5, 0.5, 0.0]),
+        "rigidity_index": (dims, [100.0, 100.0, 100.0]),
+        "apex_angle": (dims, [60.0, nan, nan]),
+    }
+    made = xr.Dataset(headlines | half_widths, coords=coordinates)
+    return made.assign(status=(dims, ["completed"] * 3))
+
+
+def test_cones_and_other_scenes_have_a_table_each() -> None:
+    cones, others = (it.splitlines() for it in result_table(cone_and_bar()).split("\n\n")[::2])
+    assert cones[3].split()[:4] == ["cone_penetration", "11.36", "+-", "0.11"]
+    assert others[3].split() == ["t_bar_penetration", "0.5", "10.81", "+-", "0.07", "completed"]
+    assert others[4].split() == ["t_bar_penetration", "0", "9.12", "completed"]
+
+
+def test_of_several_scenes_a_parameter_is_varied_where_it_differs() -> None:
+    assert set(varied_names(cone_and_bar())) == {"scene", "adhesion_factor"}
+
+
+def test_each_scene_has_the_half_width_of_its_own_headline() -> None:
+    np.testing.assert_array_equal(uncertainty_of(cone_and_bar()), [0.11, 0.07, np.nan])
 
 
 def test_nothing_is_compared_where_nothing_completed() -> None:
