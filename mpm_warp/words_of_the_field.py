@@ -21,10 +21,19 @@ MEANT: dict[tuple[str, ...], dict[str, str]] = {
         "adhesion_factor": "adhesion over su, 0 smooth to 1 rough",
         "adhesion": "in Pa",
     },
-    ("delta", "k0", "anisotropy"): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
-    ("mu", "friction"): {
+    ("k0", "anisotropy"): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
+    ("delta",): {
+        "stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)",
+        "remoulded_strength_ratio": "1 / sensitivity",
+    },
+    ("friction",): {
         "friction_coefficient": "tan of the angle of friction",
         "friction": "tan of the angle of friction",
+    },
+    ("mu",): {
+        "friction_coefficient": "tan of the angle of friction",
+        "friction": "tan of the angle of friction",
+        "rate_factor": "what a log cycle of strain rate adds to su, over su",
     },
     ("sensitivity", "st", "delta_rem", "remoulded_strength"): {
         "remoulded_strength_ratio": "1 / sensitivity"
@@ -76,7 +85,9 @@ def what_to_give(word: str, known: Container[str]) -> str:
     if small in RESULTS:
         return "; it is a result, not a parameter"
     meanings = next((them for words, them in MEANT.items() if small in words), {})
-    for name, value in meanings.items():
-        if name in known:
-            return f"; give {name!r}" + (f", {value}" if value else "")
-    return ""
+    offers = [
+        f"{name!r}" + (f", {value}" if value else "")
+        for name, value in meanings.items()
+        if name in known
+    ]
+    return f"; give {', or '.join(offers)}" if offers else ""
