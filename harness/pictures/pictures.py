@@ -23,6 +23,7 @@ from harness.pictures.drawing.plot_parts import image
 from harness.pictures.effects import effects_figure, shows_effects
 from harness.pictures.map import map_figure, shows_map
 from harness.pictures.resistance import resistance_figure, shows_resistance
+from harness.pictures.scenes import scenes_figure, shows_scenes
 from harness.pictures.sounding import shows_sounding, sounding_figure
 from harness.pictures.stability.outcomes import shows_stability
 from harness.pictures.stability.stability_map import stability_figure
@@ -37,6 +38,7 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "cycles": (shows_cycles, cycles_figure),
     "effects": (shows_effects, effects_figure),
     "cases": (shows_cases, cases_figure),
+    "scenes": (shows_scenes, scenes_figure),
     "work_precision": (shows_work_precision, study_figure),
     "resistance": (shows_resistance, resistance_figure),
     "stability": (shows_stability, stability_figure),
