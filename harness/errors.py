@@ -1,11 +1,11 @@
-"""Errors that the user can put right, and how the user is told."""
+"""Errors that the user can put right, and how they are reported."""
 
 from __future__ import annotations
 
 import sys
 
 LONGEST_LINE = 1000
-"""Characters of a line that the user is told."""
+"""Characters of a line that is reported."""
 
 
 class HarnessError(Exception):

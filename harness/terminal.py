@@ -16,7 +16,7 @@ def coloured(text: str, *, is_good: bool, stream: TextIO | None = None) -> str:
 
     Args:
         text: what is to be printed.
-        is_good: whether it tells of what went well.
+        is_good: whether it reports what went well.
         stream: where it is to be printed; default: standard output.
     """
     to_terminal = (stream or sys.stdout).isatty()

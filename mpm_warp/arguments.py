@@ -1,6 +1,6 @@
 """Checks of what a user gives: numbers, arrays, indices. Kernels do not check the bounds of arrays.
 
-Each check raises an error of one line: which argument, its value, and what is allowed. A name tells
+Each check raises an error of one line: which argument, its value, and what is allowed. A name has
 the part too: "contact: nodes".
 """
 

@@ -39,7 +39,7 @@ class Parameter:
         name: field name in the scene.
         kind: ``float``, ``int``, ``bool`` or ``str``.
         default: value where none is given; None where the scene derives it from the others, or
-            where there may be none, as `meaning` tells.
+            where there may be none, as `meaning` says.
         unit: SI unit, "1" for a dimensionless number.
         meaning: one phrase for help, documentation and the long names of datasets.
         minimum, maximum: inclusive bounds.
@@ -139,7 +139,7 @@ def parameter(
 
     Args:
         default: value where none is given; None where the scene derives it from the others, or
-            where there may be none, as `meaning` is to tell.
+            where there may be none, as `meaning` has to say.
         unit: SI unit, "1" for a dimensionless number.
         meaning: one phrase for help, documentation and datasets.
         minimum: least value that is allowed.

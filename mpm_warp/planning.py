@@ -19,7 +19,7 @@ from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
 from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.parts.window.inflow import add_inflow
 from mpm_warp.parts.window.resting_ground import add_ground_below, add_resting_ground
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.window.window import Window, add_window_motion
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import PRECISIONS
@@ -74,7 +74,7 @@ def make_soil_plan(
         add_origin(plan)
         add_plastic_strain(plan)
     if window is not None:
-        window.add_motion(plan)
+        add_window_motion(plan)
     interpolation = (
         add_velocity_interpolation(plan, grid) if scene.conservative_interpolation else None
     )

@@ -15,7 +15,7 @@ ROLES = ("headline", "uncertainty", "settled", "exact", "error", "measured", "pa
 
 - headline: the scalar that the scene is run for; one in each dataset.
 - uncertainty: half width of the interval that holds the true headline with 95 %; not a number where
-  it is not known, and the attribute `not_known` then tells why.
+  it is not known, and the attribute `not_known` then says why.
 - settled: whether the headline has settled; 0 where the run was too short for it.
 - exact: an exact value or curve; the attribute `exact_of` names the variable that it belongs to.
 - error: a scalar error against an exact solution.

@@ -1,4 +1,4 @@
-"""From a run to its dataset: samplers take down what they watch, at the moments of a schedule."""
+"""From a run to its dataset: samplers record what they watch, at the moments of a schedule."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ PORE_PRESSURE_IS = (
 
 
 class Sampler(Protocol):
-    """Takes down what it watches of a run."""
+    """Records what it watches of a run."""
 
     def sample(self) -> None:
-        """Take down the run as it is now."""
+        """Record the run as it is now."""
 
     def dataset(self) -> xr.Dataset:
-        """What has been taken down so far, as curves or scalars."""
+        """What has been recorded so far, as curves or scalars."""
 
 
 def never() -> bool:
@@ -52,11 +52,11 @@ def follow(
         reach: advances the simulation to a moment.
         samplers: each takes a sample at every moment. A step may go past several moments, so that
             the simulation may not have moved since the sample before.
-        progress: is told the fraction done, at last 1.
+        progress: receives the fraction done, at last 1.
         is_over: asked after every sample whether the run may end there.
 
     Returns:
-        What the samplers have taken down, and what the run has cost.
+        What the samplers have recorded, and what the run has cost.
 
     Raises:
         SimulationDiverged: the run became unstable; its `curves` are those up to there.
@@ -81,7 +81,7 @@ def follow(
 
 
 def even_steps(step_count: int, count: int = 20) -> list[int]:
-    """Steps at even distances up to the last one, at which a run of many steps tells its progress.
+    """Steps at even distances up to the last one, at which a run of many steps reports progress.
 
     Args:
         step_count: steps of the run, >= 1.

@@ -149,6 +149,7 @@ class Scene:
         turns = isinstance(self.window, CyclicWindow)
         for name, does_not_go_with, why in (
             ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
+            ("moving_wall", self.grid.columns[-1] > 1.0, "columns beyond the fitted radius"),
             ("moving_wall", self.window, "a window"),
             ("window", self.grid.polar, "a grid of rays"),
             ("window", turns and varies, "a material that varies, where it is cyclic"),

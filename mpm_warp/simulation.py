@@ -24,7 +24,7 @@ from mpm_warp.watch.watch import make_watch
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
 NOTHING_TRAVELS = "has no window: nothing travels"
-"""Of a scene that is asked for its travel, or told to."""
+"""Of a scene that is asked for its travel, or to travel."""
 
 
 class Simulation:

@@ -66,7 +66,7 @@ class Snapshots:
         return bool(self._left) and moment >= self._left[0] * (1.0 - ROUNDING)
 
     def take(self, moment: float, fields: Variables) -> None:
-        """Take down fields, of the same names each time, for all moments that a run has reached."""
+        """Record fields, of the same names each time, for all moments that a run has reached."""
         while self.is_due(moment):
             del self._left[0]
         self._taken.append((moment, fields))

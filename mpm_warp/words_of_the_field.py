@@ -1,4 +1,4 @@
-"""Symbols and words of the field for parameters, so that who gives one is told what to give."""
+"""Symbols and words of the field for parameters, so that a message can say what to give."""
 
 from __future__ import annotations
 

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 
 from harness.references.cone_factors import Conditions, cone_factor_reference
-from mpm_warp.scenes.cone.known_error import (
+from mpm_warp.scenes.cone.error_laws import (
     FACE,
     FACE_ERRORS,
     GROWTH_ERROR,
+    LARGEST_CELL,
     RIGIDITY_INDICES,
     WIDE,
     WIDE_ERROR,
     mesh_error,
 )
-from mpm_warp.scenes.cone.stated_error import LARGEST_CELL
 
 STUDIES = Path(__file__).parent.parent / "studies"
 GROWTH = 0.4

@@ -8,7 +8,7 @@ harness, which knows no other names of results than those below.
 ===============  ===================================================================================
 ``headline``     the scalar that the scene is run for; without a finite one no case is `completed`
 ``uncertainty``  half width of 95 % of the headline; not a number where it is not known
-``settled``      whether the headline has settled; what has not says nothing of an error
+``settled``      whether the headline has settled; where not, no error is derived from it
 ``exact``        an exact value or curve; the attribute ``exact_of`` names what it belongs to
 ``error``        a scalar error against an exact solution
 ``measured``     a time, a speed or an amount of memory: it differs from run to run
@@ -21,7 +21,7 @@ The attribute ``limit`` is the largest size that a variable may have; beyond it 
 `inaccurate`.
 
 Results that the harness reads by name: `status`, `message` and `case_key` of each case; `run_time`
-[s] and `particle_updates`, which every scene tells; `case_time` [s] and `peak_memory` [byte], which
+[s] and `particle_updates`, which every scene gives; `case_time` [s] and `peak_memory` [byte], which
 the harness measures, and `run_time_sample` over the dim `repeat` of timed runs; `error` against an
 exact solution. Only a table or a picture that is meant for one kind of scene knows more names.
 """

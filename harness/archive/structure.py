@@ -2,7 +2,7 @@
 
 A digest says that a file is as it was written. It does not say who wrote it: these checks are for
 files of other programs, and for those from before there were digests. They need the outline of a
-result, not its numbers: so the status of a case can be told without reading them.
+result, not its numbers: so the status of a case is known without reading them.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ def read_result(path: Path) -> xr.Dataset:
 
 @contextmanager
 def working_on(*paths: Path) -> Iterator[None]:
-    """What a result lacks that no check of its structure has foreseen is told of its file.
+    """What a result lacks that no check of its structure has foreseen is reported with its file.
 
     Args:
         paths: the files whose results are worked on.

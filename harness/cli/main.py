@@ -92,7 +92,7 @@ def _parsed(parser: argparse.ArgumentParser, given: Sequence[str]) -> argparse.N
 
     Raises:
         HarnessError: something is wrong with the command line.
-        SystemExit: a value is, which the parser has told; or help was asked for.
+        SystemExit: a value is, which the parser has reported; or help was asked for.
     """
     if (problem := slip(given, COMMANDS)) is not None:
         raise HarnessError(problem)

@@ -1,4 +1,4 @@
-"""Slips of a command line that its parser could not explain: told in one line, with a remedy."""
+"""Slips of a command line that its parser could not explain: one line, with a remedy."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Results held against references, tolerances and each other."""
+"""Results compared with references, tolerances and each other."""

@@ -28,7 +28,7 @@ from harness.compare.text_table import (
 from harness.references.cone_factors import ENVELOPE, ConeFactor, envelope, envelope_applies
 
 RESOLUTION = "cells_per_radius"
-"""The parameter that refines the mesh: its finest two values tell the discretisation's share."""
+"""The parameter that refines the mesh: its finest two values give the discretisation's share."""
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:

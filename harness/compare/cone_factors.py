@@ -65,7 +65,7 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
     Returns:
         The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
         each id, over the dims of `cone_factor`. Values are given outside the range of a
-        reference too; its attribute `validity` tells that range.
+        reference too; its attribute `validity` gives that range.
 
     Raises:
         UnknownReferenceError: an id is unknown.

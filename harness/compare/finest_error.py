@@ -20,7 +20,7 @@ from harness.compare.cone_factors import NothingToCompareError
 from harness.study.compared import ERROR, ERROR_FINEST
 
 FLOOR = "error_floor"
-"""What an error against a reference of a stated uncertainty cannot be told from nothing by."""
+"""Uncertainty of the reference: an error below it cannot be distinguished from 0."""
 
 
 def error_name(dataset: xr.Dataset) -> str | None:
@@ -29,7 +29,7 @@ def error_name(dataset: xr.Dataset) -> str | None:
 
 
 def states_its_error(dataset: xr.Dataset) -> np.ndarray:
-    """Whether each case tells what is known of its own error; yes where no case of a result does.
+    """Whether each case states its own error; yes where no case of a result does.
 
     A case that does not may come near the reference by luck, where two errors cancel each other.
     """
@@ -38,7 +38,7 @@ def states_its_error(dataset: xr.Dataset) -> np.ndarray:
 
 
 def credited_error(dataset: xr.Dataset) -> np.ndarray:
-    """The error that is told of the settings of each case, dimensionless, shape [case].
+    """The error that counts for the settings of each case, dimensionless, shape [case].
 
     That is the greatest of the error measured, the uncertainty of the reference, and the half width
     that the case itself states over its headline: where two errors cancel each other, the measured

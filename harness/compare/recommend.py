@@ -92,7 +92,7 @@ def results_in(folder: Path) -> list[Path]:
 
 
 def _has(file: Path, scene: str) -> bool:
-    """Whether a file is the result of a study of the scene, or cannot be read, which is told."""
+    """Whether a file is a result of the scene, or cannot be read, which is reported later."""
     try:
         attributes = read_attributes(file)
     except ArchiveError:

@@ -85,8 +85,8 @@ class Approach:
 def approach(h: Floats, values: Floats) -> Approach | None:
     """The order and limit observed from the three finest values; None where there are none.
 
-    Richardson's extrapolation, with an order that the three values tell: so they have to change in
-    one direction, and by less and less. None also where the order is not within `ORDERS`.
+    Richardson's extrapolation, with the order that follows from the three values: so they have to
+    change in one direction, and by less and less. None also where the order is not within `ORDERS`.
 
     Args:
         h: what goes to zero with refinement, > 0.

@@ -34,7 +34,7 @@ ROW_HEIGHT, MARGIN = 0.3, 1.6
 
 
 def shows_tornado(dataset: xr.Dataset) -> bool:
-    """Whether a result tells what each of several parameters does alone."""
+    """Whether a result shows what each of several parameters does alone."""
     studied = Studied.of(dataset)
     if studied is None or studied.design != ONE_AT_A_TIME or not np.isfinite(studied.computed[0]):
         return False

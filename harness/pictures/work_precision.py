@@ -32,7 +32,7 @@ from harness.pictures.drawing.values import Floats
 from harness.pictures.problems import problem_names, problems_of, setting_of, settings_key
 
 FRONT = "front: no other is faster and better"
-NOT_STATED = "tells nothing of its own error"
+NOT_STATED = "does not state its own error"
 OF_HALF_WIDTH = "An error is no less than the half width that the case states."
 LEGEND_LINE = 0.15
 """Inches of a line of a legend."""

@@ -60,7 +60,7 @@ class ConeFactor:
         id: name in study definitions and in the variables of a result.
         label: authors and year, for pictures.
         formula: the formula as text.
-        evaluate: the formula; it extrapolates, :meth:`applies` tells where it should not.
+        evaluate: the formula; it extrapolates, :meth:`applies` says where it should not.
         criterion: yield criterion, and which strength su means where the source says so.
         method: how the source arrived at the formula.
         source: where it was published.
@@ -97,7 +97,7 @@ class ConeFactor:
     def applies(self, conditions: Conditions) -> Quantity:
         """Whether `conditions` lie within the :attr:`validity`, element by element.
 
-        The yield criterion and the meaning of su, which :attr:`criterion` tells, are not checked.
+        The yield criterion and the meaning of su, which :attr:`criterion` says, are not checked.
         """
         low, high = self.rigidity_index_range
         inside = (

@@ -50,7 +50,7 @@ def connect(address: str) -> Client:
     Raises:
         ClusterError: it cannot be reached.
     """
-    # What they remark would run into the progress display; what matters is told by ClusterError.
+    # What they remark would run into the progress display; what matters is in the ClusterError.
     for name in logging.root.manager.loggerDict:
         if name.startswith(("asyncio", "distributed", "tornado")):
             logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -79,7 +79,7 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
         cases: what to run.
         folder: where the case files are.
         client: of the cluster.
-        watcher: is told what goes on.
+        watcher: receives reports of what goes on.
 
     Raises:
         ClusterError: the scheduler is lost.

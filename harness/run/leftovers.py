@@ -27,7 +27,7 @@ class Leftover:
     Attributes:
         path: the file, or the link.
         what: it is, in words.
-        mark: tells it from another file that has its name later.
+        mark: distinguishes it from another file that has its name later.
     """
 
     path: Path

@@ -1,4 +1,4 @@
-"""What a case may take: its memory is predicted before it begins, and a long one is told of."""
+"""What a case may take: its memory is predicted before it begins, and a long one is reported."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.scenes import CatalogueScene
 
 LONG = 24 * 3600.0
-"""Time of a case beyond which a run tells of it before it begins [s]."""
+"""Time of a case beyond which a run reports it before it begins [s]."""
 PROCESS_MEMORY = 300e6
 """What a process takes before it runs a case: the interpreter and its libraries [byte]."""
 SNAPSHOT_BYTES = 150.0

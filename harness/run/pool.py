@@ -24,7 +24,7 @@ LONGEST_WAIT = 3600.0
 
 
 class Watcher(Protocol):
-    """Is told what goes on while cases run."""
+    """Receives reports of what goes on while cases run."""
 
     def advanced(self, case: Case, fraction: float) -> None:
         """A running case has come to `fraction`, 0 to 1."""
@@ -56,7 +56,7 @@ def run_cases(
         cases: what to run, in this order.
         folder: where the case files are.
         worker_count: greatest number of processes at work.
-        watcher: is told what goes on.
+        watcher: receives reports of what goes on.
         device: where the cases are computed.
         threads: for each case; None: the cases at work share the cores, whose number may be more
             than theirs where there are few, or few left.

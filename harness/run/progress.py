@@ -14,7 +14,7 @@ from harness.study.cases import Case
 from harness.terminal import coloured
 
 NOTICED = 0.05
-"""Seconds to start or to compile that are told, at least."""
+"""Seconds to start or to compile that are shown, at least."""
 
 
 class Display(AbstractContextManager["Display"]):

@@ -23,7 +23,7 @@ from harness.study.cases import Case
 from harness.study.study import Study
 
 RunCases = Callable[[Sequence[Case], Path, Watcher], None]
-"""Runs cases, keeps their results in a folder, and tells a watcher."""
+"""Runs cases, keeps their results in a folder, and reports to a watcher."""
 
 
 def on_this_machine(

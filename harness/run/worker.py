@@ -75,7 +75,7 @@ def compute(
 
     Args:
         case: the case.
-        progress: is told the fraction done now and then.
+        progress: receives the fraction done now and then.
         execution: where it is computed, and on how many threads; default: one of the processor.
         repeats: times to run it again to measure its run time warm.
         memory_limit: memory that the process may take [byte]; None: most of this machine's.

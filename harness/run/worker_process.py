@@ -21,7 +21,7 @@ from harness.run.measuring import case_time
 from harness.study.cases import Case
 
 GRACE = 2.0
-"""Seconds that workers have to end after they were told to."""
+"""Seconds that workers have to end after they were asked to."""
 SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Environment that keeps numerical libraries of a worker to one thread."""
 

@@ -125,7 +125,7 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     values: dict[str, Any] = {}
     for base, its_own in bases:
         values = _standing_on(values, its_own)
-        _read(base, values, {})  # what is wrong there is to be told of that file
+        _read(base, values, {})  # what is wrong there is reported with the name of that file
     return _read(path, _standing_on(values, own), assignments)
 
 

@@ -1,4 +1,4 @@
-"""Tables of a study file, asked for their keys; what is wrong is told in one line.
+"""Tables of a study file, asked for their keys; what is wrong is reported in one line.
 
 The line names the place, the key, the value, what is allowed, and the nearest valid name.
 """
@@ -59,7 +59,7 @@ class Table:
         return Table(f"{self.where} [{key}]", value)
 
     def text(self, key: str, remedy: str) -> str:
-        """A text of one line that must be there; `remedy` is told where it is not."""
+        """A text of one line that must be there; `remedy` says what to do where it is not."""
         if key not in self.values:
             raise StudyError(f"{self.where} {key}: is missing{remedy}")
         value = self.values[key]

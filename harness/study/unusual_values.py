@@ -1,4 +1,4 @@
-"""Values that are allowed, but off by what looks like a unit: told in one line each.
+"""Values that are allowed, but off by what looks like a unit: reported in one line each.
 
 A warning needs every value that the study gives to be outside the usual range, and inside it in
 another unit: a study that goes through many orders of magnitude means what it says.

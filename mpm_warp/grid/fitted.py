@@ -2,11 +2,12 @@
 
 A node sits at
 
-    r(i, j) = surface_radius[j] + (outer_radius - surface_radius[j]) * columns[i]
-    z(i, j) = rows[j]
+    r(i, j) = s + (fitted_radius - s) * columns[i]      s = surface_radius[j] where columns[i] < 1,
+    z(i, j) = rows[j]                                       0 beyond
 
 so the first column of nodes lies on the surface, a penetrometer say, and nowhere else does the
-grid need to know of it. With a surface radius of zero the grid is rectilinear. Inside a cell the
+grid need to know of it. Columns follow the surface less and less up to the fitted radius, and are
+upright from there on. With a surface radius of zero the grid is rectilinear. Inside a cell the
 map from natural coordinates (xi, eta), both from 0 to 1, to (r, z) is bilinear and its inverse has
 a closed form.
 
@@ -47,12 +48,13 @@ class Grid:
     """A structured grid of bilinear cells, axisymmetric or, of unit thickness, in plane strain.
 
     Attributes:
-        columns: where the columns of nodes stand between surface (0) and outer radius (1),
-            rising, shape [column_count + 1], dimensionless.
+        columns: where the columns of nodes stand, rising from 0 on the surface to 1 at the fitted
+            radius, which one of them is at; beyond, radius over fitted radius;
+            shape [column_count + 1], dimensionless.
         rows: heights z of the rows of nodes, rising [m], shape [row_count + 1].
         surface_radius: radius of the inner surface on each row of nodes [m],
             shape [row_count + 1]; 0 on the axis.
-        outer_radius: radius of the last column of nodes [m].
+        fitted_radius: radius from which on the columns of nodes are upright [m].
         planar: whether strain is plane; r is then a Cartesian coordinate.
 
     Raises:
@@ -62,7 +64,7 @@ class Grid:
     columns: Floats
     rows: Floats
     surface_radius: Floats
-    outer_radius: float
+    fitted_radius: float
     planar: bool = False
     polar: ClassVar[bool] = False
     """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
@@ -78,11 +80,11 @@ class Grid:
                 raise SceneError(
                     f"grid: {name}[{falls[0] + 1}] = {next_one:g} must be > {one:g}, the one before"
                 )
-        if self.columns[0] != 0.0 or self.columns[-1] != 1.0:
+        if self.columns[0] != 0.0 or 1.0 not in self.columns:
             ends = f"{self.columns[0]:g} to {self.columns[-1]:g}"
-            raise SceneError(f"grid: columns are from {ends}, must be from 0 to 1")
-        check_number("grid: outer_radius", self.outer_radius, POSITIVE, unit="m")
-        within = Range(minimum=0.0, below=self.outer_radius)
+            raise SceneError(f"grid: columns are from {ends}, must be from 0 and one of them 1")
+        check_number("grid: fitted_radius", self.fitted_radius, POSITIVE, unit="m")
+        within = Range(minimum=0.0, below=self.fitted_radius)
         check_array("grid: surface_radius", self.surface_radius, self.rows.shape, within)
         check_kind("grid: planar", self.planar, (bool, np.bool_))
 
@@ -93,6 +95,11 @@ class Grid:
     def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
         """Whether there is soil at positions [m] of shape [count, 2] before anything moves."""
         return np.ones(len(position), dtype=np.bool_)
+
+    @property
+    def outer_radius(self) -> float:
+        """Radius of the last column of nodes [m]."""
+        return self.fitted_radius * float(self.columns[-1])
 
     @property
     def column_count(self) -> int:
@@ -121,8 +128,8 @@ class Grid:
     def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
         """Position (r, z) [m] of natural coordinates in cells, shape [..., 2]."""
         fraction = self.columns[column] + xi * np.diff(self.columns)[column]
-        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
-        radius = surface + (self.outer_radius - surface) * fraction
+        surface = self._followed(column, row, eta)
+        radius = surface + (self.fitted_radius - surface) * fraction
         height = self.rows[row] + eta * np.diff(self.rows)[row]
         return np.stack(np.broadcast_arrays(radius, height), axis=-1)
 
@@ -133,7 +140,7 @@ class Grid:
         Soil may stand out a little: it then has the velocity of the side.
         """
         below, above = np.diff(self.rows)[[0, -1]]
-        beside = np.diff(self.columns)[-1] * self.outer_radius
+        beside = np.diff(self.columns)[-1] * self.fitted_radius
         lower = np.array([0.0, self.rows[0] - below])
         return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
 
@@ -142,10 +149,21 @@ class Grid:
         """Unit normals of an inner surface that is a cylinder, into the soil, for each row."""
         return np.tile([1.0, 0.0], (self.row_count + 1, 1))
 
+    def width(self, column: Integers, row: Integers, eta: Floats) -> Floats:
+        """Of cells at natural heights [m], shape [...]."""
+        span = self.fitted_radius - self._followed(column, row, eta)
+        widths: Floats = span * np.diff(self.columns)[column]
+        return widths
+
+    def _followed(self, column: Integers, row: Integers, eta: Floats) -> Floats:
+        """Radius of the surface that cells follow at natural heights, 0 where upright [m]."""
+        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
+        followed: Floats = np.where(self.columns[column] < 1.0, surface, 0.0)
+        return followed
+
     def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
         """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
-        surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
-        width = (self.outer_radius - surface) * np.diff(self.columns)[column]
+        width = self.width(column, row, eta)
         weight = self.weight(self.place(column, row, xi, eta)[..., 0])
         volumes: Floats = weight * width * np.diff(self.rows)[row]
         return volumes
@@ -153,8 +171,8 @@ class Grid:
     @cached_property
     def node_positions(self) -> Floats:
         """Positions (r, z) of the nodes [m], shape [node_count, 2]."""
-        surface = self.surface_radius[:, None]
-        radius = surface + (self.outer_radius - surface) * self.columns
+        surface = np.where(self.columns < 1.0, self.surface_radius[:, None], 0.0)
+        radius = surface + (self.fitted_radius - surface) * self.columns
         height = np.broadcast_to(self.rows[:, None], radius.shape)
         return np.stack([radius, height], axis=-1).reshape(-1, 2)
 

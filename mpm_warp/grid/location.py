@@ -1,7 +1,8 @@
 """Where a particle is in its cell: natural coordinates, on a fitted or a polar grid.
 
-Symbols: g column coordinate (0 on the surface, 1 at the outer radius), s radius of the surface,
-D the difference across the cell; column[i] = (g, Dg, 1/Dg), row[j] = (z, Dz, 1/Dz, s, Ds).
+Symbols: g column coordinate (0 on the surface, 1 at the fitted radius, beyond it the radius over
+that), s radius of the surface, 0 beyond the fitted radius, D the difference across the cell;
+column[i] = (g, Dg, 1/Dg), row[j] = (z, Dz, 1/Dz, s, Ds).
 """
 
 import functools
@@ -18,8 +19,8 @@ class Location:
     """Device functions that place a particle in its cell.
 
     Attributes:
-        natural: (position, column, row, outer radius) -> (xi, eta).
-        settle: (position, cell, columns, rows, outer radius, cell counts) -> cell after a move.
+        natural: (position, column, row, fitted radius) -> (xi, eta).
+        settle: (position, cell, columns, rows, fitted radius, cell counts) -> cell after a move.
         outside_surface: (position, row) -> position, moved out of the surface where it was within.
     """
 
@@ -46,11 +47,11 @@ def make_location(polar: bool, precision: Precision) -> Location:
     on_grid = distance_and_angle if polar else horizontal
 
     @wp.func
-    def natural(x: vec2, column: vec3, row: vec5, outer_radius: real) -> vec2:
+    def natural(x: vec2, column: vec3, row: vec5, fitted_radius: real) -> vec2:
         q = on_grid(x)
         eta = wp.clamp((q[1] - row[0]) * row[2], zero, one)
-        surface = row[3] + eta * row[4]
-        span = outer_radius - surface
+        surface = wp.where(q[0] < fitted_radius, row[3] + eta * row[4], zero)
+        span = fitted_radius - surface
         g = (q[0] - surface) / span
         xi = wp.clamp((g - column[0]) * column[2], zero, one)
         return vec2(xi, eta)
@@ -61,7 +62,7 @@ def make_location(polar: bool, precision: Precision) -> Location:
         cell: wp.vec2i,
         columns: wp.array(dtype=vec3),
         rows: wp.array(dtype=vec5),
-        outer_radius: real,
+        fitted_radius: real,
         cell_counts: wp.vec2i,
     ) -> wp.vec2i:
         # To a neighbour at most: an index cannot leave the grid, whatever the position is.
@@ -75,7 +76,8 @@ def make_location(polar: bool, precision: Precision) -> Location:
             j = wp.max(j - 1, 0)
         row = rows[j]
         surface = row[3] + wp.clamp((q[1] - row[0]) * row[2], zero, one) * row[4]
-        span = outer_radius - surface
+        surface = wp.where(q[0] < fitted_radius, surface, zero)
+        span = fitted_radius - surface
         column = columns[i]
         if q[0] - surface >= (column[0] + column[1]) * span:
             i = wp.min(i + 1, cell_counts[0] - 1)

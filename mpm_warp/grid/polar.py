@@ -141,9 +141,7 @@ class PolarGrid(Grid):
         sine, cosine = np.sin(angle)[:, None], np.cos(angle)[:, None]
         volume = self.jacobian(column, row, xi, eta) * weight
         area = volume / self.weight(distance * np.sin(angle))
-        width = ((self.outer_radius - self.surface_radius[row]) * np.diff(self.columns)[column])[
-            ..., None
-        ]
+        width = self.width(column, row, eta)[:, None]
         turn = np.diff(self.rows)[row][..., None]
         along, across = d_xi / width, d_eta / (turn * distance[:, None])
         out_of_plane = 0.0 * shape if self.planar else shape

@@ -137,7 +137,7 @@ class EinavRandolph(PerfectlyPlastic):
         return _make_yield_function(law, self.softens, self.depends_on_rate, precision)
 
     def law(self, precision: Precision) -> Law:
-        """See `Material`; the key tells the criterion too, and what changes the strength."""
+        """See `Material`; the key has the criterion too, and what changes the strength."""
         law = super().law(precision)
         kind = f"{self.criterion.__qualname__}.{'.'.join(self.state)}"
         return replace(law, key=f"{law.key}.{kind}")

@@ -142,7 +142,7 @@ def make_stress_update(law: Law, precision: Precision) -> Any:
 
 @functools.cache
 def make_plastic_step(law: Law, precision: Precision) -> Any:
-    """The function of the arguments of `make_stress_update` -> what plastic strain is told by.
+    """The function of the arguments of `make_stress_update` -> what plastic strain follows from.
 
     It gives stress, trial stress less stress, and the stiffness ratio of the point.
     """

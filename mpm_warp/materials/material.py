@@ -34,8 +34,8 @@ class Law:
     point has its own.
 
     Attributes:
-        key: tells the law from all others: where its class is, and how many properties and numbers
-            of state it has, by which a class that was defined anew differs from the one before.
+        key: of this law alone: where its class is, and how many properties and numbers of state it
+            has, by which a class that was defined anew differs from the one before.
         update: (trial stress, strain increment, time step, properties, state) -> (stress, state).
         yield_function: (stress, properties, state) -> (f, k): the material yields where the
             measure f of the stress [Pa] reaches the strength k [Pa]; None where it never does.

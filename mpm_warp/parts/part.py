@@ -64,24 +64,10 @@ class FitsGrid(Protocol):
 
 @runtime_checkable
 class FollowsWindow(Protocol):
-    """A part that depends on how far a window has travelled."""
-
-    def go_along(self, run: Run, setting: Setting, travel: float) -> None:
-        """Take up what holds from here on; after each layer that enters.
-
-        Args:
-            run: whose arrays the part has added.
-            setting: the soil.
-            travel: how far the grid has travelled down through the soil [m].
-        """
-
-
-@runtime_checkable
-class FollowsSoil(Protocol):
-    """A part at a window that takes properties from the soil beside it, where these vary."""
+    """A part that depends on how far a window has travelled, or on the soil that is in it."""
 
     def follow(self, run: Run, setting: Setting, travel: float) -> None:
-        """Take up the properties of the soil that is there now; after each layer that enters.
+        """Give the arrays of the part their values from here on; after each layer that enters.
 
         Args:
             run: whose arrays the part has added.

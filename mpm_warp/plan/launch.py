@@ -19,7 +19,7 @@ class Offset:
 
 
 OFFSET = Offset()
-"""The argument that tells a share of a launch the number of its first item."""
+"""The argument by which a share of a launch gets the number of its first item."""
 
 
 @dataclass(frozen=True)

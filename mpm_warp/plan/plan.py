@@ -100,7 +100,7 @@ class Plan:
             in one order, whether the shares run one after the other or at the same time.
         remedy: what may help where a run diverges.
         particle_count: particles at the start.
-        arrays: by name, "particle.mass" say; the first word tells over what they run.
+        arrays: by name, "particle.mass" say; the first word says over what they run.
         step: the launches of one step, in order.
         audited_step: the same with an audit of energy in it, to be taken now and then; or none.
         between_steps: launches that the host orders between steps, by name.

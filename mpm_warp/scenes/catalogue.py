@@ -28,7 +28,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Verification:
-    """How a scene is held against its exact solution.
+    """How a scene is compared with its exact solution.
 
     Attributes:
         resolution: name of the parameter that refines the solution.
@@ -121,7 +121,7 @@ class CatalogueScene(ABC):
 
         Returns:
             Curves, scalars, what they cost, and all parameters. Each variable has the attributes
-            `units` and `long_name`; `role` tells what it is, where it is not an ordinary result:
+            `units` and `long_name`; `role` says what it is, where it is not an ordinary result:
             one of `mpm_warp.results.ROLES`. A parameter whose name is that of a result is called
             ``<name>_parameter``.
 
@@ -167,7 +167,7 @@ class CatalogueScene(ABC):
         raise SceneError(f"{self.catalogue_name()}: takes no snapshots")
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Run a simulation of what `build` gives, and take down its results.
+        """Run a simulation of what `build` gives, and record its results.
 
         Args:
             simulation: at its start.
@@ -178,7 +178,7 @@ class CatalogueScene(ABC):
 
 @contextmanager
 def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]:
-    """What a run tells its progress to: the function given, a bar, or nothing."""
+    """What receives the progress of a run: the function given, a bar, or nothing."""
     if callable(progress):
         yield progress
         return

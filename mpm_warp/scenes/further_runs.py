@@ -1,6 +1,6 @@
 """The error of a result, measured by further runs of the case itself.
 
-Each further run differs from the case in one choice of the method. A law tells what the error of
+Each further run differs from the case in one choice of the method. A law says what the error of
 this choice is in proportion to, its measure m. The case and as many further runs as there are
 choices then determine the value v without these errors, and the slopes s:
 
@@ -38,7 +38,7 @@ class Run(Generic[Test]):
 
 @dataclass(frozen=True)
 class WithoutErrors:
-    """A value less the errors that the laws tell.
+    """A value less the errors that follow from the laws.
 
     Attributes:
         value: v.
@@ -89,7 +89,7 @@ def run_all(
         tests: the case, then the further tests.
         updates: material points times steps of each test, which its time is in proportion to.
         run: runs one test.
-        progress: is told the fraction done of all.
+        progress: receives the fraction done of all.
 
     Returns:
         The run of the case, and those of the further tests; for one that failed, why.
@@ -121,7 +121,7 @@ def with_cost(case: xr.Dataset, further: Sequence[Run[Test] | str]) -> xr.Datase
     return case.assign(whole).assign(
         labelled(
             role="measured",
-            uncertainty_run_time=(took, "s", "run time of the runs that tell the uncertainty"),
+            uncertainty_run_time=(took, "s", "run time of the runs that measure the uncertainty"),
         )
     )
 

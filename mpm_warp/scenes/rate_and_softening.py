@@ -100,7 +100,7 @@ def clay_of(
     """The clay of a scene; perfectly plastic where neither strain nor rate changes its strength.
 
     Args:
-        scene: whose parameters tell how the strength changes.
+        scene: whose parameters say how the strength changes.
         shear_modulus: G [Pa], > 0.
         poissons_ratio: nu, 0 <= nu < 0.5.
         density: rho [kg/m3], > 0.

@@ -1,4 +1,4 @@
-"""How large a run is, told from its parameters before anything large is allocated."""
+"""How large a run is, from its parameters alone, before anything large is allocated."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def stated_value(
     Returns:
         The value, its correction; its uncertainty and the parts of it. Where nothing is known of
         the error there is no correction, the uncertainty is not a number, and its attribute
-        `not_known` tells why.
+        `not_known` says why.
     """
     if not_known:
         correction, parts = 0.0, dict.fromkeys(parts, math.nan)

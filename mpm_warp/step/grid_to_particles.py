@@ -60,7 +60,7 @@ def add_grid_to_particles(
         plan.arrays["particle.mass"].shape,
         cell_internal_flow=plan.find("cell.internal_flow"),
         cell_pic_fraction=plan.find("cell.pic_fraction"),
-        outer_radius=grid.outer_radius,
+        fitted_radius=grid.fitted_radius,
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
         shear_modulus=material.shear_modulus,
         bulk_modulus=material.bulk_modulus,
@@ -103,7 +103,7 @@ def _make_grid_to_particles(
         cell_pic_fraction: wp.array(dtype=real),
         grid_columns: wp.array(dtype=vec3),
         grid_rows: wp.array(dtype=vec5),
-        outer_radius: real,
+        fitted_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
         shear_modulus: real,
@@ -124,7 +124,7 @@ def _make_grid_to_particles(
             if i < 0:
                 return
         x = particle_position[p]
-        where = natural(x, grid_columns[i], grid_rows[j], outer_radius)
+        where = natural(x, grid_columns[i], grid_rows[j], fitted_radius)
         xi, eta = where[0], where[1]
 
         node = j * (cell_counts[0] + 1) + i
@@ -165,7 +165,7 @@ def _make_grid_to_particles(
             if x[1] >= top:
                 particle_cell[p] = wp.vec2i(-1, -1)
                 return
-        cell = settle(x, cell, grid_columns, grid_rows, outer_radius, cell_counts)
+        cell = settle(x, cell, grid_columns, grid_rows, fitted_radius, cell_counts)
         particle_cell[p] = cell
         if cell[0] == 0:  # the column along the surface
             x = outside_surface(x, grid_rows[cell[1]])

@@ -35,7 +35,7 @@ def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> N
     plan.add_launch(
         _make_particles_to_grid(grid.polar, has_empty_slots, plan.precision),
         plan.arrays["particle.mass"].shape,
-        outer_radius=grid.outer_radius,
+        fitted_radius=grid.fitted_radius,
         column_count=grid.column_count,
         node_momentum=ShareRow("node.momentum"),
         cell_stress_sum=ShareRow("cell.stress_sum"),
@@ -69,7 +69,7 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Preci
         particle_cell: wp.array(dtype=wp.vec2i),
         grid_columns: wp.array(dtype=vec3),
         grid_rows: wp.array(dtype=vec5),
-        outer_radius: real,
+        fitted_radius: real,
         column_count: int,
         node_momentum: wp.array(dtype=vec4),
         cell_stress_sum: wp.array(dtype=vec4),
@@ -81,7 +81,7 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Preci
         if wp.static(has_empty_slots):
             if i < 0:
                 return
-        where = natural(particle_position[p], grid_columns[i], grid_rows[j], outer_radius)
+        where = natural(particle_position[p], grid_columns[i], grid_rows[j], fitted_radius)
         xi, eta = where[0], where[1]
         m = particle_mass[p]
 

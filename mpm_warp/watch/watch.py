@@ -27,7 +27,7 @@ from mpm_warp.watch.checks import (
 LOOKED_AT_ONCE = 4_000
 """Particles that the watch looks at together; the memory of more would be fetched each time."""
 SAMPLED = 2_000
-"""Particles, about, whose mean stress is held against their volume."""
+"""Particles, about, whose mean stress is compared with their volume."""
 
 
 class Watch(Protocol):
@@ -38,7 +38,7 @@ class Watch(Protocol):
         """Particles at the last look."""
 
     def prepare(self) -> None:
-        """Note what the next step, the last one before a look, is held against."""
+        """Record what the next step, the last one before a look, is compared with."""
 
     def look(self) -> None:
         """Look at the run.
@@ -60,7 +60,7 @@ class ParticleWatch:
         self.particle_count = run.plan.particle_count
 
     def prepare(self) -> None:
-        """Note what the next step, the last one before a look, is held against."""
+        """Record what the next step, the last one before a look, is compared with."""
 
     def look(self) -> None:
         """Look at the run.
@@ -100,7 +100,7 @@ class ParticleWatch:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Before:
-    """What is noted before the last step that a look is at.
+    """What is recorded before the last step that a look is at.
 
     Attributes:
         particle: slots of a sample of the particles, shape [sample_count].
@@ -129,7 +129,7 @@ class SoilWatch(ParticleWatch):
         self._before: _Before | None = None
 
     def prepare(self) -> None:
-        """Note what the next step, the last one before a look, is held against."""
+        """Record what the next step, the last one before a look, is compared with."""
         present = self._present
         sample = present[:: 1 + len(present) // SAMPLED]
         self._before = _Before(

@@ -32,8 +32,14 @@ def fitted() -> Grid:
         columns=graded(0.5, 5.0, 1.4) / 5.0,
         rows=row / np.sqrt(3.0),
         surface_radius=np.clip(row / 3.0, 0.0, 1.0),
-        outer_radius=6.0,
+        fitted_radius=6.0,
     )
+
+
+@pytest.fixture
+def partly_upright(fitted: Grid) -> Grid:
+    """The same grid with two columns of cells more, beyond the fitted radius."""
+    return dataclasses.replace(fitted, columns=np.append(fitted.columns, [1.5, 2.2]))
 
 
 @pytest.fixture
@@ -43,7 +49,7 @@ def rectilinear() -> Grid:
         columns=np.linspace(0.0, 1.0, 5) ** 1.5,
         rows=np.array([0.0, 0.3, 1.0, 1.4]),
         surface_radius=np.zeros(4),
-        outer_radius=2.0,
+        fitted_radius=2.0,
     )
 
 
@@ -114,7 +120,7 @@ def cavity() -> Scene:
         columns=graded(0.5, 2.0, 1.25) / 2.0,
         rows=np.array([0.0, 0.5]),
         surface_radius=np.ones(2),
-        outer_radius=3.0,
+        fitted_radius=3.0,
     )
     vertical = np.ones((2, grid.column_count + 1), dtype=bool)
     far_field = FarField.around(grid, clay)

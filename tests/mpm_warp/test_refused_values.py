@@ -45,7 +45,7 @@ GRID: Values = {
     "columns": np.linspace(0.0, 1.0, 5),
     "rows": np.array([0.0, 0.5, 1.0, 1.5]),
     "surface_radius": np.zeros(4),
-    "outer_radius": 2.0,
+    "fitted_radius": 2.0,
 }
 ELASTIC: Values = {"shear_modulus": 1e6, "poissons_ratio": 0.3, "density": 1000.0}
 CLAY = ELASTIC | {"strength": 1e4}
@@ -109,7 +109,7 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             ],
             "rows": [np.zeros(4), np.array([0.0, 1.0, INF, 2.0]), np.array([2.0, 1.0, 0.0, -1.0])],
             "surface_radius": [np.zeros(3), np.full(4, 2.0), np.full(4, -0.1), np.full(4, NAN)],
-            "outer_radius": NUMBERS,
+            "fitted_radius": NUMBERS,
             "planar": ["no"],
         },
     ),

@@ -23,7 +23,7 @@ ON_RAYS = PolarGrid(
     columns=np.linspace(0.0, 1.0, 4),
     rows=np.linspace(0.0, 0.5 * np.pi, 4),
     surface_radius=np.ones(4),
-    outer_radius=2.0,
+    fitted_radius=2.0,
 )
 
 

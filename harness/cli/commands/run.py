@@ -25,6 +25,8 @@ from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
 from harness.study.study import Study, load_study, with_snapshots
 from harness.study.unusual_values import tell_of_unusual_values
+from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes import scene_class, scene_names
 
 
 def run(options: argparse.Namespace) -> int:
@@ -39,11 +41,13 @@ def run(options: argparse.Namespace) -> int:
             "--threads, --device, --batch and --memory-limit are of this machine; leave them out "
             "with --dask"
         )
-    measured = ["uncertainty=measured"] if options.uncertainty else []
-    study = load_study(options.study, [*options.set, *measured])
+    study = load_study(options.study, options.set)
+    if options.uncertainty:
+        _check_uncertainty(study)
+        study = load_study(options.study, [*options.set, "uncertainty=measured"])
     if options.snapshots is not None:
         study = with_snapshots(study, options.snapshots)
-    _ = study.cases  # what is wrong with them is told before anything is started
+    _ = study.cases  # what is wrong with them is reported before anything is started
     tell_of_unusual_values(study)
     runner = (
         on_this_machine(
@@ -63,6 +67,17 @@ def run(options: argparse.Namespace) -> int:
     print(study_file(options.out, study))
     incomplete = _list_incomplete(study, dataset)
     return list_misses(dataset) or incomplete
+
+
+def _check_uncertainty(study: Study) -> None:
+    """Refuse a study without a scene whose uncertainty further runs can measure."""
+    measured = [it for it in scene_names() if "uncertainty" in parameters_of(scene_class(it))]
+    names = [part.name for part in study.parts]
+    if not set(names) & set(measured):
+        raise HarnessError(
+            f"--uncertainty: no measured uncertainty in {', '.join(names)}; these scenes have one: "
+            f"{', '.join(measured)}"
+        )
 
 
 def _list_incomplete(study: Study, dataset: xr.Dataset) -> int:
@@ -99,7 +114,7 @@ def bench(options: argparse.Namespace) -> int:
 
 
 def verify_scenes(options: argparse.Namespace) -> int:
-    """Hold scenes against their exact solutions."""
+    """Compare scenes with their exact solutions."""
     checks = checks_of(options.scene, extreme=options.extreme)
     if options.out is not None:
         prepare(options.out)

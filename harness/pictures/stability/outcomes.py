@@ -20,7 +20,7 @@ from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 
 
 def shows_stability(dataset: xr.Dataset) -> bool:
-    """Whether a study's result tells where it is stable.
+    """Whether a study's result shows where it is stable.
 
     It does where it varies parameters of one scene one at a time or at random, and a case that was
     run did not complete or a result has a limit.

@@ -85,7 +85,7 @@ class MovingWall:
             speed=self.speed,
             ramp_time=self.ramp_time,
         )
-        geometry = {"outer_radius": grid.outer_radius, "column_count": grid.column_count}
+        geometry = {"fitted_radius": grid.fitted_radius, "column_count": grid.column_count}
         if isinstance(grid, PolarGrid):
             angular, caps = grid.angular_integrals
             plan.add_array("wall.angular", "vec5", angular)
@@ -145,7 +145,7 @@ def _make_refit_cells(precision: Precision) -> Any:
         offset: int,
         grid_columns: wp.array(dtype=vec3),
         grid_rows: wp.array(dtype=vec5),
-        outer_radius: real,
+        fitted_radius: real,
         column_count: int,
         cell_integrals: wp.array2d(dtype=vec3),
         cell_volume: wp.array(dtype=real),
@@ -153,8 +153,8 @@ def _make_refit_cells(precision: Precision) -> Any:
         c = offset + wp.tid()
         column = grid_columns[c % column_count]
         row = grid_rows[c / column_count]
-        a = row[3] + (outer_radius - row[3]) * column[0]
-        w = (outer_radius - row[3]) * column[1]
+        a = row[3] + (fitted_radius - row[3]) * column[0]
+        w = (fitted_radius - row[3]) * column[1]
         h = row[1]
         across = half * (a + half * w) * h
         inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
@@ -187,7 +187,7 @@ def _make_refit_sectors(precision: Precision) -> Any:
         offset: int,
         grid_columns: wp.array(dtype=vec3),
         grid_rows: wp.array(dtype=vec5),
-        outer_radius: real,
+        fitted_radius: real,
         column_count: int,
         wall_angular: wp.array2d(dtype=vec5),
         wall_caps: wp.array(dtype=real),
@@ -198,8 +198,8 @@ def _make_refit_sectors(precision: Precision) -> Any:
         j = c / column_count
         column = grid_columns[c % column_count]
         row = grid_rows[j]
-        a = row[3] + (outer_radius - row[3]) * column[0]
-        w = (outer_radius - row[3]) * column[1]
+        a = row[3] + (fitted_radius - row[3]) * column[0]
+        w = (fitted_radius - row[3]) * column[1]
         P = a * a + a * w + third * w * w
         inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
         cell_integrals[c, 0] = part(-P, inner, wall_angular[j, 0])

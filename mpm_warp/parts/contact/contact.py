@@ -105,7 +105,7 @@ class SurfaceContact:
         check_nodes("contact: held", self.held, count)
 
     def check(self, setting: Setting) -> None:
-        """Check that the grid has the nodes, and that those beside soil that changes can be told.
+        """Check that the grid has the nodes, in its first column beside soil that changes.
 
         Raises:
             SceneError: not so.

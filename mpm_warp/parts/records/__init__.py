@@ -1,1 +1,1 @@
-"""What a run notes of itself: energy, where its soil came from, how far it was sheared."""
+"""What a run records of itself: energy, where its soil came from, how far it was sheared."""

@@ -28,7 +28,7 @@ def add_origin(plan: Plan) -> None:
 
 
 def note_origin(run: Run, position: Floats, travel: float) -> None:
-    """Note where a layer of soil enters, before it does; nothing where points do not keep it.
+    """Record where a layer of soil enters, before it does; nothing where points do not keep it.
 
     Args:
         run: whose window lets the layer in.

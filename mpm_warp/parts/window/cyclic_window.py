@@ -86,10 +86,6 @@ class CyclicWindow:
         """Height above which the stage of the particles takes them out of the grid: none [m]."""
         return math.inf
 
-    def add_motion(self, plan: Plan) -> None:
-        """Add the array of its motion, which a contact reads."""
-        plan.add_zeros("window.motion", "double", 3)
-
     def add_to(self, plan: Plan) -> None:
         """Add the launches that set soil at rest at a turn, and move the grid on after a step."""
         plan.add_launch(

@@ -3,7 +3,7 @@
 A layer that enters is a copy of the lowest layer as it was seeded, in all that particles carry, so
 that what a part or a material adds to the particles enters with them. Where the scene says how the
 ground around the window moves, the layer has its velocity and stress. Where the material varies,
-the layer has the properties of its depth, and parts take up those of the soil beside them.
+the layer has the properties of its depth. Parts that depend on the travel follow.
 """
 
 import functools
@@ -17,7 +17,7 @@ import warp as wp
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.parts.part import FollowsSoil, FollowsWindow, NodeAction, Setting
+from mpm_warp.parts.part import FollowsWindow, NodeAction, Setting
 from mpm_warp.parts.records.history import note_origin
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.window import Window
@@ -62,8 +62,7 @@ class Inflow:
         setting: the soil.
         window: of the scene.
         ground: around the window, or none: what enters is undisturbed then.
-        parts: of the scene; those that follow the window do, and where the material varies those
-            that follow the soil.
+        parts: of the scene; those that follow the window do.
     """
 
     def __init__(
@@ -74,7 +73,6 @@ class Inflow:
         ground: SurroundingGround | None,
         parts: Iterable[NodeAction] = (),
     ) -> None:
-        parts = list(parts)
         plan, rows = run.plan, setting.grid.rows
         self._run = run
         self._setting = setting
@@ -89,9 +87,7 @@ class Inflow:
         self._layers_per_row = setting.particles_per_side
         self._layer_height = float(rows[1] - rows[0]) / self._layers_per_row
         self._layer_count = 0
-        varies = setting.material.variation is not None
-        self._companions = [it for it in parts if isinstance(it, FollowsWindow)]
-        self._followers = [it for it in parts if varies and isinstance(it, FollowsSoil)]
+        self._followers = [it for it in parts if isinstance(it, FollowsWindow)]
 
     @property
     def travel(self) -> float:
@@ -151,8 +147,6 @@ class Inflow:
                 else self._ground.entering_spring(self._setting, self.travel)
             )
             self._run.assign("far_field.displacement", springs)
-        for companion in self._companions:
-            companion.go_along(self._run, self._setting, self.travel)
         for part in self._followers:
             part.follow(self._run, self._setting, self.travel)
 

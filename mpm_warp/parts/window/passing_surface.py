@@ -63,7 +63,7 @@ class PassingSurface:
         assert full_mass is not None
         full_mass[...] = self._full_mass(setting, 0.0)
 
-    def go_along(self, run: Run, setting: Setting, travel: float) -> None:
+    def follow(self, run: Run, setting: Setting, travel: float) -> None:
         """The cells near the surface are others, higher in the grid."""
         run.assign("cell.pic_fraction", self._pic_fraction(setting, travel))
         run.assign("cell.full_mass", self._full_mass(setting, travel))

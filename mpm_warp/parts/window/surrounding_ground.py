@@ -134,6 +134,8 @@ class SurroundingGround:
 
     def follow(self, run: Run, setting: Setting, travel: float) -> None:
         """Springs and dashpots of the side as stiff as the soil that is beside them now."""
+        if setting.material.variation is None:
+            return  # they are as at the start
         own = self._stiffness_ratio(setting, self.side_positions, travel)[:, None]
         run.assign("far_field.spring", own * self.spring)
         run.assign("far_field.dashpot", np.sqrt(own) * self.dashpot)

@@ -115,10 +115,6 @@ class Window:
         """Height above which particles leave the grid for good [m]."""
         return height_of_leaving(setting)
 
-    def add_motion(self, plan: Plan) -> None:
-        """Add the array of its motion, which a contact reads."""
-        plan.add_zeros("window.motion", "double", 3)
-
     def add_to(self, plan: Plan) -> None:
         """Add the launch that moves it on, at the end of a step."""
         approach = self.approach
@@ -131,6 +127,11 @@ class Window:
             approach_travel=0.0 if approach is None else approach.travel,
             slowing_travel=0.0 if approach is None else approach.slowing_travel,
         )
+
+
+def add_window_motion(plan: Plan) -> None:
+    """Add the array of the motion of a window, which stages and parts read."""
+    plan.add_zeros("window.motion", "double", 3)
 
 
 def height_of_leaving(setting: Setting) -> float:

@@ -141,7 +141,7 @@ class Bearing(CatalogueScene):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Press the body into the ground, and hold the limit of its load against the exact one.
+        """Press the body into the ground, and compare the limit of its load with the exact one.
 
         Raises:
             UnfinishedRun: the load still changes at the end of the displacement.

@@ -63,7 +63,7 @@ class Footing(OnGround):
             columns=np.append(below, beside[1:]) / outer_radius,
             rows=rows,
             surface_radius=np.zeros_like(rows),
-            outer_radius=outer_radius,
+            fitted_radius=outer_radius,
             planar=self.planar,
         )
 

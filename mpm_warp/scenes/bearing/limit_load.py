@@ -20,7 +20,7 @@ PLATEAU_CHANGE = 0.01
 """What its linear fit may change there by, over its mean."""
 
 LEAST_SAMPLES = 3
-"""Samples that tell a plateau, at least."""
+"""Samples that make a plateau, at least."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,7 +120,7 @@ class LoadSampler:
         return due
 
     def sample(self) -> None:
-        """Take down the displacement, and the mean load since the sample before."""
+        """Record the displacement, and the mean load since the sample before."""
         self._loads.append(self._load(self._contact_forces.take()))
         self._reached.append(self._simulation.step_count * self.travel_per_step)
 

@@ -107,7 +107,7 @@ class StepCost(CatalogueScene):
         """Time the steps of a case, or of several together.
 
         Args:
-            progress: is told the fraction done after each sample.
+            progress: receives the fraction done after each sample.
             execution: the device alone is taken from it; the threads are those of the scene.
         """
         device = "cpu" if execution is None else execution.device

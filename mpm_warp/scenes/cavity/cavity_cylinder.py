@@ -73,7 +73,7 @@ class CavityCylinder(Cavity):
             columns=self.columns(outer),
             rows=np.array([0.0, self.cell_size]),
             surface_radius=np.full(2, RADIUS),
-            outer_radius=outer,
+            fitted_radius=outer,
         )
 
     def fixed(self, grid: Grid) -> Fixed:

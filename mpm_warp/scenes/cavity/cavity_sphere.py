@@ -50,7 +50,7 @@ class CavitySphere(Cavity):
             columns=self.columns(outer),
             rows=np.linspace(0.0, 0.5 * math.pi, row_count + 1),
             surface_radius=np.full(row_count + 1, RADIUS),
-            outer_radius=outer,
+            fitted_radius=outer,
         )
 
     def fixed(self, grid: Grid) -> Fixed:

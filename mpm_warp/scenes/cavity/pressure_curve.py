@@ -47,7 +47,7 @@ class PressureCurve:
         self.on_rows = np.zeros(soil_scene(simulation).grid.row_count + 1)
 
     def sample(self) -> None:
-        """Take down the radius and the mean pressure since the sample before."""
+        """Record the radius and the mean pressure since the sample before."""
         simulation = self._simulation
         if simulation.time == self._sampled_at:
             return  # one step may go past several samples

@@ -1,4 +1,4 @@
-"""How cavities are held against their exact pressures: soils, meshes and bounds."""
+"""How cavities are compared with their exact pressures: soils, meshes and bounds."""
 
 from __future__ import annotations
 

@@ -187,7 +187,7 @@ class _LoadCurve:
         return middles
 
     def sample(self) -> None:
-        """Take down the depth and the mean load since the sample before."""
+        """Record the depth and the mean load since the sample before."""
         forces = self._contact.forces(self._contact_forces.take())
         self.reached.append(self._simulation.travel)
         self.loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))

@@ -46,7 +46,7 @@ class EnergyBalance:
         self._works = [self._works_so_far()]
 
     def sample(self) -> None:
-        """Take down the works so far."""
+        """Record the works so far."""
         self._works.append(self._works_so_far())
 
     def dataset(self) -> xr.Dataset:

@@ -6,8 +6,8 @@ unknowns of
     Nc_simulated = Nc + B h + C g^1.5 h^1.3 + S i + W w
 
 with h the width of the cells at the cone over its radius, g their growth, i = rho V^2 / su, and
-w = (extent of the window of the case / extent)^2. These are the laws of `known_error.py`, where
-other cases tell B, C and S. This is for cases that those say nothing of.
+w = (extent of the window of the case / extent)^2. These are the laws of `error_laws.py`, where
+B, C and S are known from other cases. This is for cases whose error those do not give.
 """
 
 from __future__ import annotations
@@ -20,16 +20,23 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.scenes import further_runs
 from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.cone.error_laws import (
+    LARGEST_CELL,
+    LARGEST_INERTIA,
+    growth_measure,
+    why_not_linear,
+)
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.stated_error import (
+    APPROACH,
     NOISE,
-    growth_measure,
     inertia,
     parts_of_a_run,
     stated_error,
-    why_no_law_holds,
+    why_not_settled,
 )
 from mpm_warp.scenes.further_runs import Run
 from mpm_warp.scenes.stated_value import further_values
@@ -43,19 +50,27 @@ DIFFERENCES = {
     "speed": "half the speed",
     "domain": "a wider window",
 }
-"""What B h and the other terms are of, and what the further run has that tells each."""
-APPROACH = 0.001
-"""Half width of what the approach leaves, over Nc."""
+"""The effects of B h and of the other terms, and what the run that measures each has."""
 
 Test = TypeVar("Test", bound=ConeTest)
 
 
 def further_tests(test: Test) -> dict[str, Test]:
-    """The tests to be run beside that of the case, by the effect that each tells.
+    """The tests to be run beside that of the case, by the effect that each measures.
 
     Raises:
-        ParameterError: one of them is outside the allowed range.
+        ParameterError: one of them is outside the allowed range, or no law of the error holds.
     """
+    for phrase, holds in why_not_linear(
+        cell_size=test.relative_cell_size, inertia=inertia(test)
+    ).items():
+        if holds:
+            raise ParameterError(
+                "uncertainty",
+                f"uncertainty = measured: {phrase}; cells at the cone must be <= "
+                f"{LARGEST_CELL:g} of its radius, and rigidity_index speed_ratio^2 <= "
+                f"{LARGEST_INERTIA:g}",
+            )
     assert test.cells_per_radius is not None
     assert test.speed_ratio is not None
     assert test.domain_above is not None
@@ -83,7 +98,7 @@ def with_measured_error(
         test: the case.
         run: runs one test; its results have the curve `penetration_resistance`,
             `cone_factor_simulated`, `cone_factor_shear` and `penetration_reached`.
-        progress: is told the fraction done of all.
+        progress: receives the fraction done of all.
 
     Returns:
         The results of the case with its measured error, and what the further runs took, in
@@ -105,15 +120,15 @@ def with_measured_error(
 
 
 def measured_error(case: Run[Test], further: Mapping[str, Run[Test] | str]) -> xr.Dataset:
-    """The cone factor less its error, and its uncertainty, as five runs tell them.
+    """The cone factor less its error, and its uncertainty, as measured by five runs.
 
     Args:
         case: the run whose error is measured.
-        further: the runs of `further_tests`, or why there is none, by the effect that each tells.
+        further: the runs of `further_tests`, or why there is none, by effect.
 
     Returns:
         What `stated_error` gives, and what each further run gave. Nothing is known of the error
-        where one of the runs failed, or where the laws do not hold.
+        where one of the runs failed, or has not settled.
     """
     runs = {"the case": case} | {
         f"the run with {DIFFERENCES[effect]}": run for effect, run in further.items()
@@ -166,8 +181,8 @@ def _updates(test: ConeTest) -> float:
 
 
 def _faults(run: Run[Test] | str) -> list[str]:
-    """Why a run says nothing of an error."""
+    """Why a run cannot be used to measure an error."""
     if isinstance(run, str):
         return [run]
-    phrases = why_no_law_holds(run.test, run.test.relative_cell_size, run.results)
+    phrases = why_not_settled(run.test, run.results)
     return [phrase for phrase, holds in phrases.items() if holds]

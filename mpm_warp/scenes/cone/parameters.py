@@ -153,14 +153,14 @@ class ConeTest(CatalogueScene):
     uncertainty: str = parameter(
         "known",
         unit="1",
-        meaning="how the error of the cone factor is told: known from other cases, or measured by "
+        meaning="how the error of the cone factor is found: known from other cases, or measured by "
         "four further runs of this one, which take some ten times as long",
         choices=("known", "measured"),
     )
     energy_audit: str = parameter(
         "transfers",
         unit="1",
-        meaning="what is told of energy: what the transfers of the method dissipate, or the "
+        meaning="what is recorded of energy: what the transfers of the method dissipate, or the "
         "balance, where all work of the penetrometer goes",
         choices=("transfers", "balance"),
     )

@@ -68,7 +68,7 @@ class PenetrationCurves:
         return (len(self._moved) + 1) * (SAMPLE_SPACING * self.radius)
 
     def sample(self) -> None:
-        """Take down the mean forces since the sample before."""
+        """Record the mean forces since the sample before."""
         reached = self._simulation.travel
         if reached > self._sampled_at:
             nodal_forces = self._contact_forces.take()

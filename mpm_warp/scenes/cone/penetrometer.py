@@ -63,7 +63,7 @@ class Penetrometer:
             columns=columns / columns[-1],
             rows=rows,
             surface_radius=surface,
-            outer_radius=self.radius + float(columns[-1]),
+            fitted_radius=self.radius + float(columns[-1]),
         )
 
 

@@ -62,7 +62,7 @@ class PorePressureCurves:
         self._pressures: list[Floats] = [np.zeros(len(PLACES))]  # at the start, then by sample
 
     def sample(self) -> None:
-        """Take down the pressures at all places."""
+        """Record the pressures at all places."""
         column_count = soil_scene(self._simulation).grid.column_count
         beside = excess_pore_pressure(self._simulation)[::column_count]
         # The window may end below the highest place.

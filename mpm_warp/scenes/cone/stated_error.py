@@ -10,20 +10,15 @@ import xarray as xr
 from mpm_warp.results import labelled
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import STEADY_SAMPLES
+from mpm_warp.scenes.cone.window import ALL_PASSED
 from mpm_warp.scenes.stated_value import stated_value
 
 STILL_TO_GO = 1.5
 """Half width of what is to come, over the last change of the mean."""
 POINTS, NOISE = 0.001, 0.015
 """Half widths: of what more points change, over Nc; of the noise of a run."""
-LARGEST_CELL = 0.44
-"""Width of the cells at the cone over its radius up to which their error is linear: 4 rows of cells
-beside a face of 60 degrees."""
-LARGEST_INERTIA = 3.0
-"""rho V^2 / su up to which the law of the error of the speed holds."""
-ALL_PASSED = 1.5
-"""Penetration beyond the extent of the window above the shoulder at which all soil beside the shaft
-has been passed by the cone, in cone radii."""
+APPROACH = 0.001
+"""Half width of what the approach leaves, over Nc."""
 
 
 def stated_error(
@@ -46,7 +41,7 @@ def stated_error(
     Returns:
         `cone_factor`, its normal part and its correction; `cone_factor_uncertainty` and its parts.
         Where nothing is known of the error there is no correction, the uncertainty is not a number,
-        and its attribute `not_known` tells why.
+        and its attribute `not_known` says why.
     """
     stated = stated_value(
         "cone_factor",
@@ -96,27 +91,16 @@ def parts_of_a_run(test: ConeTest, recorded: xr.Dataset) -> dict[str, float]:
     }
 
 
-def why_no_law_holds(
-    test: ConeTest, cell_size: float, recorded: xr.Dataset, *, largest_cell: float = LARGEST_CELL
-) -> dict[str, bool]:
-    """Phrases on what keeps the laws of mesh, speed and window from holding, and whether it does.
+def why_not_settled(test: ConeTest, recorded: xr.Dataset) -> dict[str, bool]:
+    """A phrase on what keeps the error of a run from being known, and whether it does.
 
     Args:
         test: the cone penetration test.
-        cell_size: width of the cells at the cone over its radius, dimensionless.
         recorded: `penetration_reached`.
-        largest_cell: the widest for which the law of the mesh holds, likewise.
     """
     return {
-        "the cells are too wide": cell_size > largest_cell,
-        "the speed is too high": inertia(test) > LARGEST_INERTIA,
-        "soil that the cone has not passed is still beside it": not _all_is_passed(test, recorded),
+        "soil that the cone has not passed is still beside it": not _all_is_passed(test, recorded)
     }
-
-
-def growth_measure(cell_size: float, cell_growth: float) -> float:
-    """g^1.5 h^1.3: what the growth of the cells adds to the cone factor is in proportion to it."""
-    return math.pow(cell_growth, 1.5) * math.pow(cell_size, 1.3)
 
 
 def inertia(test: ConeTest) -> float:

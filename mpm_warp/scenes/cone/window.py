@@ -7,8 +7,10 @@ for.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from mpm_warp.parts.window.window import Approach, Window
+from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, STEADY_SAMPLES
 
 RAMP = 1.0
@@ -28,6 +30,9 @@ FROM_REST = 2.0
 SPARE_FRACTION, SPARE_FRACTION_OF_FRICTION = 0.15, 0.4
 """Slots for material points beside those that fill the grid, over their number: the cells along a
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
+ALL_PASSED = 1.5
+"""Penetration beyond the extent of the window above the shoulder at which all soil beside the shaft
+has been passed by the cone, in cone radii."""
 LARGEST_INERTIA, LARGEST_SPEED_RATIO = 7.0, 0.25
 """What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
 
@@ -45,6 +50,12 @@ def forgetting(rigidity_index: float) -> float:
 def steady_penetration(rigidity_index: float) -> float:
     """Penetration at the final speed before a resistance counts as steady, in cone radii."""
     return forgetting(rigidity_index) + MEANS
+
+
+def smallness(test: CatalogueScene, default_extents: Mapping[str, float]) -> float:
+    """Greatest ratio of an extent of the window by default to that of a test, by its parameters."""
+    ratios: list[float] = [it / getattr(test, name) for name, it in default_extents.items()]
+    return max(ratios)
 
 
 def window_of_test(

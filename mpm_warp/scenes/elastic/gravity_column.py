@@ -89,7 +89,7 @@ class GravityColumn(CatalogueScene):
         return Column(height=HEIGHT, cell_count=self.cell_count)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Let the column come to rest, and hold stress and settlement against the exact ones."""
+        """Let the column come to rest, and compare stress and settlement with the exact ones."""
         position = simulation.array("particle.position").copy()
         period = 4 * HEIGHT / soil_scene(simulation).material.pressure_wave_speed
         step_count = round(PERIODS * period / simulation.plan.time_step)

@@ -117,14 +117,14 @@ class ThickCylinder(CatalogueScene):
                 columns=columns,
                 rows=np.linspace(0.0, 0.5 * np.pi, self.cell_count + 1),
                 surface_radius=np.full(self.cell_count + 1, INNER_RADIUS),
-                outer_radius=outer,
+                fitted_radius=outer,
                 planar=True,
             )
         return Grid(
             columns=columns,
             rows=np.array([0.0, (outer - INNER_RADIUS) / self.cell_count]),
             surface_radius=np.full(2, INNER_RADIUS),
-            outer_radius=outer,
+            fitted_radius=outer,
         )
 
     def _load(self, grid: Grid) -> NodalLoad:
@@ -146,7 +146,7 @@ class ThickCylinder(CatalogueScene):
         return Fixed.where(radial=radial, vertical=vertical)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Let the ring come to rest, and hold stresses and displacement against the exact ones."""
+        """Let the ring come to rest, and compare stresses and displacement with the exact ones."""
         position = simulation.array("particle.position").copy()
         step_count = round(self.rest_time / simulation.plan.time_step)
         steps = even_steps(step_count)

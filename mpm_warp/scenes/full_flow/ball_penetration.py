@@ -18,7 +18,7 @@ class BallPenetration(FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
     summary: ClassVar[str] = "ball penetrometer pushed through undrained clay to steady flow"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
 
     ball_radius: float = parameter(
         0.0565, unit="m", meaning="radius of the ball", minimum=1e-6, maximum=1e3

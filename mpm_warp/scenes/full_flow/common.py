@@ -40,7 +40,7 @@ class FullFlow(Bearing):
             columns=graded(size, span, 1.0 + 0.3 * size / RADIUS) / span,
             rows=np.linspace(0.0, np.pi, row_count + 1),
             surface_radius=np.full(row_count + 1, RADIUS),
-            outer_radius=OUTER_RADIUS * RADIUS,
+            fitted_radius=OUTER_RADIUS * RADIUS,
             planar=self.planar,
         )
 

@@ -38,7 +38,7 @@ class CyclicTBar(TBar):
     """
 
     summary: ClassVar[str] = "T-bar pushed down and pulled up in undrained clay, plane strain"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = (
         Verification(
             resolution="cells_per_radius",

@@ -52,7 +52,7 @@ class ResistanceLoops:
         return [number * spacing for number in range(1, passages * per_passage + 1)]
 
     def sample(self) -> None:
-        """Take down the mean force since the sample before."""
+        """Record the mean force since the sample before."""
         self._samples.take()
 
     @property

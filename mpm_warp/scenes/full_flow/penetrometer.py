@@ -200,7 +200,7 @@ class ResistanceSamples:
         self.forces: list[float] = []
 
     def take(self) -> None:
-        """Take down the mean force since the sample before."""
+        """Record the mean force since the sample before."""
         self.forces.append(upward_force(self._contact, self._contact_forces.take()))
 
     @property

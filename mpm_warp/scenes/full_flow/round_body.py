@@ -9,6 +9,10 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 
+FITTED = 3.0
+"""Radius up to which the columns of nodes follow the surface, about, over that of the body: the
+mechanism reaches to about three."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class RoundBody:
@@ -33,6 +37,9 @@ class RoundBody:
     def fitted_grid(self, *, cells_per_radius: int, columns: Floats, extent: int) -> Grid:
         """A grid whose rows meet both poles and whose first column follows the surface.
 
+        Columns far from the body are upright, so that the cells near it are the same however large
+        the grid is.
+
         Args:
             cells_per_radius: rows of cells over a radius, >= 1; all rows are as high.
             columns: distances of the columns of nodes from the widest place, from 0, rising [m].
@@ -44,11 +51,14 @@ class RoundBody:
         # Exactly at the poles, whatever rounding made of their rows.
         surface[row <= -cells_per_radius] = 0.0
         surface[row >= cells_per_radius] = self.shaft_radius
+        last_fitted = int(np.argmin(np.abs(columns - (FITTED - 1.0) * self.radius)))
+        fitted, upright = np.split(columns, [last_fitted + 1])
+        fitted_radius = self.radius + float(fitted[-1])
         return Grid(
-            columns=columns / columns[-1],
+            columns=np.append(fitted / fitted[-1], (self.radius + upright) / fitted_radius),
             rows=rows,
             surface_radius=surface,
-            outer_radius=self.radius + float(columns[-1]),
+            fitted_radius=fitted_radius,
             planar=self.planar,
         )
 

@@ -23,7 +23,7 @@ class TBarPenetration(TBar, FullFlowPenetration):
     """
 
     summary: ClassVar[str] = "T-bar pushed through undrained clay to steady flow, plane strain"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",
@@ -34,7 +34,7 @@ class TBarPenetration(TBar, FullFlowPenetration):
         for adhesion_factor in (0.0, 0.5, 1.0)
     )
 
-    def held_against_exact(self, results: xr.Dataset) -> xr.Dataset:
+    def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
         """The results beside the limit load, in perfectly plastic clay."""
         if isinstance(self.clay, EinavRandolph):
             return results

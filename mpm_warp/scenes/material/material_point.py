@@ -112,7 +112,7 @@ class MaterialPoint(CatalogueScene):
         return self.step_count
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Follow the paths to their ends, and hold the stress there against the exact ones."""
+        """Follow the paths to their ends, and compare the stress there with the exact one."""
         steps = even_steps(self.step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         return recorded.merge(self._at_the_end(simulation))

@@ -111,7 +111,7 @@ class StressWatch:
         self.particle_count = len(paths.gradient)
 
     def prepare(self) -> None:
-        """Nothing is noted before the last step that a look is at."""
+        """Nothing is recorded before the last step that a look is at."""
 
     def look(self) -> None:
         """Look at all stresses.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
-from mpm_warp.scenes.cone import known_error
+from mpm_warp.scenes.cone.error_laws import TOP, top_error
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 
@@ -36,7 +36,7 @@ def layer_values(sounding: SoundingTest, recorded: xr.Dataset) -> dict[str, xr.V
     top, ratio = sounding.layer_top, sounding.layer_strength_ratio
     if top is None or sounding.profile is not None or ratio == 1.0:
         return {}
-    if sounding.starts_at_surface:  # no resistance of undisturbed ground to hold it against
+    if sounding.starts_at_surface:  # no resistance of undisturbed ground to compare it with
         return {}
     depth = recorded.depth.values
     without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
@@ -131,13 +131,13 @@ def _top(sounding: SoundingTest, factor: Floats) -> float:
     """
     assert sounding.domain_above is not None
     assert sounding.domain_below is not None
-    error = known_error.top_error(
+    error = top_error(
         rigidity_index=sounding.rigidity_index,
         above=sounding.domain_above,
         below=sounding.domain_below,
         way=sounding.travel / sounding.cone_radius,
     )
-    return known_error.TOP * float(error) / float(np.mean(factor[:UNDISTURBED]))
+    return TOP * float(error) / float(np.mean(factor[:UNDISTURBED]))
 
 
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:

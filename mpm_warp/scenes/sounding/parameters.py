@@ -131,13 +131,17 @@ class SoundingTest(CatalogueScene):
 
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; the window follows the greatest rigidity index."""
-        ground = self.ground
-        index = float((ground.shear_modulus / ground.strength).max())
-        extents = ConePenetration(rigidity_index=index).default_extents
-        return extents | {
-            "shaft_adhesion_factor": ground.greatest_adhesion_factor(self.adhesion_factor),
+        return self.default_extents | {
+            "shaft_adhesion_factor": self.ground.greatest_adhesion_factor(self.adhesion_factor),
             "to_depth": self.from_depth + WAY * self.cone_radius,
         }
+
+    @property
+    def default_extents(self) -> dict[str, float]:
+        """Extents of a window that the resistance hardly depends on, over cone radius."""
+        ground = self.ground
+        index = float((ground.shear_modulus / ground.strength).max())
+        return ConePenetration(rigidity_index=index).default_extents
 
     @property
     def ground(self) -> Profile:

@@ -1,10 +1,10 @@
 """What is known of the error of a sample of the resistance: a correction, and a half width of 95 %.
 
-The resistance is corrected as a cone factor is (`mpm_warp.scenes.cone.known_error`), with rigidity
-index and mean strength of the soil around the tip. These laws were measured in uniform, perfectly
-plastic clay; where strain or its rate changes the strength nothing is known, nor while the surface
-of the ground is in the window. Near a border they are taken as they are. The place of the border is
-known to a cell: half of what a shift by one cell changes is a part of the half width.
+The resistance is corrected by the laws of a cone factor (`mpm_warp.scenes.cone.error_laws`), with
+rigidity index and mean strength of the soil around the tip. These laws were measured in uniform,
+perfectly plastic clay; where strain or its rate changes the strength nothing is known, nor while
+the surface of the ground is in the window. Near a border they are taken as they are. The place of
+the border is known to a cell: half of what a shift by one cell changes is a part of the half width.
 """
 
 from __future__ import annotations
@@ -12,13 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes.cone import known_error as known
+from mpm_warp.scenes.cone.error_laws import LARGEST_CELL, ErrorLaws
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
-from mpm_warp.scenes.cone.stated_error import (
-    LARGEST_CELL,
-    LARGEST_INERTIA,
-    POINTS,
-)
+from mpm_warp.scenes.cone.stated_error import POINTS
+from mpm_warp.scenes.cone.window import smallness
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 
 AROUND = 2.0
@@ -45,54 +42,55 @@ def sample_error(
         What is to be added to the resistance, over the mean strength around the tip, dimensionless,
         0 where nothing is known; and the half width of 95 % [Pa], NaN there. Each of shape [n].
     """
-    ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
-    strength = ground.strength_at(depth)
-    around = ground.mean_strength_around(depth, AROUND * radius)
-    index = ground.shear_modulus_at(depth) / strength
-    h, g, below = cell / radius, sounding.cell_growth, sounding.domain_below
-    above = sounding.domain_above
-    assert above is not None
-    assert below is not None
-    adhesion = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
-    soils, of_soil = np.unique(np.stack([index, adhesion]), axis=1, return_inverse=True)
-    mesh = np.array(
-        [
-            known.mesh_error(rigidity_index=Ir, adhesion_factor=a, cell_size=h, cell_growth=g)
-            for Ir, a in soils.T
-        ]
-    )[of_soil.ravel()]
-    anisotropy = ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy)
-    inertia = sounding.dynamic_pressure / around
-    bottom = known.BOTTOM_ERROR * index / below**2
-    way = SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size))
-    top = known.top_error(rigidity_index=index, above=above, below=below, way=way)
-    correction = bottom - known.SPEED_ERROR * inertia - mesh - top
+    around = _strength_around(sounding, depth)
+    laws = _laws(sounding, depth, around)
     factor = resistance / around
-    shift = ground.mean_strength_around(depth + cell, AROUND * radius)
-    shift = shift - ground.mean_strength_around(depth - cell, AROUND * radius)
-    parts = [
-        known.FACE * h * np.ones_like(depth),
-        known.growth_uncertainty(h, g) * np.ones_like(depth),
-        known.DOMAIN * factor,
-        known.BOTTOM * bottom,
-        known.INERTIA * inertia,
-        POINTS * factor,
-        known.TOP * top,
-        SAMPLE_NOISE * np.ones_like(depth),
-        0.25 * factor * np.abs(shift) / around,
-    ]
+    cell = sounding.cell_size
+    shift = _strength_around(sounding, depth + cell) - _strength_around(sounding, depth - cell)
+    parts = laws.half_widths(factor) | {
+        "points": POINTS * factor,
+        "noise": SAMPLE_NOISE,
+        "borders": 0.25 * factor * np.abs(shift) / around,
+    }
+    reasons = laws.why_none_holds(largest_cell=LARGEST_CELL)
+    reasons["strain or its rate changes the strength"] = sounding.strength_changes
     if sounding.starts_at_surface:
-        parts.append(LEFT_BY_SURFACE * factor)
-    half_width = around * np.sqrt(np.sum(np.square(parts), axis=0))
-    is_known = (
-        (index >= known.RIGIDITY_INDICES[0])
-        & (index <= known.RIGIDITY_INDICES[-1])
-        & (inertia <= LARGEST_INERTIA)
-        & (np.abs(anisotropy) <= known.LARGEST_ANISOTROPY)
-        & (h <= LARGEST_CELL)
-        & (sounding.poissons_ratio >= known.SMALLEST_POISSONS_RATIO)
-        & (not sounding.strength_changes)
+        parts["surface"] = LEFT_BY_SURFACE * factor
+        passed = sounding.surface_passed / sounding.cone_radius
+        reasons["the surface is in the window"] = laws.way < passed
+    not_known = np.zeros(depth.shape, dtype=bool)
+    for holds in reasons.values():
+        not_known |= holds
+    half_width = around * np.sqrt(sum(np.square(it) for it in parts.values()))
+    return np.where(not_known, 0.0, laws.correction), np.where(not_known, np.nan, half_width)
+
+
+def _strength_around(sounding: SoundingTest, depth: Floats) -> Floats:
+    """Mean strength of the soil around the tip at depths [m], [Pa], shape [n]."""
+    return sounding.ground.mean_strength_around(depth, AROUND * sounding.cone_radius)
+
+
+def _laws(sounding: SoundingTest, depth: Floats, strength: Floats) -> ErrorLaws:
+    """The laws at the samples.
+
+    Args:
+        sounding: what was run.
+        depth: of the tip [m], shape [n].
+        strength: mean around the tip [Pa], shape [n].
+    """
+    ground, radius = sounding.ground, sounding.cone_radius
+    assert sounding.domain_above is not None
+    assert sounding.domain_below is not None
+    return ErrorLaws(
+        rigidity_index=ground.shear_modulus_at(depth) / ground.strength_at(depth),
+        adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
+        stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
+        poissons_ratio=sounding.poissons_ratio,
+        inertia=sounding.dynamic_pressure / strength,
+        cell_size=sounding.cell_size / radius,
+        cell_growth=sounding.cell_growth,
+        above=sounding.domain_above,
+        below=sounding.domain_below,
+        smallness=smallness(sounding, sounding.default_extents),
+        way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size)),
     )
-    if sounding.starts_at_surface:
-        is_known &= way >= sounding.surface_passed / radius
-    return np.where(is_known, correction, 0.0), np.where(is_known, half_width, np.nan)

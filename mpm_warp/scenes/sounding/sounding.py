@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scene import Scene
@@ -41,7 +42,7 @@ class Sounding(SoundingTest):
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -73,32 +74,29 @@ class Sounding(SoundingTest):
         of_shaft = adhesion_factor / in_all_ground if in_all_ground > 0.0 else 1.0
         greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
         assert self.shaft_adhesion_factor is not None
-        return ConePenetration(
-            rigidity_index=shear_modulus / strength,
-            undrained_shear_strength=strength,
-            adhesion_factor=adhesion_factor,
-            shaft_adhesion_factor=of_shaft * self.shaft_adhesion_factor,
-            rate_factor=self.rate_factor,
-            reference_strain_rate=self.reference_strain_rate,
-            remoulded_strength_ratio=self.remoulded_strength_ratio,
-            ductility=self.ductility,
-            penetration_speed=self.penetration_speed,
-            stress_anisotropy=anisotropy,
-            in_situ_stress=float(ground.vertical_stress_at(np.array(max(0.0, self.start_depth)))),
-            poissons_ratio=self.poissons_ratio,
-            density=self.density,
-            cone_radius=self.cone_radius,
-            approach=0.0,
-            steady_tolerance=0.0,
-            speed_ratio=self.speed_ratio * math.sqrt(softest / shear_modulus),
-            cells_per_radius=self.cells_per_radius,
-            cell_growth=self.cell_growth,
-            time_step_fraction=min(self.time_step_fraction, greatest_fraction),
-            domain_radius=self.domain_radius,
-            domain_above=self.domain_above,
-            domain_below=self.domain_below,
-            precision=self.precision,
-        )
+        of_ground_and_start = {
+            "rigidity_index": shear_modulus / strength,
+            "undrained_shear_strength": strength,
+            "adhesion_factor": adhesion_factor,
+            "shaft_adhesion_factor": of_shaft * self.shaft_adhesion_factor,
+            "stress_anisotropy": anisotropy,
+            "in_situ_stress": float(
+                ground.vertical_stress_at(np.array(max(0.0, self.start_depth)))
+            ),
+            "approach": 0.0,
+            "steady_tolerance": 0.0,
+            "speed_ratio": self.speed_ratio * math.sqrt(softest / shear_modulus),
+            "time_step_fraction": min(self.time_step_fraction, greatest_fraction),
+        }
+        return ConePenetration(**self._in_common | of_ground_and_start)
+
+    @property
+    def _in_common(self) -> dict[str, Any]:
+        """The parameters that a cone test has too, by the same names."""
+        known = parameters_of(ConePenetration)
+        values = {name: getattr(self, name) for name in parameters_of(Sounding) if name in known}
+        # A window by default is that of the sounding; the test would derive another.
+        return {name: float(it) if isinstance(it, Derived) else it for name, it in values.items()}
 
     @property
     def _clay(self) -> PerfectlyPlastic:

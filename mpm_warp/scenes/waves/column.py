@@ -31,7 +31,7 @@ class Column:
             columns=np.array([0.0, 1.0]),
             rows=np.linspace(0.0, self.height, self.cell_count + 1),
             surface_radius=np.zeros(self.cell_count + 1),
-            outer_radius=self.height / self.cell_count,
+            fitted_radius=self.height / self.cell_count,
         )
 
     @property

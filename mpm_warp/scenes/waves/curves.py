@@ -32,7 +32,7 @@ class Front:
         self._samples: list[tuple[float, float, float]] = []
 
     def sample(self) -> None:
-        """Take down the time, the stress and the velocity."""
+        """Record the time, the stress and the velocity."""
         mass, velocity = (self._simulation.array(f"particle.{it}") for it in ("mass", "velocity"))
         middle = self._column.mean_over_sections(velocity[:, 1], mass)[self._column.cell_count]
         stress = self._simulation.array("particle.stress")[0, 1]
@@ -68,7 +68,7 @@ class StandingWave:
         simulation.assign("particle.velocity", np.stack([0.0 * velocity, velocity], axis=-1))
 
     def sample(self) -> None:
-        """Take down the time, the displacement and the energy."""
+        """Record the time, the displacement and the energy."""
         position, velocity, stress, mass = (
             self._simulation.array(f"particle.{name}")
             for name in ("position", "velocity", "stress", "mass")

@@ -98,7 +98,9 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
 def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_array:
     """Shape functions of the nodes at particles, of shape [node_count, particle_count]."""
     column, row = cell.T
-    xi = (position[:, 0] / grid.outer_radius - grid.columns[column]) / np.diff(grid.columns)[column]
+    xi = (position[:, 0] / grid.fitted_radius - grid.columns[column]) / np.diff(grid.columns)[
+        column
+    ]
     eta = (position[:, 1] - grid.rows[row]) / np.diff(grid.rows)[row]
     values, nodes = bilinear(xi, eta)[0].T, grid.cell_nodes[row * grid.column_count + column]
     particle = np.repeat(np.arange(len(row)), 4)

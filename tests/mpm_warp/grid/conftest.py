@@ -7,8 +7,8 @@ import pytest
 from mpm_warp.grid.fitted import Grid
 
 
-@pytest.fixture(params=["fitted", "rectilinear"])
+@pytest.fixture(params=["fitted", "partly_upright", "rectilinear"])
 def grid(request: pytest.FixtureRequest) -> Grid:
-    """Either grid."""
+    """Each of the grids with horizontal rows."""
     value: Grid = request.getfixturevalue(request.param)
     return value

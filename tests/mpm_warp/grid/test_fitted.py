@@ -55,6 +55,6 @@ def test_critical_length_of_a_square_far_from_the_axis() -> None:
         columns=np.array([0.0, 1.0]),
         rows=np.array([0.0, side]),
         surface_radius=np.full(2, radius),
-        outer_radius=radius + side,
+        fitted_radius=radius + side,
     )
     assert grid.cell_lengths[0] == pytest.approx(side / np.sqrt(2.0), rel=1e-6)

@@ -40,7 +40,7 @@ def located(grid: Grid, i: int, j: int, x: Floats) -> Floats:
     column = wp.vec3d(grid.columns[i], width, 1.0 / width)
     row = vec5(grid.rows[j], height, 1.0 / height, grid.surface_radius[j], lean)
     found = wp.zeros(2, dtype=wp.vec2d, device="cpu")
-    arguments = [wp.vec2d(*x), column, row, grid.outer_radius, found]
+    arguments = [wp.vec2d(*x), column, row, grid.fitted_radius, found]
     wp.launch(make_locate(grid.polar), 1, arguments, device="cpu")
     values: Floats = found.numpy()
     return values
@@ -53,18 +53,21 @@ def rays() -> PolarGrid:
         columns=np.array([0.0, 0.2, 0.5, 1.0]),
         rows=np.linspace(0.0, 0.5 * np.pi, 7),
         surface_radius=np.full(7, 1.0),
-        outer_radius=3.0,
+        fitted_radius=3.0,
         planar=True,
     )
 
 
-@pytest.mark.parametrize("name", ["rays", "fitted", "rectilinear"])
+@pytest.mark.parametrize(
+    ("name", "column"),
+    [("rays", 1), ("fitted", 1), ("rectilinear", 1), ("partly_upright", 1), ("partly_upright", -2)],
+)
 def test_device_places_a_particle_where_the_grid_does(
-    name: str, request: pytest.FixtureRequest
+    name: str, column: int, request: pytest.FixtureRequest
 ) -> None:
     """Natural coordinates, against the grid's own positions."""
     grid: Grid = request.getfixturevalue(name)
-    i, j, xi, eta = 1, 2, 0.3, 0.8
+    i, j, xi, eta = column % grid.column_count, grid.row_count // 2, 0.3, 0.8
     x = grid.place(np.array(i), np.array(j), np.array(xi), np.array(eta))
     natural, outside = located(grid, i, j, x)
     np.testing.assert_allclose(natural, [xi, eta], rtol=1e-12)

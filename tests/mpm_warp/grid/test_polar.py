@@ -17,7 +17,7 @@ def polar(*, planar: bool, rows: int = 6, last: float = 0.5 * np.pi) -> PolarGri
         columns=np.array([0.0, 0.2, 0.5, 1.0]),
         rows=np.linspace(0.0, last, rows + 1),
         surface_radius=np.full(rows + 1, INNER),
-        outer_radius=OUTER,
+        fitted_radius=OUTER,
         planar=planar,
     )
 

@@ -36,7 +36,7 @@ def test_there_is_no_particle_above_the_ground(rectilinear: Grid) -> None:
         columns=rectilinear.columns,
         rows=rectilinear.rows,
         surface_radius=rectilinear.surface_radius,
-        outer_radius=rectilinear.outer_radius,
+        fitted_radius=rectilinear.outer_radius,
         ground_level=level,
     )
     full, seed = (seed_rows(it, 0, it.row_count, 2) for it in (rectilinear, ground))

@@ -22,7 +22,7 @@ def test_a_cell_at_the_surface_of_the_ground_bears_stress_as_far_as_it_is_filled
         columns=fitted.columns,
         rows=fitted.rows,
         surface_radius=fitted.surface_radius,
-        outer_radius=fitted.outer_radius,
+        fitted_radius=fitted.outer_radius,
         ground_level=half_up,
     )
     scene = dataclasses.replace(floating, grid=ground, particles_per_side=4, free_surface=True)

@@ -31,7 +31,7 @@ def test_spin_turns_the_stress_by_its_angle(floating: Scene) -> None:
         columns=np.linspace(0.0, 1.0, 7),
         rows=np.linspace(0.0, 1.4, 7),
         surface_radius=np.full(7, 1e6),
-        outer_radius=1e6 + 1.0,
+        fitted_radius=1e6 + 1.0,
     )
     # A step so short that the stress does not accelerate the soil by much beside its spin.
     simulation = Simulation(dataclasses.replace(floating, grid=far, time_step_fraction=1e-4))

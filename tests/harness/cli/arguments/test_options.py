@@ -78,15 +78,24 @@ def test_uncertainty_is_measured_on_request(
     tmp_path: Path, small_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     command = ["run", str(small_file), f"--out={tmp_path}", "--uncertainty"]
-    assert main([*command, "--set", "adhesion_factor=0"]) == 0, capsys.readouterr().err
+    values = ("adhesion_factor=0", "cells_per_radius=2.31", "domain_radius=8", "domain_above=3")
+    command += [f"--set={value}" for value in (*values, "domain_below=4")]
+    assert main(command) == 0, capsys.readouterr().err
     (result,) = tmp_path.glob("*.nc")
     with xr.open_dataset(result) as dataset:
         assert (dataset.uncertainty == "measured").all()
         assert (dataset.uncertainty_run_time > 0.0).all()
 
 
-def test_a_scene_without_a_stated_error_takes_no_uncertainty(
-    tmp_path: Path, refusal: Callable[[list[str]], str]
+@pytest.mark.parametrize(
+    ("study", "scene"), [("sliding_block", "sliding_block"), ("thin_layer", "sounding")]
+)
+def test_a_scene_without_a_measured_uncertainty_is_refused(
+    tmp_path: Path, refusal: Callable[[list[str]], str], study: str, scene: str
 ) -> None:
-    line = refusal(["run", "sliding_block", "--uncertainty", f"--out={tmp_path}"])
-    assert "uncertainty" in line
+    line = refusal(["run", study, "--uncertainty", f"--out={tmp_path}"])
+    assert line == (
+        f"harness: --uncertainty: no measured uncertainty in {scene}; these scenes have one: "
+        "ball_penetration, cone_penetration, t_bar_penetration"
+    )
+    assert not list(tmp_path.iterdir())

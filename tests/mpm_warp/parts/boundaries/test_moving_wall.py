@@ -20,7 +20,7 @@ def spherical(cavity: Scene) -> Scene:
         columns=cavity.grid.columns,
         rows=np.linspace(0.0, 0.5 * np.pi, 6),
         surface_radius=np.ones(6),
-        outer_radius=cavity.grid.outer_radius,
+        fitted_radius=cavity.grid.outer_radius,
     )
     return dataclasses.replace(cavity, grid=grid, fixed=None, far_field=None)
 

@@ -21,7 +21,7 @@ def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(cavity: Scene) 
         columns=cavity.grid.columns,
         rows=rows,
         surface_radius=np.ones(6),
-        outer_radius=cavity.grid.outer_radius,
+        fitted_radius=cavity.grid.outer_radius,
     )
     # So short a step that no stress acts.
     simulation = Simulation(

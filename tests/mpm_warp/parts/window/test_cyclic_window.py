@@ -28,7 +28,7 @@ def travelling(elastic: LinearElastic) -> Scene:
         columns=np.linspace(0.0, 1.0, 4),
         rows=np.linspace(0.0, 1.6, 9),
         surface_radius=np.zeros(9),
-        outer_radius=1.0,
+        fitted_radius=1.0,
     )
     return Scene(
         grid=grid, material=elastic, particles_per_side=2, time_step_fraction=0.5, window=WINDOW

@@ -43,7 +43,7 @@ def test_the_grid_that_followed_the_wall_is_the_grid_around_it() -> None:
         columns=scene.grid.columns,
         rows=scene.grid.rows,
         surface_radius=radius.copy(),
-        outer_radius=scene.grid.outer_radius,
+        fitted_radius=scene.grid.outer_radius,
     )
     integrals = simulation.array("cell.integrals")
     np.testing.assert_allclose(integrals, grid.gradient_integrals, rtol=1e-9, atol=1e-12)

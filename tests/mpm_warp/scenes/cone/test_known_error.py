@@ -10,18 +10,19 @@ import pytest
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.known_error import (
+from mpm_warp.scenes.cone.error_laws import (
     FACE_ERRORS,
     GROWTH,
     GROWTH_ERROR,
+    LARGEST_CELL,
     SHARE_OF_GROWTH,
     WIDE_ERROR,
+    growth_measure,
     growth_uncertainty,
-    known_error,
     mesh_error,
     top_error,
 )
-from mpm_warp.scenes.cone.stated_error import LARGEST_CELL, growth_measure
+from mpm_warp.scenes.cone.known_error import known_error
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -117,10 +118,13 @@ def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
     assert float(results.cone_factor) == simulated(TEST)
 
 
-def test_where_no_law_holds_nothing_is_known() -> None:
-    fast = dataclasses.replace(TEST, speed_ratio=0.2)
-    results = with_measured_error(fast, run, lambda fraction: None)
-    assert "the case: the speed is too high" in results.cone_factor_uncertainty.attrs["not_known"]
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [({"speed_ratio": 0.2}, "the speed is too high"), ({"accuracy": "quick"}, "too wide")],
+)
+def test_where_no_law_holds_the_case_is_refused(changed: dict[str, Any], reason: str) -> None:
+    with pytest.raises(ParameterError, match=f"uncertainty = measured: .*{reason}"):
+        ConePenetration(uncertainty="measured", material="von_mises", **changed)
 
 
 def test_the_further_runs_are_checked_before_anything_runs() -> None:
@@ -132,7 +136,7 @@ def test_a_case_is_run_with_its_further_runs() -> None:
     """Small and short: the cone does not pass all soil, so that nothing is said to be known."""
     test = ConePenetration(
         uncertainty="measured",
-        cells_per_radius=2,
+        cells_per_radius=2.31,
         domain_radius=8,
         domain_above=3,
         domain_below=4,
@@ -143,7 +147,8 @@ def test_a_case_is_run_with_its_further_runs() -> None:
     results = test.run()
     assert float(results.cone_factor_simulated) == float(alone.cone_factor_simulated)
     assert float(results.cone_factor_further_face) != float(alone.cone_factor_simulated)
-    assert "the case: the cells are too wide" in results.cone_factor_uncertainty.attrs["not_known"]
+    reason = "the case: soil that the cone has not passed is still beside it"
+    assert reason in results.cone_factor_uncertainty.attrs["not_known"]
     size, whole = dataclasses.replace(test, uncertainty="known").run_size(), test.run_size()
     assert whole.particle_updates > 5.0 * size.particle_updates
     assert whole.byte_count > size.byte_count

@@ -18,7 +18,7 @@ COARSE = CyclicTBar(
     cells_per_radius=2, domain_extent=4, adhesion_factor=0.5, stroke=6.0, cycle_count=2
 )
 SENSITIVE = dataclasses.replace(
-    COARSE, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.015
+    COARSE, cells_per_radius=3, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.015
 )
 NOISE = 0.01
 """Of the mean resistance of a passage, over it."""
@@ -37,7 +37,7 @@ def softened() -> xr.Dataset:
 def test_the_first_passage_is_that_of_a_t_bar_that_goes_on() -> None:
     """To rounding: soil that waits below enters in the step in which a layer would have entered."""
     pushed = TBarPenetration(
-        cells_per_radius=2,
+        cells_per_radius=3,
         domain_extent=4,
         adhesion_factor=0.5,
         remoulded_strength_ratio=0.2,

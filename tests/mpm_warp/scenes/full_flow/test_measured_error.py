@@ -38,6 +38,7 @@ def run(test: BallPenetration, progress: Progress) -> xr.Dataset:
         {
             "resistance_factor": simulated(test),
             "resistance_factor_change": CHANGE,
+            "empty_cells": 0.0,
             "run_time": ((), 2.0, {"role": "measured"}),
             "particle_updates": 1e6,
         }
@@ -58,7 +59,7 @@ def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
     finest = further_tests(TEST)["mesh"].cells_per_radius
     left = float(results.resistance_factor_uncertainty_mesh)
     assert left == pytest.approx(-0.5 * MESH / finest**2)
-    parts = [*DIFFERENCES, "steadiness", "points", "adhesion"]
+    parts = [*DIFFERENCES, "steadiness", "points", "poles"]
     squares = [float(results[f"resistance_factor_uncertainty_{it}"]) ** 2 for it in parts]
     assert float(results.resistance_factor_uncertainty) == pytest.approx(math.sqrt(sum(squares)))
 
@@ -92,18 +93,18 @@ def test_the_further_runs_are_checked_before_anything_runs() -> None:
         TBarPenetration(uncertainty="measured", domain_extent=80)
 
 
-@pytest.mark.parametrize(
-    ("test", "reason"),
-    [
-        (BallPenetration(adhesion_factor=0.5, cells_per_radius=2), "the cells are too wide"),
-        (
-            BallPenetration(shaft_radius_ratio=0),
-            "soil leaves a hole behind a ball without a shaft",
-        ),
-    ],
-)
-def test_where_no_law_holds_nothing_is_known(test: BallPenetration, reason: str) -> None:
-    results = with_measured_error(test, run, lambda fraction: None)
+def test_cells_too_wide_for_the_laws_are_refused() -> None:
+    with pytest.raises(ParameterError, match="cells_per_radius = 2 must be >= 3 where uncertainty"):
+        TBarPenetration(uncertainty="measured", cells_per_radius=2)
+
+
+def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
+    def leaving_a_hole(test: BallPenetration, progress: Progress) -> xr.Dataset:
+        is_finer = test.cells_per_radius > TEST.cells_per_radius
+        return run(test, progress).assign(empty_cells=float(is_finer))
+
+    results = with_measured_error(TEST, leaving_a_hole, lambda fraction: None)
+    reason = "soil leaves a hole behind the body"
     assert results.resistance_factor_uncertainty.attrs["not_known"] == reason
 
 

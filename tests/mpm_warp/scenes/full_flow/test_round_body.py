@@ -36,6 +36,19 @@ def test_the_first_column_stands_on_the_body_and_on_the_line_of_travel(body: Rou
     assert z[-1] == (RADIUS if body.shaft_radius == 0.0 else grid.rows[-1])
 
 
+def test_the_nodes_near_the_body_are_the_same_in_a_larger_grid() -> None:
+    columns = np.array([0.0, 1.0, 2.2, 4.0, 6.0, 9.0])
+    small, large = (
+        BALL.fitted_grid(cells_per_radius=4, columns=columns[:count], extent=3) for count in (4, 6)
+    )
+    of_small, of_large = (
+        it.node_positions.reshape(it.row_count + 1, -1, 2) for it in (small, large)
+    )
+    np.testing.assert_allclose(of_large[:, :4], of_small, rtol=ROUNDING)
+    # Beyond three radii all columns are upright.
+    assert np.ptp(of_large[:, 3:, 0], axis=0).max() <= ROUNDING * RADIUS
+
+
 @pytest.mark.parametrize(("body", "area"), [(BALL, 0.0), (BALL_AND_SHAFT, 0.18), (BAR, 0.0)])
 def test_a_uniform_pressure_acts_on_the_area_of_the_shaft_alone(
     body: RoundBody, area: float

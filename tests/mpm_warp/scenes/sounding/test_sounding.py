@@ -37,6 +37,17 @@ def test_a_uniform_profile_is_uniform_clay_in_plan_and_result(
         np.testing.assert_array_equal(of_table[name], of_plain[name])
 
 
+def test_the_window_is_that_of_the_greatest_rigidity_index() -> None:
+    """Which is not that of the strongest and stiffest soil."""
+    soils = "0, 10, 400; 2, 10, 400; 2, 50, 100; 5, 50, 100"
+    profile = f"depth [m], strength [kPa], rigidity_index [1]; {soils}"
+    sounding = Sounding(profile=profile, from_depth=1.5, to_depth=3.0)
+    grid = sounding.build().grid
+    assert sounding.domain_below == 20.0
+    assert -grid.rows[0] / sounding.cone_radius == pytest.approx(20.0, abs=0.2)
+    assert grid.outer_radius / sounding.cone_radius == pytest.approx(80.0, rel=0.1)
+
+
 def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Dataset) -> None:
     np.testing.assert_allclose(layered.depth, 12.0 + 0.1 * (np.arange(30) + 0.5))
     assert layered.depth.attrs["units"] == "m"

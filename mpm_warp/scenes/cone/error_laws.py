@@ -1,0 +1,223 @@
+"""The laws of the error of a cone factor: what mesh, speed and window add to it.
+
+Of the mesh, h the width of the cells at the cone over its radius, g their growth:
+
+    E_mesh = B h + C g^1.5 h^1.3 + W max(0, h - 0.44)
+
+B by rigidity index and adhesion factor, a table, the last term of cells that are wider than those
+which B was measured with; of the speed, by the inertia i = rho V^2 / su = Ir (V / c_s)^2, c_s the
+speed of shear waves:
+
+    E_speed = S i
+
+and of the bottom of the window, H its distance from the tip over the cone's radius:
+
+    E_bottom = -D Ir / H^2
+
+and of the top, A its distance from the shoulder and w the way that the cone has gone beyond that
+of a test by default, both over the cone's radius:
+
+    E_top = T (Ir / A^2)^1.5 (1 - exp(-w / (1.7 (A + H))))
+
+All are taken from the cone factor; what they leave open is given as half widths. How all of it was
+measured is in the README.md of this folder; `studies/mesh_error.toml` measures B. They are used for
+a cone test (`known_error`), and for each sample of a sounding (`scenes/sounding/sample_error`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.scenes.cone.window import ALL_PASSED, steady_penetration
+
+Value = Floats | float
+Condition = NDArray[np.bool_] | bool
+
+RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
+"""Where the error of the mesh was measured."""
+FACE_ERRORS = ((-0.66, -0.38, -0.43, -0.08, 0.18), (-0.36, -0.32, -0.28, -0.03, 0.15))
+"""B at these rigidity indices, of a smooth cone and of one with adhesion factor 1."""
+GROWTH_ERROR = 1.2
+"""C."""
+WIDE_ERROR = 0.55
+"""W."""
+LARGEST_CELL, WIDEST_CELL = 0.44, 0.58
+"""Width of the cells at the cone over its radius up to which their error is linear, and up to which
+it is known: 4 and 3 rows of cells beside a face of 60 degrees."""
+SPEED_ERROR = 0.07
+"""S."""
+LARGEST_INERTIA = 3.0
+"""rho V^2 / su up to which the law of the error of the speed holds."""
+BOTTOM_ERROR = 0.09
+"""D."""
+NEAREST_BOTTOM = 0.74
+"""Distance of the bottom over sqrt(Ir) from which on its effect is known."""
+TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
+"""T; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
+FACE, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.004
+"""Half widths: of B; of W; of C; of what a default window changes, over Nc."""
+FORM_OF_GROWTH, SHARE_OF_GROWTH = 0.02, 1.0 / 3.0
+"""Half width of the form of the law of growth, where cells are not small; and what it is at most,
+over the effect of growth."""
+BOTTOM, TOP = 0.3, 0.5
+"""Half widths of the effects of bottom and top, over them."""
+INERTIA = 0.05
+"""Half width of S."""
+SMALLEST_POISSONS_RATIO = 0.45
+LARGEST_ANISOTROPY = 0.5
+"""Ranges of the cases by which the laws were tested."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorLaws:
+    """The laws, for one cone factor or for an array of them; lengths are over the cone's radius.
+
+    Attributes:
+        rigidity_index: G/su, shape [...].
+        adhesion_factor: of the face, shape [...].
+        stress_anisotropy: of the ground, shape [...].
+        poissons_ratio: as simulated.
+        inertia: rho V^2 / su, shape [...].
+        cell_size: width of the cells at the cone.
+        cell_growth: growth of their width per distance from the penetrometer.
+        above: extent of the window above the shoulder.
+        below: extent of the window below the tip.
+        smallness: greatest ratio of an extent of the window that is by default to what it is.
+        way: of the cone since its start, shape [...].
+    """
+
+    rigidity_index: Value
+    adhesion_factor: Value
+    stress_anisotropy: Value
+    poissons_ratio: float
+    inertia: Value
+    cell_size: float
+    cell_growth: float
+    above: float
+    below: float
+    smallness: float
+    way: Value
+
+    @property
+    def correction(self) -> Value:
+        """What is to be added to the cone factor, shape [...]."""
+        mesh = mesh_error(
+            rigidity_index=self.rigidity_index,
+            adhesion_factor=self.adhesion_factor,
+            cell_size=self.cell_size,
+            cell_growth=self.cell_growth,
+        )
+        return BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh - self._top
+
+    def half_widths(self, factor: Value) -> dict[str, Value]:
+        """Half widths of 95 % of what the laws leave open, by what they are of, shape [...].
+
+        Args:
+            factor: the cone factor as simulated, shape [...].
+        """
+        return {
+            "face": FACE * self.cell_size + WIDE * _excess_width(self.cell_size),
+            "growth": growth_uncertainty(self.cell_size, self.cell_growth),
+            "domain": DOMAIN * factor * self.smallness**2,
+            "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
+            "top": TOP * self._top,
+            "speed": INERTIA * self.inertia,
+        }
+
+    def why_none_holds(self, *, largest_cell: float) -> dict[str, Condition]:
+        """Phrases on what keeps the laws from holding, and whether it does, shape [...].
+
+        Args:
+            largest_cell: the greatest width of the cells at the cone that is allowed.
+        """
+        lowest, highest = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
+        return {
+            f"rigidity_index is not {lowest:g} to {highest:g}": (
+                (self.rigidity_index < lowest) | (self.rigidity_index > highest)
+            ),
+            f"stress_anisotropy is beyond {LARGEST_ANISOTROPY:g}": (
+                np.abs(self.stress_anisotropy) > LARGEST_ANISOTROPY
+            ),
+            f"poissons_ratio is below {SMALLEST_POISSONS_RATIO:g}": (
+                self.poissons_ratio < SMALLEST_POISSONS_RATIO
+            ),
+            "the bottom is too near": self._nearness * NEAREST_BOTTOM**2 > 1.0,
+        } | why_not_linear(
+            cell_size=self.cell_size, inertia=self.inertia, largest_cell=largest_cell
+        )
+
+    @property
+    def _nearness(self) -> Value:
+        """Ir / H^2 of the bottom of the window."""
+        return self.rigidity_index / (self.below * self.below)
+
+    @property
+    def _top(self) -> Value:
+        return top_error(
+            rigidity_index=self.rigidity_index, above=self.above, below=self.below, way=self.way
+        )
+
+
+def why_not_linear(
+    *, cell_size: float, inertia: Value, largest_cell: float = LARGEST_CELL
+) -> dict[str, Condition]:
+    """Phrases on what keeps the laws of mesh and speed from holding, whatever B, C and S are.
+
+    Args:
+        cell_size: as in `ErrorLaws`.
+        inertia: likewise.
+        largest_cell: as in `ErrorLaws.why_none_holds`.
+    """
+    return {
+        "the cells are too wide": cell_size > largest_cell,
+        "the speed is too high": inertia > LARGEST_INERTIA,
+    }
+
+
+def mesh_error(
+    *, rigidity_index: Value, adhesion_factor: Value, cell_size: float, cell_growth: float
+) -> Value:
+    """What the mesh adds to the cone factor, shape [...]; arguments as in `ErrorLaws`.
+
+    Beyond the rigidity indices measured the error is that of the nearest.
+    """
+    smooth, rough = (
+        np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), errors)
+        for errors in FACE_ERRORS
+    )
+    slope = smooth + adhesion_factor * (rough - smooth)
+    linear = slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
+    error: Value = linear + WIDE_ERROR * _excess_width(cell_size)
+    return error
+
+
+def growth_measure(cell_size: float, cell_growth: float) -> float:
+    """g^1.5 h^1.3: what the growth of the cells adds to the cone factor is in proportion to it."""
+    return math.pow(cell_growth, 1.5) * math.pow(cell_size, 1.3)
+
+
+def growth_uncertainty(cell_size: float, cell_growth: float) -> float:
+    """Half width of what the growth of the cells adds to the cone factor; see `mesh_error`."""
+    measure = growth_measure(cell_size, cell_growth)
+    form = min(FORM_OF_GROWTH, SHARE_OF_GROWTH * GROWTH_ERROR * measure)
+    return GROWTH * measure + form
+
+
+def top_error(*, rigidity_index: Value, above: float, below: float, way: Value) -> Value:
+    """What the top of the window adds to the cone factor, shape [...]; as in `ErrorLaws`."""
+    index = np.asarray(rigidity_index, dtype=float)
+    of_a_test = above + ALL_PASSED + np.vectorize(steady_penetration)(index)
+    beyond = np.maximum(0.0, way - of_a_test)
+    grown = -np.expm1(-beyond / (TOP_WAY * (above + below)))
+    error: Floats = TOP_ERROR * (index / above**2) ** TOP_POWER * grown
+    return error
+
+
+def _excess_width(cell_size: float) -> float:
+    """Width of the cells beyond those that B was measured with, over the cone's radius."""
+    return max(0.0, cell_size - LARGEST_CELL)

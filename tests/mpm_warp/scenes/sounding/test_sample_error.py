@@ -1,0 +1,39 @@
+"""What is stated of the error of samples in uniform clay: what a cone test there states."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpm_warp.scenes.cone.error_laws import BOTTOM_ERROR, DOMAIN, NEAREST_BOTTOM
+from mpm_warp.scenes.sounding.sample_error import sample_error
+from mpm_warp.scenes.sounding.sounding import Sounding
+
+FACTOR = 10.0
+
+
+def stated(sounding: Sounding) -> tuple[float, float]:
+    """Correction and half width of one sample, over the strength, whatever its noise."""
+    strength = sounding.undrained_shear_strength
+    samples = np.full(1, FACTOR * strength)
+    correction, half_width = sample_error(sounding, np.array([sounding.from_depth]), samples)
+    return float(correction[0]), float(half_width[0]) / strength
+
+
+@pytest.mark.parametrize("name", ["domain_radius", "domain_above"])
+def test_a_smaller_window_is_less_certain(name: str) -> None:
+    default = Sounding()
+    extent = default.default_extents[name]
+    half = Sounding(**{name: 0.5 * extent})
+    expected = 15.0 * (DOMAIN * FACTOR) ** 2  # (2^2)^2 - 1
+    assert stated(half)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected)
+
+
+def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
+    nearest = NEAREST_BOTTOM * 10.0
+    assert np.isnan(stated(Sounding(domain_below=0.99 * nearest))[1])
+    near, default = (
+        stated(Sounding(domain_below=below))[0] for below in (1.01 * nearest, 2.02 * nearest)
+    )
+    of_half = BOTTOM_ERROR * 100.0 / (2.02 * nearest) ** 2
+    assert near - default == pytest.approx(3.0 * of_half)
