@@ -27,13 +27,17 @@ OF_PROCESSORS = (
 )
 """Kernels of threads and of measuring, which no GPU ever runs."""
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
+MEASURABLE: dict[str, Value] = {"cells_per_radius": 3.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {
     "cavity_sphere": [{}, {"remoulded_strength_ratio": 0.2, "ductility": 10.0}],
-    "cone_penetration": [{}, {"approach": 0}],
+    "cone_penetration": [MEASURABLE, {"approach": 0, **MEASURABLE}],
     "sounding": [{"layer_top": 1.1, "layer_strength_ratio": 2.0, "adhesion_factor": 0.5}],
     "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],
 }
-"""Parameters without choices that decide on kernels all the same, by scene."""
+"""Parameters without choices that decide on kernels all the same, by scene.
+
+The error of a cone test is measured with such cells at any accuracy, and refused with wider ones.
+"""
 
 
 def variants(name: str) -> Iterator[CatalogueScene]:
