@@ -12,6 +12,9 @@ from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
 FITTED = 3.0
 """Radius up to which the columns of nodes follow the surface, about, over that of the body: the
 mechanism reaches to about three."""
+POLE_ROW = 0.5
+"""Height of the rows beside the poles, over those away from the body: in a row as high as those, a
+pole would have one long chord, and an error that falls as the height only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,23 +44,22 @@ class RoundBody:
         the grid is.
 
         Args:
-            cells_per_radius: rows of cells over a radius, >= 1; all rows are as high.
+            cells_per_radius: cells over a radius, >= 1: rows of this height away from the body.
             columns: distances of the columns of nodes from the widest place, from 0, rising [m].
             extent: of the grid below and above the centre, over the radius, >= 2.
         """
-        row = np.arange(-extent * cells_per_radius, extent * cells_per_radius + 1)
-        rows = self.radius / cells_per_radius * row
-        surface = self.surface_radius(rows)
-        # Exactly at the poles, whatever rounding made of their rows.
-        surface[row <= -cells_per_radius] = 0.0
-        surface[row >= cells_per_radius] = self.shaft_radius
+        size = self.radius / cells_per_radius
+        beside = np.linspace(0.0, self.radius - POLE_ROW * size, cells_per_radius + 1)
+        beyond = self.radius + size * np.arange((extent - 1) * cells_per_radius + 1)
+        above = np.append(beside, beyond)
+        rows = np.append(-above[:0:-1], above)
         last_fitted = int(np.argmin(np.abs(columns - (FITTED - 1.0) * self.radius)))
         fitted, upright = np.split(columns, [last_fitted + 1])
         fitted_radius = self.radius + float(fitted[-1])
         return Grid(
             columns=np.append(fitted / fitted[-1], (self.radius + upright) / fitted_radius),
             rows=rows,
-            surface_radius=surface,
+            surface_radius=self.surface_radius(rows),
             fitted_radius=fitted_radius,
             planar=self.planar,
         )
