@@ -98,7 +98,8 @@ def run_all(
 
     def part(number: int) -> Progress:
         begin, end = done[number : number + 2]
-        return lambda fraction: progress(float(begin + fraction * (end - begin)))
+        # Rounding must not take it beyond the begin of the next.
+        return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
 
     case = Run(tests[0], run(tests[0], part(0)))
     further: list[Run[Test] | str] = []
