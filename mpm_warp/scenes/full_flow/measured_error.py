@@ -7,9 +7,8 @@ unknowns of
 
 with h the width of the cells at the body over its radius, V the speed over sqrt(su / rho), and E
 the extent of the window over that of the case. The powers are between those observed (README.md
-of this folder). S is smaller with finer cells, so it is measured with the finest. At a pole one
-row of cells has a wide chord, which adds an error in proportion to h. It is a part of the
-uncertainty.
+of this folder). S is smaller with finer cells, so it is measured with the finest. At a pole the
+first chord is the longest, which adds an error in proportion to h. It is a part of the uncertainty.
 """
 
 from __future__ import annotations
@@ -37,9 +36,9 @@ DIFFERENCES = {
 }
 """The effects of M h^2 and of the other terms, and what the run that measures each has."""
 POWER_OF_SPEED = 1.4
-POLES = 0.06
-"""Half width of what the poles add, over N h: at a smooth bar, where they add most, what is left of
-it makes N some 0.05 N h too high."""
+POLES = 0.03
+"""Half width of what the poles add, over N h: at a smooth bar, where they add most, it made N some
+0.05 N h too high where the rows at the poles were as high as all others, twice as high as now."""
 FEWEST_CELLS = 3
 """Cells per radius from which on the laws hold."""
 FEWEST_POINTS = 4
