@@ -33,13 +33,13 @@ rough shaft come to hold the many small ones from near the axis, with friction m
 ALL_PASSED = 1.5
 """Penetration beyond the extent of the window above the shoulder at which all soil beside the shaft
 has been passed by the cone, in cone radii."""
-LARGEST_INERTIA, LARGEST_SPEED_RATIO = 7.0, 0.25
+INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 """What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
 
 
 def approach_speed_ratio(rigidity_index: float) -> float:
     """Speed of the approach by default, over that of shear waves."""
-    return min(LARGEST_SPEED_RATIO, math.sqrt(LARGEST_INERTIA / rigidity_index))
+    return min(SPEED_RATIO_OF_APPROACH, math.sqrt(INERTIA_OF_APPROACH / rigidity_index))
 
 
 def forgetting(rigidity_index: float) -> float:
