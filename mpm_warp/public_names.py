@@ -46,6 +46,7 @@ from mpm_warp.scenes.discovery import scene_class, scene_names
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
+from mpm_warp.scenes.full_flow.cyclic_ball import CyclicBall
 from mpm_warp.scenes.full_flow.cyclic_t_bar import CyclicTBar
 from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.full_flow.full_flow_sphere import FullFlowSphere

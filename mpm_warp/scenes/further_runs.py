@@ -21,10 +21,6 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 
-FORM = 0.5
-"""Half width of an error over what the best run still has of it: about what lies between a law and
-one of the next order."""
-
 Test = TypeVar("Test", bound=CatalogueScene)
 
 
@@ -42,12 +38,12 @@ class WithoutErrors:
 
     Attributes:
         value: v.
-        left_open: half widths by choice, `FORM` times the error that the best run still has.
+        left: size of the error that the best run still has, by choice.
         weights: what each simulated value counts for in v, shape [runs].
     """
 
     value: float
-    left_open: dict[str, float]
+    left: dict[str, float]
     weights: Floats
 
 
@@ -140,9 +136,9 @@ def without_errors(
     system = np.array([[1.0, *(of_run[it] for it in choices)] for of_run in measures])
     inverse = np.linalg.inv(system)
     value, *slopes = inverse @ np.array(values)
-    left = FORM * np.abs(slopes) * system[:, 1:].min(axis=0)
+    left = np.abs(slopes) * system[:, 1:].min(axis=0)
     return WithoutErrors(
         value=float(value),
-        left_open=dict(zip(choices, left.tolist(), strict=True)),
+        left=dict(zip(choices, left.tolist(), strict=True)),
         weights=inverse[0],
     )

@@ -52,6 +52,10 @@ DIFFERENCES = {
 }
 """The effects of B h and of the other terms, and what the run that measures each has."""
 
+FORM = 0.5
+"""Half width of an error over what the best run still has of it: about what lies between a law and
+one of the next order."""
+
 Test = TypeVar("Test", bound=ConeTest)
 
 
@@ -144,7 +148,7 @@ def measured_error(case: Run[Test], further: Mapping[str, Run[Test] | str]) -> x
             [_factor(run) for run in whole], [_measures(run.test, case.test) for run in whole]
         )
         correction = found.value - _factor(case)
-        parts |= found.left_open
+        parts |= {choice: FORM * error for choice, error in found.left.items()}
         parts["speed"] += APPROACH * _factor(case)
         parts["noise"] = NOISE * float(np.linalg.norm(found.weights))
     stated = stated_error(

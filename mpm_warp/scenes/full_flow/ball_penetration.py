@@ -9,20 +9,18 @@ from mpm_warp.grid.fitted import Grid
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window.travelling_source import TravellingSource
+from mpm_warp.scenes.full_flow.ball import Ball
 from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
 from mpm_warp.scenes.full_flow.round_body import RoundBody
 
 
 @dataclass(frozen=True, kw_only=True)
-class BallPenetration(FullFlowPenetration):
+class BallPenetration(Ball, FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
     summary: ClassVar[str] = "ball penetrometer pushed through undrained clay to steady flow"
     version: ClassVar[int] = 3
 
-    ball_radius: float = parameter(
-        0.0565, unit="m", meaning="radius of the ball", minimum=1e-6, maximum=1e3
-    )
     shaft_radius_ratio: float = parameter(
         0.316,
         unit="1",
@@ -41,7 +39,7 @@ class BallPenetration(FullFlowPenetration):
     def surroundings(self, grid: Grid) -> SurroundingGround | None:
         """The ground that makes room for the shaft, seen from afar as a travelling source."""
         if self.shaft_radius_ratio == 0.0:
-            return None
+            return super().surroundings(grid)
         clay = self.clay
         source = TravellingSource(
             radius=self.body.shaft_radius, height=0.0, shear_modulus=clay.shear_modulus

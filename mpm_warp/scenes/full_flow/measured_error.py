@@ -1,14 +1,14 @@
 """The error of the resistance of a ball or T-bar, measured by further runs of the case itself.
 
-The case and three runs, which differ from it in one choice of the method each, determine the
+The case and four runs, which differ from it in one or two choices of the method, determine the
 unknowns of
 
-    N_simulated = N + M h^2 + S V^1.4 + W / E
+    N_simulated = N + M h^2 + S V^1.4 + C h^2 V^1.4 + W / E
 
 with h the width of the cells at the body over its radius, V the speed over sqrt(su / rho), and E
 the extent of the window over that of the case. The powers are between those observed (README.md
-of this folder). S is smaller with finer cells, so it is measured with the finest. At a pole the
-first chord is the longest, which adds an error in proportion to h. It is a part of the uncertainty.
+of this folder). The error of the speed is larger with wider cells: hence C. At a pole the first
+chord is the longest, which adds an error in proportion to h. It is a part of the uncertainty.
 """
 
 from __future__ import annotations
@@ -31,10 +31,14 @@ FINER, SLOWER, WIDER = 1.5, 0.5, 1.5
 """Cells per radius, speed and extent of the window in further runs, over those of the case."""
 DIFFERENCES = {
     "mesh": "smaller cells",
-    "speed": "smaller cells and half the speed",
+    "speed": "half the speed",
+    "mesh_and_speed": "smaller cells and half the speed",
     "domain": "a wider window",
 }
 """The effects of M h^2 and of the other terms, and what the run that measures each has."""
+FORM = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
+"""Half widths of the errors over what the best run still has of them. From 3 to 6 cells per radius
+some bodies follow h^2, some come to rest at once."""
 POWER_OF_SPEED = 1.4
 POLES = 0.03
 """Half width of what the poles add, over N h: at a smooth bar, where they add most, it made N some
@@ -68,9 +72,11 @@ def further_tests(test: Test) -> dict[str, Test]:
         )
     assert test.speed_ratio is not None
     finer = {"cells_per_radius": math.ceil(FINER * test.cells_per_radius)}
+    slower = {"speed_ratio": SLOWER * test.speed_ratio}
     changes: dict[str, dict[str, Any]] = {
         "mesh": finer,
-        "speed": finer | {"speed_ratio": SLOWER * test.speed_ratio},
+        "speed": slower,
+        "mesh_and_speed": finer | slower,
         "domain": {"domain_extent": math.ceil(WIDER * test.domain_extent)},
     }
     return further_runs.further_tests(test, changes, DIFFERENCES)
@@ -119,7 +125,7 @@ def with_measured_error(
             [_factor(it) for it in runs], [_measures(it.test, test) for it in runs]
         )
         correction = found.value - simulated
-        parts |= found.left_open
+        parts |= {choice: FORM[choice] * error for choice, error in found.left.items()}
         to_come = STILL_TO_GO * np.array([_change(it) for it in runs])
         parts["steadiness"] = float(np.linalg.norm(found.weights * to_come))
     values = {
@@ -150,11 +156,13 @@ def _change(run: Run[Test]) -> float:
 
 
 def _measures(test: FullFlowPenetrometer, case: FullFlowPenetrometer) -> dict[str, float]:
-    """h^2, V^1.4 and 1 / E, which the errors are in proportion to."""
+    """h^2, V^1.4, their product, and 1 / E, which the errors are in proportion to."""
     assert test.speed_ratio is not None
-    speed = test.speed_ratio * math.sqrt(test.rigidity_index)
+    mesh = 1.0 / test.cells_per_radius**2
+    speed = math.pow(test.speed_ratio * math.sqrt(test.rigidity_index), POWER_OF_SPEED)
     return {
-        "mesh": 1.0 / test.cells_per_radius**2,
-        "speed": math.pow(speed, POWER_OF_SPEED),
+        "mesh": mesh,
+        "speed": speed,
+        "mesh_and_speed": mesh * speed,
         "domain": case.domain_extent / test.domain_extent,
     }

@@ -53,7 +53,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
     uncertainty: str = parameter(
         "none",
         unit="1",
-        meaning="whether the error of the resistance factor is measured, by three further runs, "
+        meaning="whether the error of the resistance factor is measured, by four further runs, "
         "which take some fifteen times as long",
         choices=("none", "measured"),
     )

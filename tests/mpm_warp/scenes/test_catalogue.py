@@ -33,6 +33,7 @@ SMALL: dict[str, dict[str, Value]] = {
         "steady_tolerance": 0.0,
     },
     "cone_self_similar": {"cells_per_radius": 4},
+    "cyclic_ball": {"cells_per_radius": 2, "domain_extent": 4, "stroke": 6.0, "cycle_count": 1},
     "cyclic_t_bar": {"cells_per_radius": 2, "domain_extent": 4, "stroke": 6.0, "cycle_count": 1},
     "elastic_column_wave": {"cell_count": 4, "period_count": 2},
     "flying_block": {"step_count": 100, "travel": 1.0},

@@ -16,17 +16,20 @@ from mpm_warp.scenes.full_flow.measured_error import DIFFERENCES, further_tests,
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 
 TEST = BallPenetration(adhesion_factor=0.5)
-FACTOR, MESH, SPEED, DOMAIN, CHANGE = 11.0, -3.0, 0.6, 0.05, 0.001
-"""A resistance factor, what mesh, speed and window add to it, and its last change, over it."""
+FACTOR, MESH, SPEED, BOTH, DOMAIN, CHANGE = 11.0, -3.0, 0.6, 4.0, 0.05, 0.001
+"""A resistance factor, what mesh, speed, both together and window add to it, and its last change,
+over it."""
 
 
 def simulated(test: BallPenetration) -> float:
     """A resistance factor that follows the laws exactly."""
     assert test.speed_ratio is not None
+    speed = (test.speed_ratio * math.sqrt(test.rigidity_index)) ** 1.4
     return (
         FACTOR
         + MESH / test.cells_per_radius**2
-        + SPEED * (test.speed_ratio * math.sqrt(test.rigidity_index)) ** 1.4
+        + SPEED * speed
+        + BOTH * speed / test.cells_per_radius**2
         + DOMAIN * TEST.domain_extent / test.domain_extent
     )
 
@@ -54,11 +57,14 @@ def test_errors_that_follow_the_laws_are_taken_off_exactly() -> None:
     assert float(results.resistance_factor_further_mesh) == simulated(finer)
 
 
-def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
+def test_of_what_the_best_run_still_has_the_mesh_leaves_all_open_and_the_rest_half() -> None:
     results = with_measured_error(TEST, run, lambda fraction: None)
     finest = further_tests(TEST)["mesh"].cells_per_radius
     left = float(results.resistance_factor_uncertainty_mesh)
-    assert left == pytest.approx(-0.5 * MESH / finest**2)
+    assert left == pytest.approx(-MESH / finest**2)
+    slowest = (0.5 * 0.3) ** 1.4
+    both = float(results.resistance_factor_uncertainty_mesh_and_speed)
+    assert both == pytest.approx(0.5 * BOTH * slowest / finest**2)
     parts = [*DIFFERENCES, "steadiness", "points", "poles"]
     squares = [float(results[f"resistance_factor_uncertainty_{it}"]) ** 2 for it in parts]
     assert float(results.resistance_factor_uncertainty) == pytest.approx(math.sqrt(sum(squares)))
@@ -67,9 +73,9 @@ def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
 def test_what_the_runs_took_is_told() -> None:
     fractions: list[float] = []
     results = with_measured_error(TEST, run, fractions.append)
-    assert float(results.uncertainty_run_time) == 6.0
-    assert float(results.run_time) == 8.0
-    assert float(results.particle_updates) == 4e6
+    assert float(results.uncertainty_run_time) == 8.0
+    assert float(results.run_time) == 10.0
+    assert float(results.particle_updates) == 5e6
     assert fractions == sorted(fractions)
     assert fractions[-1] == pytest.approx(1.0)
 

@@ -1,0 +1,39 @@
+"""A ball pushed down and pulled up, time after time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.full_flow.ball import Ball
+from mpm_warp.scenes.full_flow.cyclic import CyclicPenetration
+from mpm_warp.scenes.full_flow.penetrometer import particles_per_cell
+
+
+@dataclass(frozen=True, kw_only=True)
+class CyclicBall(Ball, CyclicPenetration):
+    """A ball that goes down and up again in the same soil.
+
+    Its shaft is left out: it would move the ground around the window, which rests between two
+    passages. The first passage is that of `ball_penetration` without a shaft.
+    """
+
+    summary: ClassVar[str] = "ball without a shaft, pushed down and pulled up in undrained clay"
+    version: ClassVar[int] = 1
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(2, 3),
+            bounds={"error": 0.01},
+            settings={
+                "adhesion_factor": 0.5,
+                "cycle_count": 2,
+                "stroke": 6.0,
+                "speed_ratio": 0.03,
+            },
+        ),
+    )
+
+    # With fewer a rough ball leaves a hole behind it.
+    particles_per_cell: int = particles_per_cell(16)
