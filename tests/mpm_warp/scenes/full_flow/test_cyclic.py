@@ -1,4 +1,4 @@
-"""A T-bar that goes down and up in the same clay."""
+"""Ball and T-bar that go down and up in the same clay."""
 
 from __future__ import annotations
 
@@ -9,8 +9,12 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
+from mpm_warp.scenes.full_flow.cyclic import CyclicPenetration
+from mpm_warp.scenes.full_flow.cyclic_ball import CyclicBall
 from mpm_warp.scenes.full_flow.cyclic_t_bar import CyclicTBar
 from mpm_warp.scenes.full_flow.full_flow_cylinder import limit_load
+from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 from mpm_warp.simulation import Simulation
 
@@ -19,6 +23,24 @@ COARSE = CyclicTBar(
 )
 SENSITIVE = dataclasses.replace(
     COARSE, cells_per_radius=3, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.015
+)
+BALL = CyclicBall(
+    cells_per_radius=3,
+    domain_extent=4,
+    stroke=6.0,
+    particles_per_cell=9,
+    remoulded_strength_ratio=0.2,
+    ductility=10.0,
+    speed_ratio=0.03,
+)
+SHARED = (
+    "cells_per_radius",
+    "domain_extent",
+    "adhesion_factor",
+    "particles_per_cell",
+    "remoulded_strength_ratio",
+    "ductility",
+    "speed_ratio",
 )
 NOISE = 0.01
 """Of the mean resistance of a passage, over it."""
@@ -34,25 +56,36 @@ def softened() -> xr.Dataset:
     return dataclasses.replace(SENSITIVE, cycle_count=3).run()
 
 
-def test_the_first_passage_is_that_of_a_t_bar_that_goes_on() -> None:
+@pytest.mark.parametrize(
+    ("cyclic", "pushed"),
+    [(SENSITIVE, TBarPenetration()), (BALL, BallPenetration(shaft_radius_ratio=0.0))],
+    ids=["bar", "ball"],
+)
+def test_the_first_passage_is_that_of_a_body_that_goes_on(
+    cyclic: CyclicPenetration, pushed: FullFlowPenetration
+) -> None:
     """To rounding: soil that waits below enters in the step in which a layer would have entered."""
-    pushed = TBarPenetration(
-        cells_per_radius=3,
-        domain_extent=4,
-        adhesion_factor=0.5,
-        remoulded_strength_ratio=0.2,
-        ductility=5.0,
-        speed_ratio=0.015,
-    )
-    runs = [Simulation(it.build()) for it in (SENSITIVE, pushed)]
+    shared = {name: getattr(cyclic, name) for name in SHARED}
+    runs = [Simulation(it.build()) for it in (cyclic, dataclasses.replace(pushed, **shared))]
     # Three of the six radii: half of them through soil that was not in the grid at the start.
-    steps = int(SENSITIVE.window.time_to(3.0 * SENSITIVE.bar_radius) / runs[0].plan.time_step)
+    steps = int(cyclic.window.time_to(3.0 * cyclic.body.radius) / runs[0].plan.time_step)
     for run in runs:
         run.advance(steps)
     assert runs[0].travel == runs[1].travel
     ours, theirs = (run.array("contact.impulse") for run in runs)
     rounding = steps * np.finfo(float).eps * np.abs(theirs).max()
     np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=rounding)
+
+
+def test_a_ball_resists_alike_in_perfectly_plastic_clay_and_less_from_passage_to_passage() -> None:
+    plastic = dataclasses.replace(BALL, remoulded_strength_ratio=1.0, cycle_count=1).run()
+    assert float(plastic.resistance_ratio) == pytest.approx(1.0, abs=NOISE)
+    softened = dataclasses.replace(BALL, cycle_count=2).run()
+    factor = softened.cyclic_resistance_factor.values
+    assert (np.diff(factor) < 0.0).all()
+    assert factor[0] < float(plastic.cyclic_resistance_factor[0])
+    assert float(softened.fitted_cycles) < 2.0
+    assert "fitted_ductility" not in softened  # what a passage of a ball counts for is not known
 
 
 def test_perfectly_plastic_clay_does_not_degrade(plastic: xr.Dataset) -> None:
