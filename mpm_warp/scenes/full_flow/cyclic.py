@@ -15,7 +15,7 @@ from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scenes import shared_parameters
-from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.degradation import FITTED, Degradation, fitted_degradation
 from mpm_warp.scenes.full_flow.loops import ResistanceLoops
@@ -34,6 +34,20 @@ class CyclicPenetration(FullFlowPenetrometer):
     the same body that goes on. Clay that softens resists the less from passage to passage;
     perfectly plastic clay resists each of them alike.
     """
+
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(2, 3),
+            bounds={"error": 0.01},
+            settings={
+                "adhesion_factor": 0.5,
+                "cycle_count": 2,
+                "stroke": 6.0,
+                "speed_ratio": 0.03,
+            },
+        ),
+    )
 
     # Remoulded clay is weak: half the speed has a quarter of the inertia.
     relative_speed: ClassVar[float] = 0.15

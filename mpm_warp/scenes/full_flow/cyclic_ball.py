@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.full_flow.ball import Ball
 from mpm_warp.scenes.full_flow.cyclic import CyclicPenetration
 from mpm_warp.scenes.full_flow.penetrometer import particles_per_cell
@@ -21,19 +20,6 @@ class CyclicBall(Ball, CyclicPenetration):
 
     summary: ClassVar[str] = "ball without a shaft, pushed down and pulled up in undrained clay"
     version: ClassVar[int] = 1
-    verifications: ClassVar[tuple[Verification, ...]] = (
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(2, 3),
-            bounds={"error": 0.01},
-            settings={
-                "adhesion_factor": 0.5,
-                "cycle_count": 2,
-                "stroke": 6.0,
-                "speed_ratio": 0.03,
-            },
-        ),
-    )
 
     # With fewer a rough ball leaves a hole behind it.
     particles_per_cell: int = particles_per_cell(16)

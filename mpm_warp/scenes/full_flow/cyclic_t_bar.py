@@ -8,7 +8,6 @@ from typing import ClassVar
 import xarray as xr
 
 from mpm_warp.results import labelled
-from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.full_flow.cyclic import BEYOND, CyclicPenetration
 from mpm_warp.scenes.full_flow.degradation import T_BAR_STRAIN, Degradation
 from mpm_warp.scenes.full_flow.t_bar import TBar
@@ -23,19 +22,6 @@ class CyclicTBar(TBar, CyclicPenetration):
 
     summary: ClassVar[str] = "T-bar pushed down and pulled up in undrained clay, plane strain"
     version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = (
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(2, 3),
-            bounds={"error": 0.01},
-            settings={
-                "adhesion_factor": 0.5,
-                "cycle_count": 2,
-                "stroke": 6.0,
-                "speed_ratio": 0.03,
-            },
-        ),
-    )
 
     def fitted(self, fit: Degradation) -> dict[str, xr.Variable]:
         """The fit of practice, and the ductility that it tells."""
