@@ -54,7 +54,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         "none",
         unit="1",
         meaning="whether the error of the resistance factor is measured, by four further runs, "
-        "which take some fifteen times as long",
+        "which take some twenty times as long",
         choices=("none", "measured"),
     )
 
