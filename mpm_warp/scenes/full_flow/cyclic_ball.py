@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from mpm_warp.scenes.full_flow.ball import Ball
 from mpm_warp.scenes.full_flow.cyclic import CyclicPenetration
-from mpm_warp.scenes.full_flow.penetrometer import particles_per_cell
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +19,3 @@ class CyclicBall(Ball, CyclicPenetration):
 
     summary: ClassVar[str] = "ball without a shaft, pushed down and pulled up in undrained clay"
     version: ClassVar[int] = 1
-
-    # With fewer a rough ball leaves a hole behind it.
-    particles_per_cell: int = particles_per_cell(16)

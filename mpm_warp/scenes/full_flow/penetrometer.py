@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,11 +30,6 @@ from mpm_warp.simulation import Simulation
 NO_PARTING = 1000.0
 """In-situ stress over su, above any that the soil can pull with: it closes behind the body."""
 TIME_STEP_FRACTION = 0.85
-
-
-def particles_per_cell(default: int) -> Any:
-    """Parameter: material points per cell."""
-    return parameter(default, unit="1", meaning="material points per cell", choices=(4, 9, 16))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +68,9 @@ class FullFlowPenetrometer(CatalogueScene):
         4, unit="1", meaning="cells per radius of the body", minimum=2, maximum=40
     )
     cell_growth: float = shared_parameters.cell_growth()
-    particles_per_cell: int = particles_per_cell(9)
+    particles_per_cell: int = parameter(
+        9, unit="1", meaning="material points per cell", choices=(4, 9, 16)
+    )
     domain_extent: int = parameter(
         8,
         unit="1",
