@@ -77,6 +77,19 @@ def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
     assert "cone_factor_uncertainty_bottom" not in results
 
 
+def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
+    def coarse(test: ConePenetration, progress: Progress) -> xr.Dataset:
+        made = run(test, progress)
+        made["cone_factor_simulated"] -= 4.0 * cell_size(test)
+        return made
+
+    results = with_measured_error(TEST, coarse, lambda fraction: None)
+    reason = str(results.cone_factor_uncertainty.attrs["not_known"])
+    left = simulated(TEST) - 4.0 * cell_size(TEST)
+    assert reason == f"its laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 10%"
+    assert float(results.cone_factor) == left
+
+
 def test_the_noise_of_all_runs_counts() -> None:
     """Shift one run after the other by its noise: the shifts of Nc add up as squares."""
     shifts = []
