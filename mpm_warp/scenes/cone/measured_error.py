@@ -55,9 +55,10 @@ DIFFERENCES = {
 FORM = 0.5
 """Half width of an error over what the best run still has of it: about what lies between a law and
 one of the next order."""
-LARGEST_CORRECTION = 0.1
+LARGEST_CORRECTION = 0.12
 """Error that the laws, which are linear, may take off, over the cone factor. Friction of 0.2 needs
-9 % and follows them with finer cells; a rough cone of 120 degrees would need 16 % and does not."""
+10 % and follows them to 12 cells per radius; a rough cone of 120 degrees would need 16 % and does
+not."""
 
 Test = TypeVar("Test", bound=ConeTest)
 
