@@ -46,10 +46,10 @@ from mpm_warp.scenes.discovery import scene_class, scene_names
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
-from mpm_warp.scenes.full_flow.cyclic_ball import CyclicBall
-from mpm_warp.scenes.full_flow.cyclic_t_bar import CyclicTBar
-from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder
-from mpm_warp.scenes.full_flow.full_flow_sphere import FullFlowSphere
+from mpm_warp.scenes.full_flow.cyclic.cyclic_ball import CyclicBall
+from mpm_warp.scenes.full_flow.cyclic.cyclic_t_bar import CyclicTBar
+from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
+from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 from mpm_warp.scenes.impact.struck_bar import StruckBar
 from mpm_warp.scenes.impact.struck_column import StruckColumn

@@ -95,9 +95,12 @@ class FullFlowPenetrometer(CatalogueScene):
     def body(self) -> RoundBody:
         """What is moved."""
 
-    @abstractmethod
     def surroundings(self, grid: Grid) -> SurroundingGround | None:
-        """The ground around the window; none where it rests."""
+        """The ground around the window; none where it rests.
+
+        It rests unless a shaft follows: as much soil closes behind the body as it pushes aside.
+        """
+        return None
 
     @property
     @abstractmethod

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.full_flow.penetrometer import FullFlowPenetrometer
 from mpm_warp.scenes.full_flow.round_body import RoundBody
@@ -12,7 +11,7 @@ from mpm_warp.scenes.full_flow.round_body import RoundBody
 
 @dataclass(frozen=True, kw_only=True)
 class TBar(FullFlowPenetrometer):
-    """A bar that moves across its axis, in ground that rests around the window."""
+    """A bar that moves across its axis, in plane strain."""
 
     bar_radius: float = parameter(
         0.02, unit="m", meaning="radius of the T-bar", minimum=1e-6, maximum=1e3
@@ -22,7 +21,3 @@ class TBar(FullFlowPenetrometer):
     def body(self) -> RoundBody:
         """The T-bar."""
         return RoundBody(radius=self.bar_radius, planar=True)
-
-    def surroundings(self, grid: Grid) -> None:
-        """None: as much soil closes behind the bar as it pushes aside."""
-        return

@@ -10,7 +10,7 @@ import xarray as xr
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.results import labelled
 from mpm_warp.scenes.catalogue import Verification
-from mpm_warp.scenes.full_flow.full_flow_cylinder import LIMIT_LOAD_SOURCE, limit_load
+from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
 from mpm_warp.scenes.full_flow.t_bar import TBar
 

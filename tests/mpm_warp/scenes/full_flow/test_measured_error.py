@@ -11,7 +11,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
-from mpm_warp.scenes.full_flow.full_flow_cylinder import limit_load
+from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import limit_load
 from mpm_warp.scenes.full_flow.measured_error import DIFFERENCES, further_tests, with_measured_error
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 

@@ -13,7 +13,7 @@ from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.results import labelled
 from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import Progress, Verification
-from mpm_warp.scenes.full_flow.common import FullFlow
+from mpm_warp.scenes.full_flow.limit_load.common import FullFlow
 from mpm_warp.simulation import Simulation
 
 ROUGH_VON_MISES = 2.0 / 0.143

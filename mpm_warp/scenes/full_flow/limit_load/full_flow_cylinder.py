@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mpm_warp.scenes.catalogue import Verification
-from mpm_warp.scenes.full_flow.common import FullFlow
+from mpm_warp.scenes.full_flow.limit_load.common import FullFlow
 
 LIMIT_LOAD_SOURCE = (
     "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mpm_warp.scenes.full_flow.ball import Ball
-from mpm_warp.scenes.full_flow.cyclic import CyclicPenetration
+from mpm_warp.scenes.full_flow.cyclic.cyclic_penetration import CyclicPenetration
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,8 @@ from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
-from mpm_warp.scenes.full_flow.degradation import FITTED, Degradation, fitted_degradation
-from mpm_warp.scenes.full_flow.loops import ResistanceLoops
+from mpm_warp.scenes.full_flow.cyclic.degradation import FITTED, Degradation, fitted_degradation
+from mpm_warp.scenes.full_flow.cyclic.loops import ResistanceLoops
 from mpm_warp.scenes.full_flow.penetrometer import FullFlowPenetrometer
 from mpm_warp.simulation import Simulation
 

@@ -8,8 +8,8 @@ from typing import ClassVar
 import xarray as xr
 
 from mpm_warp.results import labelled
-from mpm_warp.scenes.full_flow.cyclic import BEYOND, CyclicPenetration
-from mpm_warp.scenes.full_flow.degradation import T_BAR_STRAIN, Degradation
+from mpm_warp.scenes.full_flow.cyclic.cyclic_penetration import BEYOND, CyclicPenetration
+from mpm_warp.scenes.full_flow.cyclic.degradation import T_BAR_STRAIN, Degradation
 from mpm_warp.scenes.full_flow.t_bar import TBar
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpm_warp.scenes.full_flow.full_flow_sphere import FullFlowSphere
+from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
 
 CELLS = 4
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpm_warp.scenes.full_flow.full_flow_cylinder import FullFlowCylinder
+from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
 
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])

@@ -1,0 +1,1 @@
+"""Bodies that go down and up again in the same soil."""
