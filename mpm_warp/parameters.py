@@ -2,6 +2,9 @@
 
 A scene is a frozen dataclass whose fields are made by :func:`parameter`. Validation, error
 messages, help texts, documentation and the metadata of result files all come from there.
+
+Parameters that several scenes share stand in a dataclass of their own, a group, which the scenes
+inherit; :func:`redefined` changes what differs in one of them.
 """
 
 from __future__ import annotations
@@ -138,8 +141,9 @@ def parameter(
     """Declare a parameter, as a field of a dataclass.
 
     Args:
-        default: value where none is given; None where the scene derives it from the others, or
-            where there may be none, as `meaning` has to say.
+        default: value where none is given. None where the scene derives it from the others, so that
+            it always has a value and its type is ``float``; or where there may be none, and its
+            type is ``float | None``. `meaning` has to say which.
         unit: SI unit, "1" for a dimensionless number.
         meaning: one phrase for help, documentation and datasets.
         minimum: least value that is allowed.
@@ -158,6 +162,18 @@ def parameter(
         "choices": choices,
     }
     return dataclasses.field(default=default, metadata=definition)
+
+
+def redefined(group: type, name: str, **changes: Any) -> Any:
+    """Declare a parameter of a group again, with another default, meaning or range.
+
+    Args:
+        group: a dataclass whose fields are parameters.
+        name: of the parameter in the group.
+        changes: what differs of the arguments of :func:`parameter`.
+    """
+    field = {it.name: it for it in dataclasses.fields(group)}[name]
+    return parameter(**{"default": field.default, **field.metadata, **changes})
 
 
 _DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}

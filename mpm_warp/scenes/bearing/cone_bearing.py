@@ -8,12 +8,13 @@ from typing import ClassVar
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import graded
+from mpm_warp.parameters import redefined
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH
 from mpm_warp.scenes.bearing.on_ground import OnGround
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}
@@ -44,8 +45,10 @@ class ConeBearing(OnGround):
         for adhesion_factor in EXACT
     )
 
-    adhesion_factor: float = shared_parameters.adhesion_factor("cone")
-    apex_angle: float = shared_parameters.apex_angle()
+    adhesion_factor: float = redefined(
+        ConeTest, "adhesion_factor", meaning="adhesion factor of the cone"
+    )
+    apex_angle: float = redefined(ConeTest, "apex_angle")
 
     @property
     def uniform_exact_load(self) -> float:

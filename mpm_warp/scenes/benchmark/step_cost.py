@@ -16,11 +16,10 @@ from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.results import variable
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
@@ -56,7 +55,7 @@ class StepCost(CatalogueScene):
     cases: int = parameter(
         1, unit="1", meaning="cases that are computed together", minimum=1, maximum=10_000
     )
-    precision: str = shared_parameters.floating_point()
+    precision: str = redefined(ConePenetration, "precision")
     samples: int = parameter(7, unit="1", meaning="timed samples", minimum=1, maximum=1000)
     sample_time: float = parameter(
         0.3, unit="s", meaning="time of a sample, about", above=0, maximum=100

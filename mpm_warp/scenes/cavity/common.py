@@ -15,7 +15,7 @@ from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries.far_field import FarField
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.boundaries.moving_wall import MovingWall
@@ -23,11 +23,11 @@ from mpm_warp.parts.part import NodeAction
 from mpm_warp.results import variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import rate_and_softening, shared_parameters
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.changing_strength import ChangingStrengthCavity
 from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
 from mpm_warp.scenes.cavity.pressure_curve import PressureCurve
+from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
@@ -39,7 +39,7 @@ TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cavity(CatalogueScene):
+class Cavity(ClayScene):
     """A cavity in clay whose wall moves, the grid following it.
 
     Incompressible soil with strains of any size: with a the radius, a0 that at the start,
@@ -61,12 +61,8 @@ class Cavity(CatalogueScene):
     von_mises_strength: ClassVar[float]
     """Strength of soil of von Mises over su where the cavity takes it to yield."""
 
-    rigidity_index: float = shared_parameters.rigidity_index(10, 2000)
-    material: str = shared_parameters.yield_criterion()
-    rate_factor: float = rate_and_softening.rate_factor()
-    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
-    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
-    ductility: float | None = rate_and_softening.ductility()
+    rigidity_index: float = redefined(ClayScene, "rigidity_index", minimum=10, maximum=2000)
+    poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.495, minimum=0.4)
     expansion_rate: float = parameter(
         1.0,
         unit="s-1",
@@ -74,7 +70,6 @@ class Cavity(CatalogueScene):
         minimum=1e-12,
         maximum=1e6,
     )
-    poissons_ratio: float = shared_parameters.poissons_ratio(0.495, minimum=0.4)
     expansion: float = parameter(
         4.0, unit="1", meaning="final over initial radius of the cavity", minimum=1.1, maximum=10
     )
@@ -91,10 +86,6 @@ class Cavity(CatalogueScene):
         minimum=1e-3,
         maximum=0.3,
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        rate_and_softening.check_clay(self, lambda: self.clay)
 
     @abstractmethod
     def grid(self) -> Grid:
@@ -131,12 +122,9 @@ class Cavity(CatalogueScene):
     @property
     def clay(self) -> PerfectlyPlastic:
         """The soil."""
-        return rate_and_softening.clay_of(
-            self,
-            shear_modulus=self.rigidity_index * STRENGTH,
-            poissons_ratio=self.poissons_ratio,
-            density=DENSITY,
+        return self.clay_with(
             strength=STRENGTH,
+            density=DENSITY,
             speed_up=self.wall.speed / (self.expansion_rate * RADIUS),
         )
 

@@ -20,7 +20,6 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import rate_and_softening
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.energy_balance import EnergyBalance, check_balance
 from mpm_warp.scenes.cone.known_error import known_error
@@ -69,7 +68,6 @@ class ConePenetration(ConeTest):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        rate_and_softening.check_clay(self, lambda: self.clay)
         # Stress in the ground before must be within the yield surface.
         bound = 1.0 if self.material == "tresca" else 0.5 * math.sqrt(3.0)
         if abs(self.stress_anisotropy) >= bound:
@@ -84,7 +82,6 @@ class ConePenetration(ConeTest):
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
         strength, grid, material = self.undrained_shear_strength, self._grid, self.clay
-        assert self.shaft_adhesion_factor is not None
         return Scene(
             grid=grid,
             material=material,
@@ -111,9 +108,6 @@ class ConePenetration(ConeTest):
 
     @property
     def _grid(self) -> Grid:
-        assert self.domain_radius is not None
-        assert self.domain_above is not None
-        assert self.domain_below is not None
         radius, size = self.cone_radius, self.cell_size
         span = (self.domain_radius - 1.0) * radius
         return self.penetrometer.fitted_grid(
@@ -133,10 +127,6 @@ class ConePenetration(ConeTest):
 
     @property
     def _window(self) -> Window:
-        assert self.speed_ratio is not None
-        assert self.approach_speed_ratio is not None
-        assert self.approach is not None
-        assert self.penetration is not None
         return window_of_test(
             radius=self.cone_radius,
             shear_wave_speed=self.clay.shear_wave_speed,
@@ -185,7 +175,6 @@ class ConePenetration(ConeTest):
     @property
     def _time_to_the_end(self) -> float:
         """Time to the greatest penetration [s]."""
-        assert self.penetration is not None
         return self._window.time_to(self.penetration * self.cone_radius)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
@@ -225,7 +214,6 @@ class ConePenetration(ConeTest):
         """
         window = soil_scene(simulation).window
         assert isinstance(window, Window)
-        assert self.penetration is not None
         slowing = slowing_penetration(window, self.cone_radius)
         pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=slowing)
         curves = PenetrationCurves(

@@ -12,14 +12,14 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, GroundGrid
 from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -53,9 +53,11 @@ class ConeSelfSimilar(CatalogueScene):
         ),
     )
 
-    rigidity_index: float = shared_parameters.rigidity_index(10, 1000)
-    adhesion_factor: float = shared_parameters.adhesion_factor("cone")
-    apex_angle: float = shared_parameters.apex_angle(120)
+    rigidity_index: float = redefined(ConeTest, "rigidity_index", minimum=10, maximum=1000)
+    adhesion_factor: float = redefined(
+        ConeTest, "adhesion_factor", meaning="adhesion factor of the cone"
+    )
+    apex_angle: float = redefined(ConeTest, "apex_angle", maximum=120)
     cells_per_radius: int = parameter(
         16, unit="1", meaning="cells per radius of the cone's base", minimum=4, maximum=40
     )

@@ -50,8 +50,6 @@ def known_error(test: ConeTest, *, cell_size: float, recorded: xr.Dataset) -> xr
 
 def _laws(test: ConeTest, cell_size: float, recorded: xr.Dataset) -> ErrorLaws:
     """The laws at the end of a test."""
-    assert test.domain_above is not None
-    assert test.domain_below is not None
     return ErrorLaws(
         rigidity_index=test.rigidity_index,
         adhesion_factor=test.adhesion_factor,

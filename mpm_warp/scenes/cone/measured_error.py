@@ -79,11 +79,6 @@ def further_tests(test: Test) -> dict[str, Test]:
                 f"{LARGEST_CELL:g} of its radius, and rigidity_index speed_ratio^2 <= "
                 f"{LARGEST_INERTIA:g}",
             )
-    assert test.cells_per_radius is not None
-    assert test.speed_ratio is not None
-    assert test.domain_above is not None
-    assert test.approach is not None
-    assert test.penetration is not None
     wider = {name: WIDER * getattr(test, name) for name in test.default_extents}
     # In a higher window the cone has more soil to pass.
     further = wider["domain_above"] - test.domain_above
@@ -177,8 +172,6 @@ def _factor(run: Run[Test]) -> float:
 
 def _measures(test: ConeTest, case: ConeTest) -> dict[str, float]:
     """h, g^1.5 h^1.3, i and w, which the errors are in proportion to."""
-    assert test.domain_radius is not None
-    assert case.domain_radius is not None
     size = test.relative_cell_size
     return {
         "face": size,

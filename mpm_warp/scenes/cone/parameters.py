@@ -12,10 +12,10 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter
-from mpm_warp.scenes import rate_and_softening, shared_parameters
-from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone import window
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
 
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
 WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
@@ -29,7 +29,7 @@ SPARE = 4.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeTest(CatalogueScene):
+class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -52,9 +52,6 @@ class ConeTest(CatalogueScene):
         "energy_audit",
     )
 
-    rigidity_index: float = shared_parameters.rigidity_index(2, 5000)
-    adhesion_factor: float = shared_parameters.adhesion_factor("cone face")
-    shaft_adhesion_factor: float | None = shared_parameters.shaft_adhesion_factor()
     friction_coefficient: float = parameter(
         0.0,
         unit="1",
@@ -62,31 +59,20 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=1,
     )
-    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
-        "undrained shear strength su in pure shear"
-    )
-    material: str = shared_parameters.yield_criterion()
-    rate_factor: float = rate_and_softening.rate_factor()
-    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
-    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
-    ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = shared_parameters.poissons_ratio()
-    density: float = shared_parameters.density_of_clay()
     in_situ_stress: float = parameter(
         400e3, unit="Pa", meaning="vertical total stress in the ground before", minimum=0
     )
-    stress_anisotropy: float = shared_parameters.stress_anisotropy()
-    cone_radius: float = shared_parameters.cone_radius()
-    penetration_speed: float = shared_parameters.penetration_speed()
-    apex_angle: float = shared_parameters.apex_angle()
-    penetration: float | None = parameter(
+    apex_angle: float = parameter(
+        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
+    )
+    penetration: float = parameter(
         None,
         unit="1",
         meaning="greatest penetration over cone radius (default: approach + 10, more below Ir 100)",
         minimum=1,
         maximum=700,
     )
-    approach: float | None = parameter(
+    approach: float = parameter(
         None,
         unit="1",
         meaning="penetration of the approach, its rise and fall of speed included, over cone "
@@ -95,7 +81,7 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=600,
     )
-    approach_speed_ratio: float | None = parameter(
+    approach_speed_ratio: float = parameter(
         None,
         unit="1",
         meaning="approach speed over shear wave speed (default: the lesser of 0.25 and "
@@ -111,8 +97,13 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=0.1,
     )
-    speed_ratio: float | None = shared_parameters.speed_ratio(
-        0.5, default=None, otherwise="0.03, 0.045 where accuracy is quick"
+    speed_ratio: float = parameter(
+        None,
+        unit="1",
+        meaning="penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is "
+        "quick)",
+        minimum=1e-4,
+        maximum=0.5,
     )
     accuracy: str = parameter(
         "standard",
@@ -122,7 +113,7 @@ class ConeTest(CatalogueScene):
         "takes an eighth of the time, and has twice the uncertainty",
         choices=tuple(CELLS_PER_RADIUS),
     )
-    cells_per_radius: float | None = parameter(
+    cells_per_radius: float = parameter(
         None,
         unit="1",
         meaning="cells per cone radius at the cone, about: they are square, and a whole number of "
@@ -130,18 +121,10 @@ class ConeTest(CatalogueScene):
         minimum=1,
         maximum=100,
     )
-    cell_growth: float = shared_parameters.cell_growth()
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(
         4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
     )
-    time_step_fraction: float = shared_parameters.time_step_fraction()
-    domain_radius: float | None = shared_parameters.domain_radius(
-        "4 sqrt(Ir), 40 at least", accuracy=", to the nearest cell"
-    )
-    domain_above: float | None = shared_parameters.domain_above("1.3 sqrt(Ir), 13 at least")
-    domain_below: float | None = shared_parameters.domain_below("sqrt(Ir), 14 at least")
-
     poissons_ratio_bound: float = parameter(
         0.4999,
         unit="1",
@@ -149,7 +132,6 @@ class ConeTest(CatalogueScene):
         minimum=0,
         maximum=0.4999,
     )
-    precision: str = shared_parameters.floating_point()
     uncertainty: str = parameter(
         "known",
         unit="1",
@@ -200,7 +182,6 @@ class ConeTest(CatalogueScene):
     @property
     def cell_size(self) -> float:
         """Width and height of the cells at the cone [m]."""
-        assert self.cells_per_radius is not None
         rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
         return self.penetrometer.cone_height / rows
 
@@ -219,15 +200,12 @@ class ConeTest(CatalogueScene):
     def clay(self) -> PerfectlyPlastic:
         """The clay, as stiff as it is simulated, its strain rates those of the real speed."""
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
-        assert self.speed_ratio is not None
         speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
-        return rate_and_softening.clay_of(
-            self,
-            shear_modulus=shear_modulus,
-            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
-            density=self.density,
+        return self.clay_with(
             strength=self.undrained_shear_strength,
+            density=self.density,
             speed_up=speed / self.penetration_speed,
+            greatest_poissons_ratio=self.poissons_ratio_bound,
         )
 
     @property

@@ -108,11 +108,9 @@ def inertia(test: ConeTest) -> float:
 
     That is Ir (V / c_s)^2, with c_s the speed of shear waves.
     """
-    assert test.speed_ratio is not None
     return test.rigidity_index * test.speed_ratio * test.speed_ratio
 
 
 def _all_is_passed(test: ConeTest, recorded: xr.Dataset) -> bool:
     """Whether the cone has passed all soil beside the shaft."""
-    assert test.domain_above is not None
     return float(recorded.penetration_reached) >= test.domain_above + ALL_PASSED

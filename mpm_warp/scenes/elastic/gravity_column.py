@@ -11,14 +11,14 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.gravity import Gravity
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.scenes.waves.column import Column
 from mpm_warp.simulation import Simulation
@@ -48,7 +48,7 @@ class GravityColumn(CatalogueScene):
     cell_count: int = parameter(
         40, unit="1", meaning="cells along the height", minimum=2, maximum=1000
     )
-    poissons_ratio: float = shared_parameters.poissons_ratio(0.3)
+    poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
     settlement_ratio: float = parameter(
         1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
     )

@@ -12,15 +12,15 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.forces.damping import Damping
 from mpm_warp.parts.forces.nodal_load import NodalLoad
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 
@@ -70,7 +70,7 @@ class ThickCylinder(CatalogueScene):
     radius_ratio: float = parameter(
         3.0, unit="1", meaning="outer over inner radius", minimum=1.1, maximum=100
     )
-    poissons_ratio: float = shared_parameters.poissons_ratio(0.3)
+    poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
 
     @property
     def pressure(self) -> float:

@@ -70,7 +70,6 @@ def further_tests(test: Test) -> dict[str, Test]:
             f"cells_per_radius = {test.cells_per_radius} must be >= {FEWEST_CELLS} where "
             "uncertainty = measured",
         )
-    assert test.speed_ratio is not None
     finer = {"cells_per_radius": math.ceil(FINER * test.cells_per_radius)}
     slower = {"speed_ratio": SLOWER * test.speed_ratio}
     changes: dict[str, dict[str, Any]] = {
@@ -157,7 +156,6 @@ def _change(run: Run[Test]) -> float:
 
 def _measures(test: FullFlowPenetrometer, case: FullFlowPenetrometer) -> dict[str, float]:
     """h^2, V^1.4, their product, and 1 / E, which the errors are in proportion to."""
-    assert test.speed_ratio is not None
     mesh = 1.0 / test.cells_per_radius**2
     speed = math.pow(test.speed_ratio * math.sqrt(test.rigidity_index), POWER_OF_SPEED)
     return {

@@ -13,7 +13,7 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import growing
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.parts.window.surrounding_ground import SurroundingGround
@@ -21,10 +21,10 @@ from mpm_warp.parts.window.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import rate_and_softening, shared_parameters
-from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
 from mpm_warp.simulation import Simulation
 
 NO_PARTING = 1000.0
@@ -33,7 +33,7 @@ TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
-class FullFlowPenetrometer(CatalogueScene):
+class FullFlowPenetrometer(FieldClayScene):
     """A round body that moves through uniform, weightless, undrained clay.
 
     It starts in place, deep in undisturbed ground, and the soil never leaves it. Excess stresses
@@ -48,26 +48,22 @@ class FullFlowPenetrometer(CatalogueScene):
         "domain_extent",
     )
 
-    rigidity_index: float = shared_parameters.rigidity_index(20, 5000)
-    adhesion_factor: float = shared_parameters.adhesion_factor("body")
-    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
-        "undrained shear strength su in pure shear"
+    rigidity_index: float = redefined(FieldClayScene, "rigidity_index", minimum=20)
+    adhesion_factor: float = redefined(
+        ConeInGround, "adhesion_factor", meaning="adhesion factor of the body"
     )
-    material: str = shared_parameters.yield_criterion()
-    rate_factor: float = rate_and_softening.rate_factor()
-    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
-    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
-    ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = shared_parameters.poissons_ratio(minimum=0.4)
-    density: float = shared_parameters.density_of_clay()
-    penetration_speed: float = shared_parameters.penetration_speed()
-    speed_ratio: float | None = shared_parameters.speed_ratio(
-        0.1, default=None, otherwise="0.3 / sqrt(Ir)"
+    poissons_ratio: float = redefined(FieldClayScene, "poissons_ratio", minimum=0.4)
+    speed_ratio: float = parameter(
+        None,
+        unit="1",
+        meaning="penetration speed over shear wave speed (default: 0.3 / sqrt(Ir))",
+        minimum=1e-4,
+        maximum=0.1,
     )
     cells_per_radius: int = parameter(
         4, unit="1", meaning="cells per radius of the body", minimum=2, maximum=40
     )
-    cell_growth: float = shared_parameters.cell_growth()
+    cell_growth: float = redefined(ConeGrid, "cell_growth")
     particles_per_cell: int = parameter(
         9, unit="1", meaning="material points per cell", choices=(4, 9, 16)
     )
@@ -81,10 +77,6 @@ class FullFlowPenetrometer(CatalogueScene):
 
     relative_speed: ClassVar[float] = 0.3
     """Speed over sqrt(su / rho), by default: rho V^2 is 9 % of su."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        rate_and_softening.check_clay(self, lambda: self.clay)
 
     def derived(self) -> Mapping[str, float]:
         """The stiffer the clay, the faster its waves, and the slower the body against them."""
@@ -115,19 +107,15 @@ class FullFlowPenetrometer(CatalogueScene):
     @property
     def speed(self) -> float:
         """Of the body in the run [m/s]."""
-        assert self.speed_ratio is not None
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
         return self.speed_ratio * math.sqrt(shear_modulus / self.density)
 
     @property
     def clay(self) -> PerfectlyPlastic:
         """The soil."""
-        return rate_and_softening.clay_of(
-            self,
-            shear_modulus=self.rigidity_index * self.undrained_shear_strength,
-            poissons_ratio=self.poissons_ratio,
-            density=self.density,
+        return self.clay_with(
             strength=self.undrained_shear_strength,
+            density=self.density,
             speed_up=self.speed / self.penetration_speed,
         )
 

@@ -10,12 +10,12 @@ import xarray as xr
 
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import Value, parameter
+from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
-from mpm_warp.scenes import rate_and_softening, shared_parameters
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.clay import ClayScene, FieldClayScene
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.scenes.run_size import RunSize
@@ -33,7 +33,7 @@ CHANGING: dict[str, Value] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class MaterialPoint(CatalogueScene):
+class MaterialPoint(ClayScene):
     """Clay strained and turned through the stress update of the simulator, without a grid.
 
     Simple shear far beyond yield has the steady state of the Jaumann rate with perfect plasticity:
@@ -55,35 +55,17 @@ class MaterialPoint(CatalogueScene):
         for settings in ({}, *({"material": material, **CHANGING} for material in CRITERIA))
     )
 
-    rigidity_index: float = shared_parameters.rigidity_index(2, 5000)
-    material: str = shared_parameters.yield_criterion()
-    rate_factor: float = rate_and_softening.rate_factor()
-    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
-    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
-    ductility: float | None = rate_and_softening.ductility()
-    poissons_ratio: float = shared_parameters.poissons_ratio()
-    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
-        "undrained shear strength su"
+    undrained_shear_strength: float = redefined(
+        FieldClayScene, "undrained_shear_strength", meaning="undrained shear strength su"
     )
     step_count: int = parameter(
         10_000, unit="1", meaning="strain steps of each path", minimum=1, maximum=1_000_000
     )
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        rate_and_softening.check_clay(self, lambda: self.clay)
-
     @property
     def clay(self) -> PerfectlyPlastic:
         """The material of the points: a path takes a second, in reality too."""
-        return rate_and_softening.clay_of(
-            self,
-            shear_modulus=self.rigidity_index * self.undrained_shear_strength,
-            poissons_ratio=self.poissons_ratio,
-            density=1.0,
-            strength=self.undrained_shear_strength,
-            speed_up=1.0,
-        )
+        return self.clay_with(strength=self.undrained_shear_strength, density=1.0, speed_up=1.0)
 
     def run_size(self) -> RunSize:
         """A point on each path."""

@@ -19,7 +19,6 @@ def check_sounding(test: SoundingTest) -> None:
 
 
 def _check_depths(test: SoundingTest) -> None:
-    assert test.to_depth is not None
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
         raise ParameterError(
             "to_depth",
@@ -45,7 +44,6 @@ def _check_stretches(test: SoundingTest) -> None:
 
 
 def _check_ground(test: SoundingTest) -> None:
-    assert test.to_depth is not None
     ground = test.ground
     first, last = float(ground.depth[0]), float(ground.depth[-1])
     if last < test.to_depth:

@@ -129,8 +129,6 @@ def _top(sounding: SoundingTest, factor: Floats) -> float:
         sounding: what was run.
         factor: net resistance over the strength that the soil would have without the layer, [n].
     """
-    assert sounding.domain_above is not None
-    assert sounding.domain_below is not None
     error = top_error(
         rigidity_index=sounding.rigidity_index,
         above=sounding.domain_above,

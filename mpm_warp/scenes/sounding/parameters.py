@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mpm_warp.parameters import parameter
-from mpm_warp.scenes import rate_and_softening, shared_parameters
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.clay import ChangingStrength, FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
 from mpm_warp.scenes.sounding.profile import Profile, layered
 from mpm_warp.scenes.sounding.surface import LAYER
 
@@ -29,7 +30,7 @@ APEX_ANGLE = math.radians(60.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class SoundingTest(CatalogueScene):
+class SoundingTest(ConeInGround, ConeGrid, ChangingStrength, CatalogueScene):
     """Ground, penetrometer and method of a sounding."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -49,13 +50,13 @@ class SoundingTest(CatalogueScene):
         meaning="ground by depth, as a table of one line, see Profile (default: made of the "
         "parameters of strength and layer)",
     )
-    undrained_shear_strength: float = shared_parameters.undrained_shear_strength(
-        "strength su at the surface"
+    undrained_shear_strength: float = redefined(
+        FieldClayScene, "undrained_shear_strength", meaning="strength su at the surface"
     )
     strength_gradient: float = parameter(
         0.0, unit="Pa m-1", meaning="growth of strength with depth", minimum=0, maximum=1e9
     )
-    rigidity_index: float = shared_parameters.rigidity_index(20, 1000)
+    rigidity_index: float = redefined(FieldClayScene, "rigidity_index", minimum=20, maximum=1000)
     layer_top: float | None = parameter(
         None, unit="m", meaning="depth of the top of the layer (default: no layer)", above=0
     )
@@ -69,16 +70,9 @@ class SoundingTest(CatalogueScene):
         minimum=0.05,
         maximum=20,
     )
-    rate_factor: float = rate_and_softening.rate_factor()
-    reference_strain_rate: float | None = rate_and_softening.reference_strain_rate()
-    remoulded_strength_ratio: float = rate_and_softening.remoulded_strength_ratio()
-    ductility: float | None = rate_and_softening.ductility()
     unit_weight: float = parameter(
         17e3, unit="N m-3", meaning="total unit weight of the clay", minimum=0, maximum=1e6
     )
-    adhesion_factor: float = shared_parameters.adhesion_factor("cone face")
-    shaft_adhesion_factor: float | None = shared_parameters.shaft_adhesion_factor()
-    stress_anisotropy: float = shared_parameters.stress_anisotropy()
     from_depth: float = parameter(
         1.0,
         unit="m",
@@ -86,7 +80,7 @@ class SoundingTest(CatalogueScene):
         minimum=0,
         maximum=LAST_DEPTH,
     )
-    to_depth: float | None = parameter(
+    to_depth: float = parameter(
         None,
         unit="m",
         meaning="depth of the tip where they end (default: 30 radii deeper)",
@@ -106,10 +100,9 @@ class SoundingTest(CatalogueScene):
         minimum=2,
         maximum=1000,
     )
-    cone_radius: float = shared_parameters.cone_radius()
-    penetration_speed: float = shared_parameters.penetration_speed()
-    poissons_ratio: float = shared_parameters.poissons_ratio()
-    density: float = shared_parameters.density_of_clay()
+    penetration_speed: float = redefined(FieldClayScene, "penetration_speed")
+    poissons_ratio: float = redefined(FieldClayScene, "poissons_ratio")
+    density: float = redefined(FieldClayScene, "density")
     speed_ratio: float = parameter(
         0.05,
         unit="1",
@@ -120,14 +113,22 @@ class SoundingTest(CatalogueScene):
     cells_per_radius: float = parameter(
         3.0, unit="1", meaning="cells per cone radius at the cone, about", minimum=1, maximum=100
     )
-    cell_growth: float = shared_parameters.cell_growth()
-    time_step_fraction: float = shared_parameters.time_step_fraction()
-    domain_radius: float | None = shared_parameters.domain_radius(
-        "as for cone_penetration, by the greatest rigidity index"
+    domain_radius: float = redefined(
+        ConeGrid,
+        "domain_radius",
+        meaning="radius of the grid over cone radius (default: as for cone_penetration, by the "
+        "greatest rigidity index)",
     )
-    domain_above: float | None = shared_parameters.domain_above("likewise")
-    domain_below: float | None = shared_parameters.domain_below("likewise")
-    precision: str = shared_parameters.floating_point()
+    domain_above: float = redefined(
+        ConeGrid,
+        "domain_above",
+        meaning="extent of the grid above the shoulder over cone radius (default: likewise)",
+    )
+    domain_below: float = redefined(
+        ConeGrid,
+        "domain_below",
+        meaning="extent of the grid below the tip over cone radius (default: likewise)",
+    )
 
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; the window follows the greatest rigidity index."""
@@ -160,15 +161,8 @@ class SoundingTest(CatalogueScene):
         )
 
     @property
-    def strength_changes(self) -> bool:
-        """Whether strain or its rate changes the strength of the soil."""
-        return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
-
-    @property
     def ground_passed(self) -> Profile:
         """The ground that the window of the stretch passes: it sets speed and time step."""
-        assert self.domain_above is not None
-        assert self.domain_below is not None
         below = self.travel + self.domain_below * self.cone_radius
         begin = max(float(self.ground.depth[0]), self.start_depth - self._extent_above_tip)
         return self.ground.between(begin, self.start_depth + below)
@@ -192,7 +186,6 @@ class SoundingTest(CatalogueScene):
     @property
     def sample_count(self) -> int:
         """Samples of the whole sounding."""
-        assert self.to_depth is not None
         return max(1, round((self.to_depth - self.from_depth) / self.spacing))
 
     @property
@@ -258,11 +251,9 @@ class SoundingTest(CatalogueScene):
     @property
     def _extent_above_tip(self) -> float:
         """Extent of the window above the tip [m]."""
-        assert self.domain_above is not None
         return self.domain_above * self.cone_radius + self.penetrometer.cone_height
 
     @property
     def _lead(self) -> float:
         """Way of a cone that starts in place before its first depth, over its radius."""
-        assert self.domain_above is not None
         return self.domain_above + LEAD

@@ -79,8 +79,6 @@ def _laws(sounding: SoundingTest, depth: Floats, strength: Floats) -> ErrorLaws:
         strength: mean around the tip [Pa], shape [n].
     """
     ground, radius = sounding.ground, sounding.cone_radius
-    assert sounding.domain_above is not None
-    assert sounding.domain_below is not None
     return ErrorLaws(
         rigidity_index=ground.shear_modulus_at(depth) / ground.strength_at(depth),
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),

@@ -73,7 +73,6 @@ class Sounding(SoundingTest):
         # Beside all soil the shaft has the same share of the adhesion of the face.
         of_shaft = adhesion_factor / in_all_ground if in_all_ground > 0.0 else 1.0
         greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
-        assert self.shaft_adhesion_factor is not None
         of_ground_and_start = {
             "rigidity_index": shear_modulus / strength,
             "undrained_shear_strength": strength,
@@ -114,7 +113,6 @@ class Sounding(SoundingTest):
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the last depth of the stretch."""
         test = self._test
-        assert test.penetration is not None
         size = test.run_size()
         of_way = self.travel / (test.penetration * test.cone_radius)
         return replace(size, step_count=of_way * size.step_count)

@@ -10,11 +10,10 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.window.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, transferred_energy
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.cyclic.degradation import FITTED, Degradation, fitted_degradation
@@ -51,8 +50,10 @@ class CyclicPenetration(FullFlowPenetrometer):
 
     # Remoulded clay is weak: half the speed has a quarter of the inertia.
     relative_speed: ClassVar[float] = 0.15
-    speed_ratio: float | None = shared_parameters.speed_ratio(
-        0.1, default=None, otherwise="0.15 / sqrt(Ir)"
+    speed_ratio: float = redefined(
+        FullFlowPenetrometer,
+        "speed_ratio",
+        meaning="penetration speed over shear wave speed (default: 0.15 / sqrt(Ir))",
     )
     cycle_count: int = parameter(
         5,

@@ -10,11 +10,12 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.grid.spacing import graded
+from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries.fixed import Fixed
 from mpm_warp.parts.contact.contact import SurfaceContact
 from mpm_warp.scene import Scene
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.shared_parameters import ConeInGround
 
 OUTER_RADIUS = 6.0
 """Where the soil is held, over radius: the mechanism reaches to about three."""
@@ -30,7 +31,9 @@ class FullFlow(Bearing):
     planar: ClassVar[bool]
     """Whether the body is a cylinder in plane strain; otherwise it is a sphere."""
 
-    adhesion_factor: float = shared_parameters.adhesion_factor("body")
+    adhesion_factor: float = redefined(
+        ConeInGround, "adhesion_factor", meaning="adhesion factor of the body"
+    )
 
     def grid(self) -> PolarGrid:
         """Half a ring around the body, on rays."""

@@ -10,9 +10,10 @@ import xarray as xr
 
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.parameters import redefined
 from mpm_warp.results import labelled
-from mpm_warp.scenes import shared_parameters
 from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.full_flow.limit_load.common import FullFlow
 from mpm_warp.simulation import Simulation
 
@@ -51,7 +52,7 @@ class FullFlowSphere(FullFlow):
         ),
     )
 
-    material: str = shared_parameters.yield_criterion()
+    material: str = redefined(ClayScene, "material")
 
     @property
     def clay(self) -> PerfectlyPlastic:

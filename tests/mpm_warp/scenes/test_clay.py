@@ -8,21 +8,22 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.material.material_point import MaterialPoint
-from mpm_warp.scenes.rate_and_softening import clay_of
 
-CLAY = {"shear_modulus": 1e6, "poissons_ratio": 0.49, "density": 1700.0, "strength": 1e4}
+CLAY = {"density": 1700.0, "strength": 1e4}
 
 
 def test_clay_whose_strength_nothing_changes_is_perfectly_plastic() -> None:
     """Whatever reference and ductility are: they belong to nothing then."""
     scene = MaterialPoint(reference_strain_rate=0.1, ductility=10.0)
-    assert clay_of(scene, speed_up=3.0, **CLAY) == Tresca(**CLAY)
+    assert scene.clay_with(speed_up=3.0, **CLAY) == Tresca(
+        shear_modulus=1e6, poissons_ratio=0.49, **CLAY
+    )
 
 
 def test_strain_rates_are_those_of_reality() -> None:
     """A run that is three times as fast takes three times the rate for that of reference."""
     scene = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1)
-    clay = clay_of(scene, speed_up=3.0, **CLAY)
+    clay = scene.clay_with(speed_up=3.0, **CLAY)
     assert isinstance(clay, EinavRandolph)
     assert clay.reference_strain_rate == pytest.approx(0.3)
 
