@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.references.cone_factors import Conditions, cone_factor_reference
+from harness.references.cone_factors import Conditions
+from harness.references.registry import cone_factor_reference
 from mpm_warp.scenes.cone.error_laws import (
     FACE,
     FACE_ERRORS,

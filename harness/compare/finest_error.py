@@ -16,7 +16,7 @@ from harness.archive.conventions import (
     uncertainty_of,
     with_role,
 )
-from harness.compare.cone_factors import NothingToCompareError
+from harness.compare.compared import NothingToCompareError
 from harness.study.compared import ERROR, ERROR_FINEST
 
 FLOOR = "error_floor"

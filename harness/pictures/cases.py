@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import INK, STYLED
-from harness.pictures.drawing.symbols import assigned, axis_label
+from harness.pictures.drawing.quantities import assigned, axis_label
 from harness.pictures.effects import much_varied, shows_effects
 from harness.pictures.studied import Studied
 

@@ -23,8 +23,7 @@ from harness.pictures.drawing.plot_parts import (
     mark_failures,
     series_colour,
 )
-from harness.pictures.drawing.symbols import assigned, axis_label, number
-from harness.pictures.drawing.values import Floats, apart
+from harness.pictures.drawing.quantities import Floats, apart, assigned, axis_label, number
 from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
 

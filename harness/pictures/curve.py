@@ -8,12 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import Role, over_cases, with_role
-from harness.compare.cone_factors import NothingToCompareError, conditions_of
-from harness.compare.soundings import STRETCH
+from harness.compare.compared import NothingToCompareError, conditions_of
 from harness.pictures.convergence import shows_convergence
 from harness.pictures.drawing.caption import write_caption
-from harness.pictures.drawing.experience_band import draw_experience
-from harness.pictures.drawing.literature import draw_literature
+from harness.pictures.drawing.literature import draw_experience, draw_literature
 from harness.pictures.drawing.plot_parts import (
     MARKERS,
     MOST_LABELS,
@@ -28,9 +26,9 @@ from harness.pictures.drawing.plot_parts import (
     once,
     series_colour,
 )
-from harness.pictures.drawing.symbols import assigned, axis_label
-from harness.pictures.drawing.values import Floats, Values
+from harness.pictures.drawing.quantities import Floats, Values, assigned, axis_label
 from harness.pictures.map import shows_map
+from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED, NEEDED
 

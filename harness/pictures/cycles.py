@@ -18,7 +18,7 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     series_colour,
 )
-from harness.pictures.drawing.symbols import assigned, axis_label
+from harness.pictures.drawing.quantities import assigned, axis_label
 from harness.pictures.studied import Studied
 from mpm_warp.scenes.full_flow.cyclic.degradation import Degradation
 

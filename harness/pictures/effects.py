@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import ACCENT, MOST_LABELS, STYLED, mark_failures
-from harness.pictures.drawing.symbols import axis_label, number
-from harness.pictures.drawing.values import Floats, Values
+from harness.pictures.drawing.quantities import Floats, Values, axis_label, number
 from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 

@@ -22,8 +22,7 @@ from harness.pictures.drawing.plot_parts import (
     label_ends,
     series_colour,
 )
-from harness.pictures.drawing.symbols import assigned, axis_label
-from harness.pictures.drawing.values import Floats
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label
 from harness.pictures.studied import Studied
 
 LEAST_VALUES = 3

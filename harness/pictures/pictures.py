@@ -18,8 +18,7 @@ from harness.pictures.cases import cases_figure, shows_cases
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
 from harness.pictures.cycles import cycles_figure, shows_cycles
-from harness.pictures.drawing.own_files import check_replaceable, write_own
-from harness.pictures.drawing.plot_parts import image
+from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
 from harness.pictures.effects import effects_figure, shows_effects
 from harness.pictures.map import map_figure, shows_map
 from harness.pictures.resistance import resistance_figure, shows_resistance

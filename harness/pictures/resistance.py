@@ -22,8 +22,7 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.symbols import assigned, axis_label
-from harness.pictures.drawing.values import Floats
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label
 from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 

@@ -21,8 +21,7 @@ from harness.archive.conventions import (
 )
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import MARKERS, STYLED, legend_above, series_colour
-from harness.pictures.drawing.symbols import assigned, named, unit_of
-from harness.pictures.drawing.values import Floats
+from harness.pictures.drawing.quantities import Floats, assigned, named, unit_of
 
 ROW_HEIGHT, MARGIN = 0.45, 1.6
 """Inches of a row, and of axis, legend and caption."""

@@ -1,4 +1,9 @@
-"""The picture of soundings: depth downward, strength, resistance and cone factor side by side."""
+"""The picture of soundings: depth downward, strength, resistance and cone factor side by side.
+
+The stretches of a sounding, cut at depths and run side by side, are joined to one curve. Where two
+overlap the curve is their mean, and half of their difference, as a root mean square over the
+overlap, is a part of its half width.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.compare.soundings import DEPTH, RESISTANCE, STRETCH, UNCERTAINTY, is_sounding, joined
+from harness.archive.conventions import case_dims
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
@@ -16,8 +21,77 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     series_colour,
 )
-from harness.pictures.drawing.symbols import assigned
+from harness.pictures.drawing.quantities import assigned
 from harness.pictures.studied import Studied
+
+RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
+DEPTH, STRETCH = "depth", "stretch_number"
+CURVES = (
+    RESISTANCE,
+    UNCERTAINTY,
+    "total_resistance",
+    "sleeve_friction",
+    "excess_pore_pressure",
+    "cone_factor_at_tip",
+    "cone_factor_around_tip",
+    "strength",
+    "vertical_stress",
+)
+
+
+def is_sounding(dataset: xr.Dataset) -> bool:
+    """Whether a result holds curves over depth."""
+    return RESISTANCE in dataset and DEPTH in dataset.dims and "status" in dataset
+
+
+def joined(dataset: xr.Dataset) -> xr.Dataset:
+    """The curves of a result with stretches joined, over depth and a dim `sounding`.
+
+    Args:
+        dataset: a result with curves over depth.
+
+    Returns:
+        The curves, and `overlap_difference` [Pa] of neighbours; the coordinate `case` holds the
+        number of the first case of each sounding.
+    """
+    dims = case_dims(dataset)
+    # A collected file leaves out what no case has, a half width say.
+    curves = dataset[[name for name in CURVES if name in dataset]]
+    cases = curves.stack(case=dims) if dims else curves.expand_dims("case")
+    numbers = np.arange(cases.sizes["case"])
+    cases = cases.drop_vars(["case", *dims], errors="ignore").assign_coords(case=numbers)
+    groups = [cases.isel(case=group) for group in _groups(dataset, dims)]
+    return xr.concat([_as_one(group) for group in groups], dim="sounding")
+
+
+def _groups(dataset: xr.Dataset, dims: tuple[str, ...]) -> list[np.ndarray]:
+    """The numbers of the cases that are stretches of one sounding, for each sounding."""
+    numbers = np.arange(dataset["status"].size)
+    if STRETCH in dims:
+        by_dim = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
+        return list(by_dim.reshape(-1, by_dim.shape[-1]))
+    return list(numbers[:, None])
+
+
+def _as_one(stretches: xr.Dataset) -> xr.Dataset:
+    """One sounding of its stretches, over the depths that one of them has."""
+    mean = stretches.mean("case", skipna=True)
+    resistance = stretches[RESISTANCE]
+    count = resistance.notnull().sum("case")
+    half = 0.5 * (resistance.max("case") - resistance.min("case"))
+    overlaps = (count > 1).values
+    difference = np.zeros(overlaps.size)
+    # Neighbouring samples of an overlap share one number: single samples differ by noise.
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], overlaps, [False]])))
+    for begin, end in edges.reshape(-1, 2):
+        difference[begin:end] = np.sqrt(np.mean(half.values[begin:end] ** 2))
+    of_stretches = mean.get(UNCERTAINTY, xr.full_like(mean[RESISTANCE], np.nan))
+    mean[UNCERTAINTY] = np.hypot(of_stretches, xr.DataArray(difference, dims=DEPTH))
+    mean["overlap_difference"] = DEPTH, difference
+    for name in mean.data_vars:
+        mean[name].attrs = stretches.get(name, mean[name]).attrs
+    return mean.assign_coords(case=int(stretches["case"][0]))
+
 
 KILO = 1e3
 HEIGHT = 5.0

@@ -18,7 +18,7 @@ from harness.archive.conventions import (
     varied_names,
     with_role,
 )
-from harness.pictures.drawing.values import Floats, Texts, Values
+from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.references.cone_factors import COMPARED
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names

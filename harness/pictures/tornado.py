@@ -15,7 +15,9 @@ from matplotlib.patches import Patch
 from harness.archive.conventions import MISSING
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED
-from harness.pictures.drawing.symbols import (
+from harness.pictures.drawing.quantities import (
+    Floats,
+    Values,
     axis_label,
     named,
     number,
@@ -24,7 +26,6 @@ from harness.pictures.drawing.symbols import (
     symbol,
     unit_of,
 )
-from harness.pictures.drawing.values import Floats, Values
 from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 

@@ -16,8 +16,6 @@ from typing import TypeAlias
 import numpy as np
 import xarray as xr
 
-from harness.references.lookup import entry_of
-
 Quantity: TypeAlias = float | np.ndarray | xr.DataArray
 Truth: TypeAlias = bool | np.ndarray | xr.DataArray
 COMPARED = "cone_factor"
@@ -246,17 +244,3 @@ def envelope(conditions: Conditions) -> tuple[Quantity, Quantity]:
 def envelope_applies(conditions: Conditions) -> Quantity:
     """Whether all references that form the envelope apply, element by element."""
     return functools.reduce(operator.and_, (member.applies(conditions) for member in ENVELOPE))
-
-
-def reference_ids() -> tuple[str, ...]:
-    """Ids of all references, in the order of the registry."""
-    return tuple(reference.id for reference in CONE_FACTORS)
-
-
-def cone_factor_reference(reference_id: str) -> ConeFactor:
-    """The literature cone factor called `reference_id`.
-
-    Raises:
-        UnknownReferenceError: there is none of that id.
-    """
-    return entry_of(CONE_FACTORS, reference_id, kind="reference")

@@ -13,8 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from harness.references.lookup import entry_of
-
 HOLDS = (
     "rate effects, softening, anisotropy of strength and stress, and disturbance of the samples: "
     "the ideal cone factor has none of them"
@@ -210,17 +208,3 @@ EXPERIENCE: tuple[Experience, ...] = (
         how_known=f"{_KARLSRUD_KNOWN}; of a scatter of 10 to 15 % the larger is taken",
     ),
 )
-
-
-def experience_ids() -> tuple[str, ...]:
-    """Ids of all bands, in the order of the registry."""
-    return tuple(entry.id for entry in EXPERIENCE)
-
-
-def experience_entry(entry_id: str) -> Experience:
-    """The band called `entry_id`.
-
-    Raises:
-        UnknownReferenceError: there is none of that id.
-    """
-    return entry_of(EXPERIENCE, entry_id, kind="band of experience")

@@ -13,10 +13,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from harness.archive.conventions import COMPLETED, over_cases, uncertainty_of
 from harness.archive.provenance import OF_CASE
-from harness.compare.cone_factors import stored_references
-from harness.compare.tolerances import misses
-from harness.pictures.drawing.own_files import MAKER, write_own
-from harness.pictures.drawing.plot_parts import image
+from harness.compare.compared import misses, stored_references
+from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import figures
 from harness.pictures.stability.outcomes import shows_stability
 from harness.pictures.stability.stability_map import stability_rows

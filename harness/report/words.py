@@ -10,7 +10,7 @@ import xarray as xr
 from markupsafe import Markup, escape
 
 from harness.archive.conventions import known_digits, spoken
-from harness.pictures.drawing.symbols import SYMBOLS, unit_of
+from harness.pictures.drawing.quantities import SYMBOLS, unit_of
 
 MISSING = "-"
 _SHOWN_IN = {"byte": (1e6, "MB")}

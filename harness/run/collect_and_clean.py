@@ -18,10 +18,13 @@ from harness.archive.fields_files import has_fields
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import read_study, study_file, write_study
-from harness.compare.cone_factors import NothingToCompareError, with_references
-from harness.compare.experience import with_experience
+from harness.compare.compared import (
+    NothingToCompareError,
+    with_experience,
+    with_references,
+    with_tolerances,
+)
 from harness.compare.finest_error import with_finest_error
-from harness.compare.tolerances import with_tolerances
 from harness.errors import tell
 from harness.study.study import Study
 from harness.terminal import coloured

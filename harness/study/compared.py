@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.references.cone_factors import COMPARED, reference_ids
-from harness.references.experience import experience_ids
+from harness.references.cone_factors import COMPARED
+from harness.references.registry import experience_ids, reference_ids
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError, Table, shown

@@ -1,14 +1,28 @@
-"""Scenes and studies in words, for a terminal."""
+"""Scenes and studies in words: described, written anew, and asked about unusual values.
+
+A value is unusual that is off by what looks like a unit. It is reported where every value that the
+study gives is outside the usual range, and inside it in another unit: a study that goes through
+many orders of magnitude means what it says.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
 
+from harness.errors import tell
+from harness.references.cone_factors import ENVELOPE
+from harness.references.experience import EXPERIENCE
+from harness.study.compared import takes_references
 from harness.study.designs import FULL, LATIN_HYPERCUBE, Range
 from harness.study.scene_part import ScenePart
 from harness.study.study import Study
-from mpm_warp.parameters import Parameter, parameters_of
-from mpm_warp.scenes import scene_class
+from mpm_warp.errors import ParameterError
+from mpm_warp.parameters import Parameter, Value, parameters_of
+from mpm_warp.scenes import CatalogueScene, scene_class
 
 
 def scene_rows(name: str) -> list[str]:
@@ -81,3 +95,184 @@ def _span(values: object) -> str:
 
 def _unit(definition: Parameter) -> str:
     return "" if definition.unit == "1" else f" {definition.unit}"
+
+
+WIDTH = 100
+"""Columns of the file."""
+
+
+def study_text(name: str, scene_name: str) -> str:
+    """A study in TOML that varies one parameter and has the defaults of the others as comments.
+
+    Args:
+        name: of the study.
+        scene_name: of its scene.
+
+    Raises:
+        UnknownSceneError: there is no such scene.
+    """
+    scene = scene_class(scene_name)
+    parameters = parameters_of(scene)
+    varied, values = _to_vary(scene)
+    method = _method(scene)
+    others = {key: it for key, it in parameters.items() if key != varied}
+    parts = [
+        f"# {scene_name}: {scene.summary}.",
+        f"# Run it with `harness run {name}.toml`; the result goes to results/{name}.nc.",
+        "# A line that begins with # is a comment. Take the # away from `#name = value` to give a",
+        "# value of your own in the place of the default. All values are in SI units.",
+        f"title = {_toml(scene.summary)}",
+        f"scene = {_toml(scene_name)}",
+        "",
+        "# What varies: a list of values. Of several lists every combination is a case.",
+        "# A range of values: { from = 1, to = 100, count = 5 }.",
+        "[vary]",
+        _meaning(parameters[varied]),
+        f"{varied} = [{', '.join(map(_toml, values))}]",
+        "",
+        "# What is the same in all cases. A parameter stands here or under [vary], not in both.",
+        "[fixed]",
+        *_commented(it for key, it in others.items() if key not in method),
+    ]
+    if method & others.keys():
+        parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
+        parts += _commented(it for key, it in others.items() if key in method)
+    if takes_references(scene):
+        ids = ", ".join(_toml(it.id) for it in ENVELOPE)
+        parts += ["", "# The literature beside its cone factor:"]
+        parts += ["#[compare]", f"#references = [{ids}]"]
+        parts += ["# and a band of factors measured in the field; others: `harness references`"]
+        parts += [f"#experience = [{_toml(EXPERIENCE[0].id)}]"]
+    return "\n".join([*parts, ""])
+
+
+def _method(scene: type[CatalogueScene]) -> AbstractSet[str]:
+    """Parameters of the method, and what refines an exact solution."""
+    return {*scene.method, *(it.resolution for it in scene.verifications)}
+
+
+def _to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
+    """The first parameter that is none of the method, with values that the scene allows."""
+    method, known = _method(scene), parameters_of(scene)
+    for name, definition in sorted(known.items(), key=lambda it: it[0] in method):
+        values = [it for it in _candidates(definition) if _allows(scene, name, it)]
+        if len(values) > 1:
+            return name, values
+    name = next(iter(known))
+    return name, [value for value in (known[name].default,) if value is not None]
+
+
+def _candidates(definition: Parameter) -> list[Value]:
+    """The choices of a parameter; or half its default, or its greatest value, and its default."""
+    default = definition.default
+    if definition.choices is not None:
+        return list(definition.choices)
+    if isinstance(default, bool | str) or default is None:
+        return []
+    if default != 0:
+        return [type(default)(default / 2), default]
+    return [default, *([] if definition.maximum is None else [float(definition.maximum)])]
+
+
+def _allows(scene: type[CatalogueScene], name: str, value: Value) -> bool:
+    try:
+        scene(**{name: value})
+    except ParameterError:
+        return False
+    return True
+
+
+def _commented(parameters: Iterable[Parameter]) -> list[str]:
+    """Meaning and default of parameters, as comments."""
+    lines = []
+    for it in parameters:
+        value = "..." if it.default is None else _toml(it.default)
+        lines += [_meaning(it), f"#{it.name} = {value}"]
+    return lines
+
+
+def _meaning(definition: Parameter) -> str:
+    return textwrap.fill(
+        definition.explanation, WIDTH, initial_indent="# ", subsequent_indent="#   "
+    )
+
+
+def _toml(value: Value) -> str:
+    """A value as it stands in a study; JSON writes texts, numbers and truth as TOML does."""
+    return json.dumps(value, ensure_ascii=False)
+
+
+PASCAL = {"kPa": 1e3, "MPa": 1e6}
+METRE = {"mm": 1e-3, "cm": 1e-2}
+MEANT = (0.0, 1.0)
+"""Values that are no slip: none of it, and the unit of a scaled study, as lengths in cone radii."""
+
+
+@dataclass(frozen=True)
+class Usual:
+    """The usual range of a parameter of soil or penetrometer.
+
+    Attributes:
+        low, high: the ends, in the parameter's own unit.
+        units: other units that a value is often given in, and what one of them is.
+    """
+
+    low: float
+    high: float
+    units: Mapping[str, float]
+
+    def unit_of(self, value: float) -> str | None:
+        """The unit in which the value would be usual; None where it is, or in no unit would be."""
+        if value in MEANT or self.low <= value <= self.high:
+            return None
+        return next(
+            (unit for unit, size in self.units.items() if self.low <= value * size <= self.high),
+            None,
+        )
+
+
+USUAL = {
+    "undrained_shear_strength": Usual(1e3, 1e6, PASCAL),
+    "in_situ_stress": Usual(1e3, 1e8, PASCAL),
+    "normal_pressure": Usual(1e3, 1e8, PASCAL),
+    "shear_modulus": Usual(1e5, 1e11, PASCAL),
+    "cone_radius": Usual(5e-3, 0.1, METRE),
+    "density": Usual(1000.0, 3000.0, {"t/m3": 1e3, "kN/m3": 1e3 / 9.81}),
+}
+"""Clays from very soft to hard, offshore and on land; penetrometers from 0.8 cm2 to 300 cm2."""
+
+
+def tell_of_unusual_values(study: Study) -> None:
+    """Warn of each value that looks like a slip of the unit, in one line."""
+    for line in unusual_values(study):
+        tell(line)
+
+
+def unusual_values(study: Study) -> list[str]:
+    """What a study gives that looks like a slip of the unit: name, value, what to give instead."""
+    lines = [line for part in study.parts for line in _unusual_in(part)]
+    return list(dict.fromkeys(lines))
+
+
+def _unusual_in(part: ScenePart) -> list[str]:
+    lines = []
+    for name, usual in USUAL.items():
+        values = _given(part, name)
+        units = {usual.unit_of(value) for value in values}
+        if len(units) != 1 or (unit := units.pop()) is None:
+            continue
+        own, value = part.parameters[name].unit, values[0]
+        lines.append(
+            f"{name} = {value:g} is in {own}; if {value:g} {unit} is meant, give "
+            f"{value * usual.units[unit]:g}"
+        )
+    return lines
+
+
+def _given(part: ScenePart, name: str) -> list[float]:
+    """All values that a study gives to a parameter."""
+    varied = part.varied.get(name, ())
+    values = [part.fixed[name]] if name in part.fixed else []
+    values += [varied.start, varied.stop] if isinstance(varied, Range) else varied
+    values += [case[name] for case in part.listed if name in case]
+    return [float(value) for value in values]

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from harness.references.cone_factors import reference_ids
-from harness.references.experience import experience_ids
+from harness.references.registry import experience_ids, reference_ids
 from harness.study.compared import REFERENCE_STUDY
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST

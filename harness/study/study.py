@@ -31,8 +31,7 @@ from typing import Any
 from harness.study.cases import Case, cases_of
 from harness.study.compared import read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
-from harness.study.files import find_study, joined, lineage, study_names
-from harness.study.ground_profile import with_profile
+from harness.study.files import find_study, joined, lineage, study_names, with_profile
 from harness.study.scene_part import (
     LARGEST_STUDY,
     SNAPSHOTS,

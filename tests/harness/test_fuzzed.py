@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from harness.cli.main import COMMANDS, main
 from harness.errors import LONGEST_LINE
-from harness.references.cone_factors import reference_ids
+from harness.references.registry import reference_ids
 from harness.study.designs import DESIGNS, SPACINGS
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names

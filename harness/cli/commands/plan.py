@@ -12,8 +12,8 @@ from tqdm import tqdm
 from harness.cli.exit_codes import DONE
 from harness.run.predicted_time import UPDATE_RATE
 from harness.study.cases import Case
+from harness.study.description import tell_of_unusual_values
 from harness.study.study import is_scene, load_study, study_of_scene
-from harness.study.unusual_values import tell_of_unusual_values
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.parameters import from_mapping
 from mpm_warp.plan.launch import Launch

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from harness.cli.exit_codes import DONE
-from harness.references.description import all_entries, one_entry
+from harness.references.registry import all_entries, one_entry
 
 
 def references(options: argparse.Namespace) -> int:

@@ -10,13 +10,12 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.study_files import read_study, working_on
 from harness.cli.exit_codes import DONE, INCOMPLETE
-from harness.compare.cone_factors import NothingToCompareError
+from harness.compare.compared import NothingToCompareError, has_tolerances, misses
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
-from harness.compare.tolerances import has_tolerances, misses
 from harness.errors import HarnessError, tell
-from harness.pictures.drawing.own_files import NotOwnFileError, check_replaceable
+from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable
 from harness.pictures.pictures import NothingToDrawError, draw
 from harness.report.report import write_report
 

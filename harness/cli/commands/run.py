@@ -23,8 +23,8 @@ from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
+from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots
-from harness.study.unusual_values import tell_of_unusual_values
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 

@@ -11,11 +11,10 @@ from pathlib import Path
 from harness.archive.atomic_files import write_whole
 from harness.cli.exit_codes import DONE
 from harness.errors import HarnessError, tell
-from harness.study.description import scene_rows, study_rows
+from harness.study.description import scene_rows, study_rows, study_text
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study
-from harness.study.template import study_text
 from mpm_warp.scenes import scene_class, scene_names
 
 

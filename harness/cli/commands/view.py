@@ -7,12 +7,9 @@ import argparse
 from harness.archive.atomic_files import prepare
 from harness.archive.fields_files import ENDING, find_fields, read_fields
 from harness.cli.exit_codes import DONE
-from harness.pictures.drawing.own_files import write_own
-from harness.pictures.drawing.plot_parts import image
-from harness.pictures.fields.animation import write_animation
-from harness.pictures.fields.sections import sections_figure
-from harness.pictures.fields.traction import traction_figure
-from harness.pictures.fields.vtk_files import write_vtk
+from harness.pictures.drawing.plot_parts import image, write_own
+from harness.pictures.soil import sections_figure, traction_figure, write_animation
+from harness.pictures.vtk_files import write_vtk
 
 
 def view(options: argparse.Namespace) -> int:

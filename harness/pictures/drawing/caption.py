@@ -12,7 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import is_there, over_cases, parameter_names
-from harness.pictures.drawing.symbols import assigned, plain
+from harness.pictures.drawing.quantities import assigned, plain
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping, parameters_of
 from mpm_warp.scenes import scene_class, scene_names

@@ -1,4 +1,4 @@
-"""The literature's cone factors as curves, and the band between them, beside computed ones."""
+"""The literature and experience in a picture of cone factors: curves, and bands."""
 
 from __future__ import annotations
 
@@ -6,15 +6,45 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from harness.compare.cone_factors import conditions_of, stored_references
+from harness.compare.compared import conditions_of, stored_experience, stored_references
 from harness.pictures.drawing.plot_parts import CurveEnd, once
-from harness.pictures.drawing.values import Floats
+from harness.pictures.drawing.quantities import Floats
 from harness.references.cone_factors import (
     CONE_FACTORS,
     Quantity,
     envelope,
     envelope_applies,
 )
+from harness.references.experience import Factor
+
+HATCHES = ("///", "\\\\\\", "...", "---")
+"""Hatches of bands, one after the other: a reader can tell them apart where they overlap."""
+COLOUR = "#8C8C8C"
+
+
+def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw the bands of cone factors that a result is set beside.
+
+    They span the whole width, since the field has no value along the axis, and stand in the legend
+    with their bounds.
+
+    Args:
+        axes: where to; the cone factor is along its vertical axis.
+        dataset: the result of a study.
+    """
+    entries = [it for it in stored_experience(dataset) if it.factor is Factor.RESISTANCE]
+    for rank, entry in enumerate(entries):
+        axes.axhspan(
+            *entry.bounds,
+            facecolor="none",
+            edgecolor=COLOUR,
+            hatch=HATCHES[rank % len(HATCHES)],
+            linewidth=0,
+            alpha=0.5,
+            zorder=0.5,
+            label=f"experience, {entry.label}: {entry.band}",
+        )
+
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
 """Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""

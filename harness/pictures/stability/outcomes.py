@@ -15,7 +15,7 @@ from harness.archive.conventions import (
     spoken,
     varied_names,
 )
-from harness.pictures.drawing.values import Floats, Texts
+from harness.pictures.drawing.quantities import Floats, Texts
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from harness.archive.conventions import COMPLETED, MISSING, varied_names
-from harness.pictures.drawing.values import Floats, Texts, Values
+from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.pictures.stability.outcomes import outcomes
 
 PART_COUNT = 5

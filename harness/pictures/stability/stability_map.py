@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT, UNFINISHED
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import SHADES, STYLED
-from harness.pictures.drawing.values import Values
+from harness.pictures.drawing.quantities import Values
 from harness.pictures.stability.outcomes import limit_label
 from harness.pictures.stability.shares import SHARE_HEADING, Shares, share_row, shares
 from harness.pictures.stability.strips import STRIP_HEADING, Strip, strip_row, strips

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import COMPLETED, MISSING, varied_names
-from harness.pictures.drawing.values import Floats, Texts, Values
+from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.pictures.stability.outcomes import outcomes
 
 NO_CASE = "no case"

@@ -13,7 +13,7 @@ from harness.archive.case_files import case_folder, write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import read_study, write_study
-from harness.compare.cone_factor_table import cone_factor_table
+from harness.compare.result_table import cone_factor_table
 from harness.pictures.pictures import draw
 from harness.run.rerun import read_for_rerun, verdict
 from harness.study.study import Study, load_study

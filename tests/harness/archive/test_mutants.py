@@ -28,7 +28,7 @@ from harness.archive.study_files import read_study
 from harness.cli.commands import run as run_commands
 from harness.cli.main import main
 from harness.pictures import pictures
-from harness.pictures.drawing.own_files import MAKER
+from harness.pictures.drawing.plot_parts import MAKER
 from harness.report import report as page
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute

@@ -13,7 +13,7 @@ from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED
-from harness.compare.cone_factors import with_references
+from harness.compare.compared import with_references
 from harness.study.study import load_study
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'

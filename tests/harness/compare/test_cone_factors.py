@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.compare.cone_factor_table import cone_factor_table
-from harness.compare.cone_factors import (
+from harness.compare.compared import (
     NothingToCompareError,
     conditions_of,
     exact_shear,
     stored_references,
     with_references,
 )
-from harness.references.lookup import UnknownReferenceError
+from harness.compare.result_table import cone_factor_table
+from harness.references.registry import UnknownReferenceError
 
 THREE = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 

@@ -8,11 +8,10 @@ import xarray as xr
 
 from harness.archive.conventions import Role, with_role
 from harness.archive.study_files import read_study, write_study
-from harness.compare.cone_factor_table import cone_factor_table
+from harness.compare.compared import experience_notes, stored_experience, with_experience
 from harness.compare.differences import differences
-from harness.compare.experience import experience_notes, stored_experience, with_experience
-from harness.references.experience import experience_entry
-from harness.references.lookup import UnknownReferenceError
+from harness.compare.result_table import cone_factor_table
+from harness.references.registry import UnknownReferenceError, experience_entry
 
 TWO = ("karlsrud_2005", "mayne_peuchen_2018")
 

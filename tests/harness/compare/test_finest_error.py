@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.compare.cone_factors import NothingToCompareError
+from harness.compare.compared import NothingToCompareError
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.study.compared import ERROR_FINEST
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from harness.archive.conventions import uncertainty_of, varied_names
-from harness.compare.cone_factors import NothingToCompareError
+from harness.compare.compared import NothingToCompareError
 from harness.compare.result_table import result_table
 from mpm_warp.results import labelled
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.compare.tolerances import misses, with_tolerances
+from harness.compare.compared import misses, with_tolerances
 from harness.study.study import load_study
 from harness.study.tables import StudyError
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from harness.archive.conventions import FORMAT_VERSION
-from harness.compare.cone_factors import with_references
+from harness.compare.compared import with_references
 from harness.pictures.pictures import figures
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")

@@ -23,8 +23,7 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import fixed
-from harness.pictures.drawing.own_files import NotOwnFileError
-from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, image
+from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image
 from harness.pictures.effects import effects_figure
 from harness.pictures.pictures import NothingToDrawError, draw, figures
 from harness.pictures.tornado import tornado_figure

@@ -7,7 +7,7 @@ import xarray as xr
 
 from harness.pictures.pictures import figures
 from harness.pictures.sounding import sounding_figure
-from tests.harness.compare.test_soundings import ONE, cut
+from tests.harness.pictures.test_joined_soundings import ONE, cut
 
 
 def result() -> xr.Dataset:

@@ -9,12 +9,10 @@ from harness.references.cone_factors import (
     Conditions,
     ConeFactor,
     Quantity,
-    cone_factor_reference,
     envelope,
     envelope_applies,
-    reference_ids,
 )
-from harness.references.lookup import UnknownReferenceError
+from harness.references.registry import UnknownReferenceError, cone_factor_reference, reference_ids
 
 RIGIDITY_INDICES = (50, 100, 300, 500)
 ADHESION_FACTORS = (0, 0.5, 1)

@@ -6,8 +6,8 @@ import pytest
 
 from harness.cli.main import main
 from harness.references.cone_factors import CONE_FACTORS
-from harness.references.description import WIDTH, all_entries, one_entry
 from harness.references.experience import EXPERIENCE, HOLDS
+from harness.references.registry import WIDTH, all_entries, one_entry
 
 ENTRIES = (*CONE_FACTORS, *EXPERIENCE)
 

@@ -4,15 +4,13 @@ import itertools
 
 import pytest
 
-from harness.references.cone_factors import reference_ids
-from harness.references.experience import (
-    EXPERIENCE,
-    Experience,
-    Factor,
+from harness.references.experience import EXPERIENCE, Experience, Factor
+from harness.references.registry import (
+    UnknownReferenceError,
     experience_entry,
     experience_ids,
+    reference_ids,
 )
-from harness.references.lookup import UnknownReferenceError
 
 # By hand: log10 1.2 = 0.0791812, log10 6.3 = 0.7993405, ln 0.5 = -0.6931472, ln 1.1 = 0.0953102.
 BOUNDS = {

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from harness.archive.conventions import FORMAT_VERSION
-from harness.compare.cone_factors import with_references
+from harness.compare.compared import with_references
 from harness.report.report import write_report
 
 TITLE = "Nc < 12 & <script>document.title = 'changed'</script>"

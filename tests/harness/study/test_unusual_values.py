@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from harness.study.description import unusual_values
 from harness.study.files import study_names
 from harness.study.study import load_study
-from harness.study.unusual_values import unusual_values
 
 
 @pytest.mark.parametrize("name", study_names())

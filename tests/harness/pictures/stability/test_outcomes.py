@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.pictures.drawing.values import Values
+from harness.pictures.drawing.quantities import Values
 from harness.pictures.stability.outcomes import short_reason
 
 VELOCITY = (

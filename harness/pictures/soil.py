@@ -1,4 +1,4 @@
-"""Mirrored sections of the soil around a penetrometer: what it has done to the soil, side by side.
+"""Pictures of the soil around a penetrometer, from the snapshots of a case.
 
 fields = xr.open_dataset("results/STUDY/cases/KEY.fields.nc")
 sections_figure(fields).savefig("sections.png")
@@ -6,17 +6,85 @@ sections_figure(fields).savefig("sections.png")
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from numpy.typing import NDArray
 
-from harness.pictures.fields.nodal_values import Floats, NodalValues
+from harness.archive.atomic_files import write_whole
+from harness.pictures.drawing.plot_parts import series_colour
+
+Floats = NDArray[np.floating]
+
+
+class NodalValues:
+    """What the points of one snapshot carry, averaged to the nodes of their grid.
+
+        f_i = sum over points N_i f / sum over points N_i        N_i the shape function of node i
+
+    A section of nodal values covers all soil, up to the surface and to the axis, where points leave
+    gaps; it shows nothing smaller than a cell, as the simulation does.
+
+    Args:
+        snapshot: one of the snapshots of a case: without the dim `penetration`.
+
+    Attributes:
+        r, z: positions of the nodes [m], shape [row, column].
+    """
+
+    def __init__(self, snapshot: xr.Dataset) -> None:
+        self.r = snapshot["node_r"].values.astype(float)
+        self.z = snapshot["node_z"].values.astype(float)
+        r, z = (snapshot[name].values.astype(float) for name in ("point_r", "point_z"))
+        self._present = np.isfinite(r)
+        self._nodes, self._weights = self._shape_functions(r[self._present], z[self._present])
+        self._sum = self._added(np.ones(int(self._present.sum())))
+
+    def of(self, values: Floats) -> Floats:
+        """Values of the points at the nodes, [row, column]; not a number where no point is near.
+
+        Args:
+            values: in each slot, shape [point].
+        """
+        with np.errstate(invalid="ignore"):
+            averages: Floats = self._added(values[self._present]) / self._sum
+        return averages
+
+    def _added(self, values: Floats) -> Floats:
+        weighted = (self._weights * values).ravel()
+        sums = np.bincount(self._nodes.ravel(), weighted, self.r.size)
+        return sums.reshape(self.r.shape).astype(np.float64, copy=False)
+
+    def _shape_functions(self, r: Floats, z: Floats) -> tuple[NDArray[np.integer], Floats]:
+        """The four nodes around each point, and their shape functions there: [4, point_count]."""
+        rows, surface, outer = self.z[:, 0], self.r[:, 0], self.r[0, -1]
+        columns = (self.r[0] - surface[0]) / (outer - surface[0])
+        row, eta = _interval(rows, z)
+        inner = surface[row] + eta * (surface[row + 1] - surface[row])
+        column, xi = _interval(columns, (r - inner) / (outer - inner))
+        first = row * self.r.shape[1] + column
+        upper = first + self.r.shape[1]
+        nodes = np.stack([first, first + 1, upper, upper + 1])
+        weights = [(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta]
+        return nodes, np.stack(weights)
+
+
+def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Floats]:
+    """In which interval between rising edges each value is, and how far in it, 0 to 1."""
+    interval = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    within: Floats = (values - edges[interval]) / np.diff(edges)[interval]
+    return interval, np.clip(within, 0.0, 1.0)
+
 
 BESIDE, BELOW, ABOVE = 6.0, 6.0, 9.0
 """What is shown of the soil: beside the axis, below the tip and above it, in cone radii."""
@@ -198,3 +266,98 @@ def _draw(
     figure = axes.get_figure()
     assert isinstance(figure, Figure)
     figure.colorbar(image, ax=axes, orientation="horizontal", label=quantity.label, pad=0.02)
+
+
+MOST_CURVES = 6
+"""Snapshots that are drawn, the last among them."""
+
+
+def traction_figure(fields: xr.Dataset) -> Figure:
+    """Normal and shear traction over the way along the surface, a curve a snapshot.
+
+    Args:
+        fields: the snapshots of a case.
+
+    Raises:
+        KeyError: the dataset has no snapshots of a cone test.
+    """
+    figure = Figure(figsize=(7.2, 5.6), dpi=150, layout="constrained")
+    normal, shear = figure.subplots(2, 1, sharex=True)
+    radius = fields.cone_radius.item()
+    way = _way(fields) / radius
+    parts = {part: fields.surface_part.values == part for part in ("face", "shaft")}
+    shoulder = float(way[parts["face"]].max())
+    count = fields.sizes["penetration"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CURVES)).round().astype(int))
+    for place, number in enumerate(chosen):
+        snapshot = fields.isel(penetration=number)
+        colour = series_colour(place, len(chosen))
+        style = {"color": colour, "lw": 0.8 + 0.8 * (number == count - 1)}
+        label = f"{snapshot.penetration.item():g} R"
+        for axes, name in ((normal, "normal_traction"), (shear, "shear_traction")):
+            traction = snapshot[name].values / fields.undrained_shear_strength.item()
+            for part, there in parts.items():
+                shown = label if part == "face" else None
+                axes.plot(way[there], traction[there], label=shown, **style)
+    for axes, text in ((normal, "normal traction / su [-]"), (shear, "shear traction / su [-]")):
+        axes.axvline(shoulder, color="0.5", lw=0.8, ls="--")
+        axes.axhline(0.0, color="0.5", lw=0.5)
+        axes.set_ylabel(text)
+        axes.spines[["top", "right"]].set_visible(False)
+    for x, text in ((0.5 * shoulder, "face"), (1.15 * shoulder, "shaft")):
+        where = normal.get_xaxis_transform()
+        normal.text(x, 1.0, text, transform=where, ha="left" if x > shoulder else "center")
+    shear.set_xlabel("way along the surface from the tip / R [-]")
+    shear.set_xlim(0.0, float(way.max()))
+    normal.legend(title="penetration", fontsize=8, title_fontsize=8, frameon=False)
+    figure.suptitle(caption(fields.isel(penetration=-1)), x=0.01, ha="left", fontsize=8)
+    return figure
+
+
+def _way(fields: xr.Dataset) -> Floats:
+    """The way along the surface from the tip to each of its nodes [m]."""
+    steps = np.hypot(np.diff(fields.surface_r.values), np.diff(fields.surface_z.values))
+    way: Floats = np.concatenate([[0.0], np.cumsum(steps)])
+    return way
+
+
+FRAMES_PER_SECOND = 2
+RESOLUTION = 80
+"""Pixels of a frame per inch; of a tenth of an inch an even number, as MP4 needs."""
+
+
+def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
+    """Write the film as a GIF, and as an MP4 beside it where `ffmpeg` is installed.
+
+    Args:
+        fields: the snapshots of a case.
+        path: of the GIF; the MP4 has the ending `.mp4` instead.
+
+    Returns:
+        The files, each written whole or not at all.
+
+    Raises:
+        ArchiveError: one cannot be written.
+    """
+    writers: dict[Path, AbstractMovieWriter] = {path: PillowWriter(fps=FRAMES_PER_SECOND)}
+    if shutil.which("ffmpeg") is not None:
+        writers[path.with_suffix(".mp4")] = FFMpegWriter(
+            fps=FRAMES_PER_SECOND, extra_args=["-pix_fmt", "yuv420p"]
+        )
+    for file, writer in writers.items():
+        write_whole(_film(fields, writer, file.suffix), file)
+    return list(writers)
+
+
+def _film(fields: xr.Dataset, writer: AbstractMovieWriter, ending: str) -> bytes:
+    figure = Figure(figsize=frame(fields), dpi=RESOLUTION, layout="constrained")
+    norms = scales(fields)
+    # Matplotlib and ffmpeg write to files alone.
+    with tempfile.TemporaryDirectory(prefix="harness-film-") as folder:
+        film = Path(folder) / f"film{ending}"
+        with writer.saving(figure, str(film), RESOLUTION):
+            for penetration in fields["penetration"].values.tolist():
+                figure.clear()
+                draw_sections(figure, fields, penetration, norms)
+                writer.grab_frame()
+        return film.read_bytes()

@@ -1,21 +1,27 @@
-"""Computed cone factors against the literature and against exact statics."""
+"""What [compare] of a study sets beside its result: references, experience, tolerances."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import Role, with_role
-from harness.errors import HarnessError
-from harness.references.cone_factors import (
-    COMPARED,
-    NEEDED,
-    Conditions,
-    ConeFactor,
-    cone_factor_reference,
+from harness.archive.conventions import (
+    COMPLETED,
+    TOLERANCES,
+    Role,
+    case_dims,
+    labels_of,
+    over_cases,
+    with_role,
 )
+from harness.errors import HarnessError
+from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor
+from harness.references.experience import HOLDS, Experience
+from harness.references.registry import cone_factor_reference, experience_entry
+from mpm_warp.parameters import did_you_mean
 
 
 class NothingToCompareError(HarnessError):
@@ -134,3 +140,103 @@ def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
             f"nothing to compare: no {COMPARED}; it is another scene's, or no case completed"
         )
     return dataset[COMPARED]
+
+
+BOUND = "bound"
+"""The dim of the two ends of a band."""
+
+
+def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset:
+    """Set bands of experience beside the result of a study.
+
+    Args:
+        dataset: the result.
+        entry_ids: ids out of :func:`harness.references.experience.experience_ids`.
+
+    Returns:
+        The dataset with `experience_<id>` for each id, over the dim `bound`: the least and the
+        greatest factor. The attributes say what the band is of, which su it means, what it spans,
+        and how all of this is known.
+
+    Raises:
+        UnknownReferenceError: an id is unknown.
+    """
+    if not entry_ids:
+        return dataset
+    bands = {}
+    for entry in map(experience_entry, entry_ids):
+        said = {
+            "units": "1",
+            "long_name": f"{entry.factor} by {entry.label}",
+            "role": Role.EXPERIENCE,
+            "factor": entry.factor.definition,
+            "formula": entry.formula,
+            "validity": f"{entry.clays}; {entry.spans}",
+            "strength": entry.strength,
+            "holds": HOLDS,
+            "source": entry.source,
+            "how_known": entry.how_known,
+        }
+        bands[f"{Role.EXPERIENCE}_{entry.id}"] = (BOUND, list(entry.bounds), said)
+    ends = (BOUND, ["least", "greatest"], {"long_name": "end of a band"})
+    return dataset.assign_coords({BOUND: ends}).assign(bands)
+
+
+def stored_experience(dataset: xr.Dataset) -> tuple[Experience, ...]:
+    """The bands that :func:`with_experience` has set into `dataset`."""
+    names = with_role(dataset, Role.EXPERIENCE)
+    return tuple(experience_entry(name.removeprefix(f"{Role.EXPERIENCE}_")) for name in names)
+
+
+def experience_notes(dataset: xr.Dataset) -> list[str]:
+    """The bands that a result is set beside, in one line; none where there are none."""
+    entries = stored_experience(dataset)
+    if not entries:
+        return []
+    bands = ", ".join(f"{entry.id} {entry.band}" for entry in entries)
+    strengths = " or ".join(dict.fromkeys(entry.strength for entry in entries))
+    return [f"experience, bands and no references: {bands}; su: {strengths}"]
+
+
+def with_tolerances(dataset: xr.Dataset, tolerances: Mapping[str, float]) -> xr.Dataset:
+    """The dataset with its study's tolerances, so that its file alone can be checked."""
+    return dataset.assign_attrs({TOLERANCES: json.dumps(dict(tolerances))} if tolerances else {})
+
+
+def has_tolerances(dataset: xr.Dataset) -> bool:
+    """Whether a result has tolerances of its study."""
+    return TOLERANCES in dataset.attrs
+
+
+def misses(dataset: xr.Dataset) -> list[str]:
+    """What the tolerances that are stored in `dataset` do not allow, a line each.
+
+    The tolerance of a reference bounds the size of the deviation from it, in the cases that it
+    applies to; that of a result bounds its size. What is not a number, or nowhere to be found, is
+    missed too: a check that was not made is not passed.
+    """
+    tolerances: dict[str, float] = json.loads(dataset.attrs.get(TOLERANCES, "{}"))
+    return [line for name, limit in tolerances.items() for line in _misses_of(dataset, name, limit)]
+
+
+def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
+    if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
+        value = dataset[deviation]
+        applies = xr.DataArray(cone_factor_reference(name).applies(conditions_of(dataset)))
+    elif name in dataset and dataset[name].dtype.kind in "iuf":
+        value, applies = dataset[name], xr.DataArray(True)
+    else:
+        known = [str(it) for it in dataset.data_vars if dataset[it].dtype.kind in "iuf"]
+        return [f"{name}: is neither a reference nor a result here{did_you_mean(name, known)}"]
+    size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
+    size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
+    held = over_cases(dataset, applies)
+    if not held.any():
+        return [f"{name}: applies to no case"]
+    return [
+        f"{name}: {label}: {size:.3g} is beyond the tolerance {limit:g}"
+        for label, size, is_held in zip(
+            labels_of(dataset), over_cases(dataset, size), held, strict=True
+        )
+        if is_held and not size <= limit
+    ]

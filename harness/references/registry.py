@@ -1,13 +1,15 @@
-"""References and experience as text for a terminal: all of them, or one in full."""
+"""All references and all experience: found by id, and as text for a terminal."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Mapping
+from typing import TypeVar
 
+from harness.errors import HarnessError
 from harness.references.cone_factors import CONE_FACTORS, ConeFactor
 from harness.references.experience import BESIDE_COMPRESSION, EXPERIENCE, HOLDS, Experience, Factor
-from harness.references.lookup import entry_of
+from mpm_warp.parameters import nearest_name
 
 WIDTH = 80
 """Columns of a terminal, at least."""
@@ -16,6 +18,49 @@ SYMBOLS = (
     "both), Delta = (sigma_v0 - sigma_h0) / (2 su)"
 )
 """What the symbols in the formulas of the references mean."""
+
+
+class UnknownReferenceError(HarnessError, LookupError):
+    """No reference has that id; the message is one line and names the nearest one."""
+
+
+def reference_ids() -> tuple[str, ...]:
+    """Ids of all references, in the order of the registry."""
+    return tuple(reference.id for reference in CONE_FACTORS)
+
+
+def experience_ids() -> tuple[str, ...]:
+    """Ids of all bands of experience, in the order of the registry."""
+    return tuple(entry.id for entry in EXPERIENCE)
+
+
+def cone_factor_reference(reference_id: str) -> ConeFactor:
+    """The cone factor of the literature called `reference_id`.
+
+    Raises:
+        UnknownReferenceError: there is none of that id.
+    """
+    return _entry_of(CONE_FACTORS, reference_id, kind="reference")
+
+
+def experience_entry(entry_id: str) -> Experience:
+    """The band called `entry_id`.
+
+    Raises:
+        UnknownReferenceError: there is none of that id.
+    """
+    return _entry_of(EXPERIENCE, entry_id, kind="band of experience")
+
+
+Entry = TypeVar("Entry", ConeFactor, Experience, ConeFactor | Experience)
+
+
+def _entry_of(entries: Iterable[Entry], entry_id: str, *, kind: str) -> Entry:
+    """The entry that has an id; `kind` says what the entries are, in the words of a message."""
+    by_id = {entry.id: entry for entry in entries}
+    if entry_id not in by_id:
+        raise UnknownReferenceError(f"unknown {kind} {entry_id!r}{nearest_name(entry_id, by_id)}")
+    return by_id[entry_id]
 
 
 def all_entries() -> str:
@@ -64,7 +109,7 @@ def one_entry(entry_id: str) -> str:
         UnknownReferenceError: there is none of that id.
     """
     entries: list[ConeFactor | Experience] = [*CONE_FACTORS, *EXPERIENCE]
-    entry = entry_of(entries, entry_id, kind="reference")
+    entry = _entry_of(entries, entry_id, kind="reference")
     said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
     width = max(map(len, said)) + 2
     lines = [entry.id]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from harness.compare.soundings import is_sounding, joined
+from harness.pictures.sounding import is_sounding, joined
 
 DEPTH = np.arange(1.0, 7.0)
 

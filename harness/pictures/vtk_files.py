@@ -16,7 +16,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare, write_whole
 from harness.errors import HarnessError
-from harness.pictures.fields.nodal_values import Floats, NodalValues
+from harness.pictures.soil import Floats, NodalValues
 
 VECTORS = ("displacement", "velocity")
 PARTS = ("points", "grid", "surface")

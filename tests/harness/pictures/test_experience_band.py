@@ -3,8 +3,8 @@
 import pytest
 import xarray as xr
 
-from harness.compare.experience import with_experience
-from harness.pictures.drawing.experience_band import draw_experience
+from harness.compare.compared import with_experience
+from harness.pictures.drawing.literature import draw_experience
 from harness.pictures.drawing.plot_parts import empty_figure
 
 IDS = ("karlsrud_2005", "karlsrud_2005_pore_pressure", "mayne_peuchen_2018")

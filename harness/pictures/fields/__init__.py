@@ -1,1 +1,0 @@
-"""Pictures of the soil around a penetrometer, from the snapshots of a case."""
