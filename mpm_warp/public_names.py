@@ -34,7 +34,6 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
 from mpm_warp.scenes.bearing.footings import CircularFooting, StripFooting
-from mpm_warp.scenes.benchmark.step_cost import StepCost
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue import CatalogueScene
@@ -56,6 +55,7 @@ from mpm_warp.scenes.impact.struck_column import StruckColumn
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.scenes.step_cost import StepCost
 from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots, soil_fields

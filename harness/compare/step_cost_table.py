@@ -19,16 +19,14 @@ TABLES = {
     "million updates/s, median (least to most)": (
         "{update_rate:.1f} ({update_rate_lowest:.1f} to {update_rate_highest:.1f})"
     ),
-    "times as fast as one thread (as many runs at once)": "{thread_gain:.2f} ({core_gain:.2f})",
-    "times as fast as a bare step": "{bare_step_gain:.2f}",
-    "Python and launches, share of the time": "{overhead_share:.1%}",
+    "times as fast as one thread": "{thread_gain:.2f}",
     "arrays, bytes a point": "{array_bytes:.0f}",
 }
 """Titles of the tables, and what stands in them of each case."""
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
-    """Tables of speed, of the gain by threads, of Python's share and of memory, a column a size.
+    """Tables of speed, of the gain by threads and of memory, a column a size.
 
     Below stand the stages of a step, with their times, of the largest case of the most physics.
 

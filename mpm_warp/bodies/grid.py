@@ -6,7 +6,6 @@ and 1.5.
     N = (3/2 - f)^2 / 2,    3/4 - (f - 1)^2,    (f - 1/2)^2 / 2
 """
 
-import functools
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +23,13 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.precision import Precision
+from mpm_warp.precision import FLOAT64
+
+real, vec2, vec3, vec4, vec5 = FLOAT64.real, FLOAT64.vec2, FLOAT64.vec3, FLOAT64.vec4, FLOAT64.vec5
+mat22 = FLOAT64.mat22
+"""Bodies are computed in double precision."""
+zero, half, one, two = (wp.constant(real(number)) for number in (0.0, 0.5, 1.0, 2.0))
+low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,65 +79,54 @@ class UniformGrid:
         lower = np.asarray(self.lower) + 0.5 * self.cell_size
         return lower, lower + self.cell_size * (np.asarray(self.cell_counts) - 1.0)
 
-    def kernel_arguments(self, precision: Precision) -> dict[str, Any]:
+    @property
+    def kernel_arguments(self) -> dict[str, Any]:
         """The grid as kernels take it: lowest corner, cell size h, nodes along both axes."""
         return {
-            "lower": precision.vec2(*self.lower),
+            "lower": vec2(*self.lower),
             "h": self.cell_size,
             "node_counts": wp.vec2i(*self.node_counts),
         }
 
 
-@dataclass(frozen=True)
-class Splines:
-    """Device functions along one axis.
+@wp.func
+def first_node(x: real, node_count: int) -> int:
+    """Lowest of the three nodes of a place, so limited that the other two exist.
 
-    Attributes:
-        first_node: (x / h from the lowest node of the grid, node count) -> lowest of the three
-            nodes; it is limited such that the other two exist.
-        local_coordinate: (x / h from the lowest node of the grid, first node) -> f. It is limited
-            to its range: a particle that has left the grid stays finite until the watch finds it.
-        weights: f -> N of the three nodes.
-        slopes: f -> h dN/dx of the three nodes.
-        offsets: f -> (X - x) / h of the three nodes.
+    Args:
+        x: distance from the lowest node of the grid, over h.
+        node_count: nodes along the axis.
     """
-
-    first_node: Any
-    local_coordinate: Any
-    weights: Any
-    slopes: Any
-    offsets: Any
+    return wp.clamp(int(wp.floor(x - half)), 0, node_count - 3)
 
 
-@functools.cache
-def make_splines(precision: Precision) -> Splines:
-    """Spline functions in one precision."""
-    real, vec3 = precision.real, precision.vec3
-    half, one, two = (wp.constant(real(x)) for x in (0.5, 1.0, 2.0))
-    low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
+@wp.func
+def local_coordinate(x: real, first: int) -> real:
+    """The coordinate f of a place.
 
-    @wp.func
-    def first_node(x: real, node_count: int) -> int:
-        return wp.clamp(int(wp.floor(x - half)), 0, node_count - 3)
+    It is limited to its range: a particle that has left the grid stays finite until the watch finds
+    it.
+    """
+    return wp.clamp(x - real(first), half, high)
 
-    @wp.func
-    def local_coordinate(x: real, first: int) -> real:
-        return wp.clamp(x - real(first), half, high)
 
-    @wp.func
-    def weights(f: real) -> vec3:
-        return vec3(
-            half * (high - f) * (high - f),
-            low - (f - one) * (f - one),
-            half * (f - half) * (f - half),
-        )
+@wp.func
+def weights(f: real) -> vec3:
+    """N of the three nodes."""
+    return vec3(
+        half * (high - f) * (high - f),
+        low - (f - one) * (f - one),
+        half * (f - half) * (f - half),
+    )
 
-    @wp.func
-    def slopes(f: real) -> vec3:
-        return vec3(f - high, two * (one - f), f - half)
 
-    @wp.func
-    def offsets(f: real) -> vec3:
-        return vec3(-f, one - f, two - f)
+@wp.func
+def slopes(f: real) -> vec3:
+    """The slopes h dN/dx of the three nodes."""
+    return vec3(f - high, two * (one - f), f - half)
 
-    return Splines(first_node, local_coordinate, weights, slopes, offsets)
+
+@wp.func
+def offsets(f: real) -> vec3:
+    """The distances (X - x) / h of the three nodes."""
+    return vec3(-f, one - f, two - f)

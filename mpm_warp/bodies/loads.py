@@ -6,18 +6,16 @@ They are taken in the middle of the step: then the impulse of a load is exact in
 it only rises or only stays.
 """
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, check_array, check_number
+from mpm_warp.bodies.grid import one, real, vec2, zero
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,51 +67,36 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
     plan.add_array("load.forces", "vec2", forces)
     plan.add_zeros("load.time", "real", 1)
     plan.add_zeros("particle.load", "vec2", plan.particle_count)
-    plan.add_launch(
-        make_body_loads(plan.precision), plan.particle_count, half_step=0.5 * plan.time_step
-    )
+    plan.add_launch(body_loads, plan.particle_count, half_step=0.5 * plan.time_step)
 
 
 def add_clock(plan: Plan) -> None:
     """Add the time of the loads, which goes on at the end of a step."""
-    plan.add_launch(make_clock(plan.precision), 1)
+    plan.add_launch(clock, 1)
 
 
-@functools.cache
-def make_body_loads(precision: Precision) -> Any:
+@wp.kernel(module="mpm_warp.body_loads", enable_backward=False)
+def body_loads(
+    load_schedule: wp.array(dtype=vec2),
+    load_forces: wp.array2d(dtype=vec2),
+    load_time: wp.array(dtype=real),
+    half_step: real,
+    particle_load: wp.array(dtype=vec2),
+):
     """Forces of all loads on each particle; launched over particles.
 
     `load_schedule` holds (t_0, T) of each load.
     """
-    real, vec2 = precision.real, precision.vec2
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
-
-    @wp.kernel(module=f"mpm_warp.body_loads.{precision.numpy_name}", enable_backward=False)
-    def body_loads(
-        load_schedule: wp.array(dtype=vec2),
-        load_forces: wp.array2d(dtype=vec2),
-        load_time: wp.array(dtype=real),
-        half_step: real,
-        particle_load: wp.array(dtype=vec2),
-    ):
-        p = wp.tid()
-        middle = load_time[0] + half_step
-        total = vec2()
-        for k in range(load_schedule.shape[0]):
-            start, rise_time = load_schedule[k][0], load_schedule[k][1]
-            total += wp.clamp((middle - start) / rise_time, zero, one) * load_forces[k, p]
-        particle_load[p] = total
-
-    return body_loads
+    p = wp.tid()
+    middle = load_time[0] + half_step
+    total = vec2()
+    for k in range(load_schedule.shape[0]):
+        start, rise_time = load_schedule[k][0], load_schedule[k][1]
+        total += wp.clamp((middle - start) / rise_time, zero, one) * load_forces[k, p]
+    particle_load[p] = total
 
 
-@functools.cache
-def make_clock(precision: Precision) -> Any:
+@wp.kernel(module="mpm_warp.clock", enable_backward=False)
+def clock(time_step: real, load_time: wp.array(dtype=real)):
     """Time goes on by a step; launched once."""
-    real = precision.real
-
-    @wp.kernel(module=f"mpm_warp.clock.{precision.numpy_name}", enable_backward=False)
-    def clock(time_step: real, load_time: wp.array(dtype=real)):
-        load_time[0] += time_step
-
-    return clock
+    load_time[0] += time_step

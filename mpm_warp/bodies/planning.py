@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from mpm_warp.arguments import FROM_ONE, check_whole
 from mpm_warp.bodies.body import add_particles
-from mpm_warp.bodies.body_to_grid import add_body_to_grid
-from mpm_warp.bodies.contact_detection import add_clear_surfaces
-from mpm_warp.bodies.grid_to_body import add_grid_to_body
+from mpm_warp.bodies.contact import add_clear_surfaces
 from mpm_warp.bodies.loads import add_clock, add_loads
 from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.bodies.transfers import add_body_to_grid, add_grid_to_body
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.planning import make_plan

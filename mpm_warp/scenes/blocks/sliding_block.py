@@ -9,15 +9,14 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.body import Body, InterfaceFrame
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.interface import InterfaceFrame
 from mpm_warp.bodies.loads import Load
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.blocks.block_on_base import BlockOnBase
-from mpm_warp.scenes.blocks.sliding_curves import SAMPLE_COUNT, SlidingCurves
+from mpm_warp.scenes.blocks.curves import SAMPLE_COUNT, SlidingCurves
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.simulation import Simulation
 

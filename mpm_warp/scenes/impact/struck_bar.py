@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from mpm_warp.bodies.body import InterfaceFrame
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.interface import InterfaceFrame
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic

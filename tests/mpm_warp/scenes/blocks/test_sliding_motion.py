@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes.blocks.sliding_motion import SlidingMotion
+from mpm_warp.scenes.blocks.block_on_base import SlidingMotion
 
 TRAVEL = 0.7
 

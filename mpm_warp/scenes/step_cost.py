@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import warp as wp
 import xarray as xr
 
-from mpm_warp.benchmark.clocks import ClockedExecution
-from mpm_warp.benchmark.speed import LEAST_STEPS, Companion, Run, StageTimes, ThreadGain
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.results import variable
+from mpm_warp.results import labelled, variable
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
@@ -28,6 +29,67 @@ from mpm_warp.simulation import Simulation
 
 BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
+LEAST_STEPS = 16
+"""Least number of steps of a sample."""
+WARM_FRACTION = 0.5
+"""Fraction of the time of a sample for which steps are taken before the first sample."""
+
+
+@dataclass(frozen=True)
+class TimedRun:
+    """A run whose speed is measured.
+
+    Attributes:
+        simulation: the run.
+        take: takes about so many of its steps.
+    """
+
+    simulation: Simulation
+    take: Callable[[int], None]
+
+    def sample(self, step_count: int) -> tuple[float, int, float]:
+        """Take about so many steps: wall-clock time [s], number of steps, updates per second."""
+        simulation = self.simulation
+        steps, updates = simulation.step_count, simulation.particle_updates
+        start = time.perf_counter()
+        self.take(step_count)
+        simulation.array("particle.mass")  # waits for a GPU
+        seconds = time.perf_counter() - start
+        rate = (simulation.particle_updates - updates) / seconds
+        return seconds, simulation.step_count - steps, rate
+
+    def steps_within(self, seconds: float) -> int:
+        """Number of steps that take about so long [s]; the run is warm after it is found out."""
+        count = LEAST_STEPS
+        # The first steps load kernels and record launches: only many tell how long one takes.
+        while True:
+            taken, steps, _ = self.sample(count)
+            if taken >= WARM_FRACTION * seconds:
+                return max(LEAST_STEPS, math.ceil(steps * seconds / taken))
+            count *= 2
+
+
+def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
+    """Time of each launch of a step, by the name of its kernel [s]; the mean over some steps.
+
+    The host waits for each launch. So the times are those of one thread, or of a whole GPU, and a
+    launch's own time is in each: some microseconds.
+
+    Args:
+        simulation: the run; it does not count these steps.
+        step_count: number of steps, >= 1.
+    """
+    step = simulation.plan.step
+    seconds = np.zeros(len(step))
+    for number in range(step_count + 1):
+        if number == 1:
+            seconds[:] = 0.0  # the first step is to warm up
+        for place, launch in enumerate(step):
+            start = time.perf_counter()
+            simulation.launch(launch)
+            wp.synchronize()
+            seconds[place] += time.perf_counter() - start
+    return {it.name: float(taken) / step_count for it, taken in zip(step, seconds, strict=True)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +101,7 @@ class StepCost(CatalogueScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     runs_alone: ClassVar[bool] = True
 
     size: int = parameter(
@@ -74,9 +136,9 @@ class StepCost(CatalogueScene):
         return cone
 
     def run_size(self) -> RunSize:
-        """Of all cases that are computed together, and those that the threads are compared with."""
+        """Of all cases that are computed together, and the one that threads are compared with."""
         one = self.cone().run_size()
-        count = self.cases + (self.threads if self.cases == 1 else 0)
+        count = self.cases + (1 if self.cases == 1 and self.threads > 1 else 0)
         return RunSize(cell_count=count * one.cell_count, particle_count=count * one.particle_count)
 
     def build(self) -> Scene:
@@ -111,82 +173,85 @@ class StepCost(CatalogueScene):
         """
         device = "cpu" if execution is None else execution.device
         if self.cases == 1:
-            can_be_clocked = device == "cpu" and self.threads == 1
-            kind = ClockedExecution if can_be_clocked else Execution
-            return self._measured(kind(device, self.threads), progress)
+            return self._measured(Execution(device, self.threads), progress)
         batch, results = Batch(device, self.threads), list[xr.Dataset]()
 
-        def lead() -> None:
+        def measure() -> None:
             results.append(self._measured(batch, progress))
 
         def accompany() -> None:
-            case = self._stirred(Simulation(self.build(), batch))
+            case = self._stirred(batch)
             while not results:
                 case.take(LEAST_STEPS)
 
-        batch.run([lead] + [accompany] * (self.cases - 1))
+        batch.run([measure] + [accompany] * (self.cases - 1))
         return results[0]
 
     def _measured(self, execution: Execution, progress: Progress) -> xr.Dataset:
         """The speed of a case, or of all that go along with it step by step."""
-        simulation = Simulation(self.build(), execution)
-        companion = self._companion(simulation, execution)
+        run = self._stirred(execution)
+        simulation = run.simulation
+        # The speed of a machine changes from second to second: so that two speeds can be compared,
+        # each sample is followed by one on one thread.
+        alone = self._stirred(Execution()) if self.cases == 1 < self.threads else None
         progress(0.0)
-        run = self._stirred(simulation)
         step_count = run.steps_within(self.sample_time)
-        samples = []
+        if alone is not None:
+            alone.take(LEAST_STEPS)  # warm
+        rates, gains = [], []
         for number in range(self.samples):
-            companion.before_sample()
-            samples.append(run.sample(step_count))
-            companion.after_sample(samples[-1])
+            _, steps, rate = run.sample(step_count)
+            rates.append(self.cases * rate)
+            if alone is not None:
+                gains.append(rate / alone.sample(steps)[2])
             progress((number + 1) / self.samples)
         simulation.check()
-        rates = [self.cases * it.rate for it in samples]
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
         result = xr.Dataset(
-            {
-                "update_rate": variable(
+            labelled(
+                role="headline",
+                update_rate=(
                     float(np.median(rates)),
-                    unit="s-1",
-                    meaning="particle updates per second",
-                    description="of all cases together; median of the samples",
-                    role="headline",
+                    "s-1",
+                    "particle updates per second",
+                    "of all cases together; median of the samples",
                 ),
-                "update_rate_lowest": variable(
-                    min(rates),
-                    unit="s-1",
-                    meaning="least particle updates per second",
-                    role="measured",
-                ),
-                "update_rate_highest": variable(
-                    max(rates),
-                    unit="s-1",
-                    meaning="most particle updates per second",
-                    role="measured",
-                ),
-                "array_bytes": variable(
+            )
+            | labelled(
+                role="measured",
+                update_rate_lowest=(min(rates), "s-1", "least particle updates per second"),
+                update_rate_highest=(max(rates), "s-1", "most particle updates per second"),
+            )
+            | labelled(
+                array_bytes=(
                     byte_count / simulation.plan.particle_count,
-                    unit="byte",
-                    meaning="arrays on the device per material point",
-                ),
-                **cost(simulation),
-            }
-        )
-        return result.merge(companion.dataset())
+                    "byte",
+                    "arrays on the device per material point",
+                )
+            )
+        ).assign(cost(simulation))
+        if gains:
+            result["thread_gain"] = variable(
+                float(np.median(gains)),
+                unit="1",
+                meaning="times as fast as on one thread",
+                description="each sample beside one of one thread right after it; median",
+            )
+        elif self.cases == 1:
+            times = stage_times(simulation, LEAST_STEPS)
+            result = result.assign_coords(stage=list(times)).assign(
+                stage_time=variable(
+                    1e9 * np.array(list(times.values())) / simulation.particle_count,
+                    unit="ns",
+                    meaning="time of a stage per material point",
+                    dims=("stage",),
+                )
+            )
+        return result
 
-    def _companion(self, simulation: Simulation, execution: Execution) -> Companion:
-        """What is measured after each sample, by how the case is computed."""
-        if isinstance(execution, ClockedExecution):
-            return StageTimes(simulation, execution)
-        if self.cases > 1 or execution.device != "cpu":
-            return Companion()
-        runs = [self._stirred(Simulation(self.build(), Execution())) for _ in range(self.threads)]
-        for run in runs:
-            run.take(LEAST_STEPS)  # warm
-        return ThreadGain(runs)
-
-    def _stirred(self, simulation: Simulation) -> Run:
-        """Give the soil its stresses and the window its speed."""
+    def _stirred(self, execution: Execution) -> TimedRun:
+        """A run whose soil has random stresses, and whose window has its speed."""
+        simulation = Simulation(self.build(), execution)
         scene = soil_scene(simulation)
         strength = 0.01 * scene.material.shear_modulus
         block = np.random.default_rng(0).uniform(-strength, strength, (BLOCK, 4))
@@ -195,7 +260,7 @@ class StepCost(CatalogueScene):
             part = stress[first : min(first + BLOCK, len(stress))]
             part.assign(block[: len(part)])
         if scene.window is None:
-            return Run(simulation, simulation.advance)
+            return TimedRun(simulation, simulation.advance)
         window = scene.window
         simulation.assign("window.motion", np.array([window.ramp_time, window.speed, 0.0]))
         per_step = window.speed * simulation.plan.time_step
@@ -215,4 +280,4 @@ class StepCost(CatalogueScene):
                 curves.is_steady()
             simulation.travel_to(distance)
 
-        return Run(simulation, take)
+        return TimedRun(simulation, take)

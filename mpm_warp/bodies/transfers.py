@@ -1,0 +1,291 @@
+"""From particles to the nodes of the field of their body, and back: two transfers of a step.
+
+Each body has a velocity field of its own, as if it were alone. Symbols: m mass, V volume, v
+velocity, B affine velocity, sigma stress (xx, yy, xy, zz), f_p load, d_i = x_i - x offset of node
+i, N_i its shape function, h cell size. In axisymmetry x, y are r, z.
+
+    m_i     = sum m N_i
+    (m v)_i = sum m N_i (v + B d_i)
+    f_i     = sum N_i f_p - V (sigma_xx dN/dx + sigma_xy dN/dy + sigma_zz N/r,
+                               sigma_xy dN/dx + sigma_yy dN/dy)
+    a_i     = sum V (dN/dx + N/r, dN/dy)      by the divergence theorem the integral of N n
+    v_i     = ((m v)_i + dt f_i) / m_i
+
+and back, after contact, L the velocity gradient (xx, xy, yx, yy, zz):
+
+    v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
+    L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
+                                     symmetric part of L; without this term a body that turns grows
+    x <- x + dt v,       V <- V exp(dt tr L)
+    sigma <- R sigma R' + dt (K tr L + 2 G dev L)
+    sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
+    W <- W + dt V sigma_v : L                        what it has dissipated
+
+The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans. Graph. 34(4):51).
+"""
+
+import functools
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.grid import (
+    UniformGrid,
+    first_node,
+    half,
+    local_coordinate,
+    mat22,
+    offsets,
+    one,
+    real,
+    slopes,
+    vec2,
+    vec3,
+    vec4,
+    vec5,
+    weights,
+    zero,
+)
+from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.grid.fitted import Integers
+from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_increment
+from mpm_warp.plan.plan import Plan
+from mpm_warp.precision import FLOAT64
+
+four = wp.constant(real(4.0))
+elastic_trial = make_elastic_trial(FLOAT64)
+stress_increment = make_stress_increment(FLOAT64)
+
+
+def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
+    """Add the velocities that each body alone would have at the nodes after the step."""
+    grid, damped, loaded = scene.grid, scene.is_damped, bool(scene.loads)
+    plan.add_zeros("field.momentum", "vec3", scene.field_shape)
+    if damped:
+        plan.add_zeros("particle.viscous_stress", "vec4", plan.particle_count)
+    surface = None
+    if scene.contacts:
+        surface = plan.add_zeros("field.surface", "vec2", scene.field_shape)
+    plan.add_launch(
+        make_body_to_grid(grid.axisymmetric, damped, loaded, surface is not None),
+        plan.particle_count,
+        particle_viscous_stress=plan.find("particle.viscous_stress"),
+        particle_load=plan.find("particle.load"),
+        **grid.kernel_arguments,
+        field_surface=surface,
+    )
+    held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
+    plan.add_array("field.held", "int", held)
+    plan.add_zeros("field.inverse_mass", "real", scene.field_shape)
+    plan.add_zeros("field.velocity", "vec2", scene.field_shape)
+    plan.add_launch(body_prediction, scene.field_shape)
+
+
+def _held_nodes(body: Body, grid: UniformGrid) -> Integers:
+    """1 at the nodes that a held particle reaches, else 0; shape [node_count]."""
+    held = np.zeros(grid.node_counts[::-1], dtype=np.int32)
+    if body.held is not None:
+        cells = (body.position[body.held] - np.asarray(grid.lower)) / grid.cell_size
+        for column, row in np.floor(cells - 0.5).astype(int):
+            held[row : row + 3, column : column + 3] = 1
+    return held.ravel()
+
+
+@functools.cache
+def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: bool) -> Any:
+    """Particles to the nodes of their body's field; launched over particles.
+
+    Args:
+        axisymmetric: whether there is a hoop direction.
+        damped: whether there is a viscous stress.
+        loaded: whether particles bear loads.
+        contact: whether contact needs the surfaces of the bodies.
+    """
+    key = "axisymmetric" if axisymmetric else "plane"
+    for name, has_part in (("damped", damped), ("loaded", loaded), ("contact", contact)):
+        key += f".{name}" if has_part else ""
+
+    @wp.kernel(module=f"mpm_warp.body_to_grid.{key}", enable_backward=False)
+    def body_to_grid(
+        particle_body: wp.array(dtype=int),
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_affine: wp.array(dtype=mat22),
+        particle_stress: wp.array(dtype=vec4),
+        particle_mass: wp.array(dtype=real),
+        particle_volume: wp.array(dtype=real),
+        particle_viscous_stress: wp.array(dtype=vec4),
+        particle_load: wp.array(dtype=vec2),
+        lower: vec2,
+        h: real,
+        node_counts: wp.vec2i,
+        time_step: real,
+        field_momentum: wp.array2d(dtype=vec3),
+        field_surface: wp.array2d(dtype=vec2),
+    ):
+        p = wp.tid()
+        b = particle_body[p]
+        x = particle_position[p]
+        where = (x - lower) / h
+        i = first_node(where[0], node_counts[0])
+        j = first_node(where[1], node_counts[1])
+        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
+        Nx, Ny = weights(fx), weights(fy)
+        dNx, dNy = slopes(fx) / h, slopes(fy) / h
+        dx, dy = offsets(fx), offsets(fy)
+        m, V, v, B, sigma = (
+            particle_mass[p],
+            particle_volume[p],
+            particle_velocity[p],
+            particle_affine[p],
+            vec4(particle_stress[p]),
+        )
+        if wp.static(damped):
+            sigma += particle_viscous_stress[p]
+
+        for row in range(3):
+            for column in range(3):
+                node = (j + row) * node_counts[0] + i + column
+                N = Nx[column] * Ny[row]
+                G = vec2(dNx[column] * Ny[row], Nx[column] * dNy[row])
+                force = -V * vec2(
+                    sigma[0] * G[0] + sigma[2] * G[1], sigma[2] * G[0] + sigma[1] * G[1]
+                )
+                if wp.static(axisymmetric):
+                    force -= V * vec2(sigma[3] * N / x[0], real(0.0))
+                    G += vec2(N / x[0], real(0.0))
+                if wp.static(loaded):
+                    force += N * particle_load[p]
+                d = h * vec2(dx[column], dy[row])
+                share = N * m * (v + B * d) + time_step * force
+                wp.atomic_add(field_momentum, b, node, vec3(N * m, share[0], share[1]))
+                if wp.static(contact):
+                    wp.atomic_add(field_surface, b, node, V * G)
+
+    return body_to_grid
+
+
+@wp.kernel(module="mpm_warp.body_prediction", enable_backward=False)
+def body_prediction(
+    field_held: wp.array2d(dtype=int),
+    field_momentum: wp.array2d(dtype=vec3),
+    field_inverse_mass: wp.array2d(dtype=real),
+    field_velocity: wp.array2d(dtype=vec2),
+):
+    """Velocity and inverse mass of each node; clears its sums. Launched over (bodies, nodes).
+
+    A node without mass has an inverse mass below zero. A node that is held has the inverse mass 0:
+    no impulse moves it.
+    """
+    b, node = wp.tid()
+    sums = field_momentum[b, node]
+    field_momentum[b, node] = vec3()
+    field_velocity[b, node] = vec2()
+    if sums[0] <= zero:
+        field_inverse_mass[b, node] = -one
+    elif field_held[b, node] != 0:
+        field_inverse_mass[b, node] = zero
+    else:
+        field_inverse_mass[b, node] = one / sums[0]
+        field_velocity[b, node] = vec2(sums[1], sums[2]) / sums[0]
+
+
+def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
+    """Add the motion and the stress of particles, after the velocities of the nodes are final."""
+    materials = [body.material for body in scene.bodies]
+    moduli = np.array([(it.shear_modulus, it.bulk_modulus) for it in materials])
+    plan.add_array("body.moduli", "vec2", moduli)
+    retardation, viscous_stress, dissipated = None, None, None
+    if scene.is_damped:
+        times = np.array([body.retardation_time or 0.0 for body in scene.bodies])
+        retardation = plan.add_array("body.retardation_time", "real", times)
+        viscous_stress = "particle.viscous_stress"
+        dissipated = plan.add_zeros("particle.dissipated", "real", plan.particle_count)
+    plan.add_launch(
+        make_grid_to_body(scene.grid.axisymmetric, scene.is_damped),
+        plan.particle_count,
+        body_retardation_time=retardation,
+        **scene.grid.kernel_arguments,
+        particle_viscous_stress=viscous_stress,
+        particle_dissipated=dissipated,
+    )
+
+
+@functools.cache
+def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
+    """The kernel, launched over particles; `body_moduli` holds (G, K) of each body.
+
+    Args:
+        axisymmetric: whether there is a hoop direction.
+        damped: whether there is a viscous stress.
+    """
+    key = f"{'axisymmetric' if axisymmetric else 'plane'}{'.damped' if damped else ''}"
+
+    @wp.kernel(module=f"mpm_warp.grid_to_body.{key}", enable_backward=False)
+    def grid_to_body(
+        particle_body: wp.array(dtype=int),
+        body_moduli: wp.array(dtype=vec2),
+        body_retardation_time: wp.array(dtype=real),
+        field_velocity: wp.array2d(dtype=vec2),
+        lower: vec2,
+        h: real,
+        node_counts: wp.vec2i,
+        time_step: real,
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_affine: wp.array(dtype=mat22),
+        particle_stress: wp.array(dtype=vec4),
+        particle_volume: wp.array(dtype=real),
+        particle_viscous_stress: wp.array(dtype=vec4),
+        particle_dissipated: wp.array(dtype=real),
+    ):
+        p = wp.tid()
+        b = particle_body[p]
+        x = particle_position[p]
+        where = (x - lower) / h
+        i = first_node(where[0], node_counts[0])
+        j = first_node(where[1], node_counts[1])
+        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
+        Nx, Ny = weights(fx), weights(fy)
+        dNx, dNy = slopes(fx) / h, slopes(fy) / h
+        dx, dy = offsets(fx), offsets(fy)
+
+        v = vec2()
+        B = mat22()
+        gradient = mat22()
+        for row in range(3):
+            for column in range(3):
+                node = (j + row) * node_counts[0] + i + column
+                v_i = field_velocity[b, node]
+                N = Nx[column] * Ny[row]
+                d = h * vec2(dx[column], dy[row])
+                v += N * v_i
+                B += wp.outer(N * v_i, d)
+                gradient += wp.outer(v_i, vec2(dNx[column] * Ny[row], Nx[column] * dNy[row]))
+        stretching = half * (gradient + wp.transpose(gradient))
+        gradient += time_step * (
+            half * (wp.transpose(gradient) * gradient) - stretching * stretching
+        )
+        hoop = real(0.0)
+        if wp.static(axisymmetric):
+            hoop = v[0] / x[0]
+        L = vec5(gradient[0, 0], gradient[0, 1], gradient[1, 0], gradient[1, 1], hoop)
+
+        increment = stress_increment(L, time_step, body_moduli[b][0], body_moduli[b][1])
+        particle_stress[p] = elastic_trial(particle_stress[p], increment)
+        if wp.static(damped):
+            viscous = (body_retardation_time[b] / time_step) * vec4(
+                increment[0], increment[1], increment[2], increment[3]
+            )
+            particle_viscous_stress[p] = viscous
+            power = viscous[0] * L[0] + viscous[1] * L[3] + viscous[3] * L[4]
+            power += viscous[2] * (L[1] + L[2])
+            particle_dissipated[p] = particle_dissipated[p] + time_step * particle_volume[p] * power
+        particle_volume[p] = particle_volume[p] * wp.exp(time_step * (L[0] + L[3] + L[4]))
+        particle_velocity[p] = v
+        particle_affine[p] = (four / (h * h)) * B
+        particle_position[p] = x + time_step * v
+
+    return grid_to_body
