@@ -15,12 +15,14 @@ from harness.archive.conventions import (
     case_dims,
     labels_of,
     over_cases,
+    parameter_names,
     with_role,
 )
 from harness.errors import HarnessError
 from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor
 from harness.references.experience import HOLDS, Experience
-from harness.references.registry import cone_factor_reference, experience_entry
+from harness.references.registry import cone_factor_reference, experience_entry, reference_ids
+from harness.study.own_references import OwnReference, stored_own_reference
 from mpm_warp.parameters import did_you_mean
 
 
@@ -51,6 +53,7 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
         apex_angle=dataset.get("apex_angle", xr.DataArray(60.0)),
         friction=dataset.get("friction_coefficient", xr.DataArray(0.0)),
         strength_stays=_strength_stays(dataset),
+        parameters={name: dataset[stored] for name, stored in parameter_names(dataset).items()},
     )
 
 
@@ -61,23 +64,21 @@ def _strength_stays(dataset: xr.Dataset) -> xr.DataArray:
     return (rate_factor == 0.0) & (remoulded == 1.0)
 
 
-def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dataset:
-    """Set the literature's cone factors beside the computed ones.
+def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr.Dataset:
+    """Set cone factors of the literature, or of the study's own, beside the computed ones.
 
     Args:
         dataset: result of a study: `cone_factor` and all parameters of the scene, by name.
-        reference_ids: ids out of :func:`harness.references.cone_factors.reference_ids`.
+        references: what is set beside it.
 
     Returns:
         The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
-        each id, over the dims of `cone_factor`. Values are given outside the range of a
-        reference too; its attribute `validity` gives that range.
+        each id, over the dims of `cone_factor`. Values of those that ship are given outside their
+        range too; the attribute `validity` gives that range.
 
     Raises:
-        UnknownReferenceError: an id is unknown.
         NothingToCompareError: the dataset has no cone factor, or not its parameters.
     """
-    references = [cone_factor_reference(reference_id) for reference_id in reference_ids]
     if not references:
         return dataset
     computed, conditions = cone_factor_of(dataset), conditions_of(dataset)
@@ -94,6 +95,7 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
             "method": reference.method,
             "how_known": reference.how_known,
             "validity": reference.validity,
+            **(reference.as_attributes() if isinstance(reference, OwnReference) else {}),
         }
         dataset = dataset.assign(
             {
@@ -113,9 +115,19 @@ def with_references(dataset: xr.Dataset, reference_ids: Sequence[str]) -> xr.Dat
 
 
 def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
-    """The references that :func:`with_references` has set into `dataset`."""
-    names = with_role(dataset, Role.REFERENCE)
-    return tuple(cone_factor_reference(name.removeprefix(f"{Role.REFERENCE}_")) for name in names)
+    """The references that :func:`with_references` has set into `dataset`.
+
+    Raises:
+        StudyError: the file says of one of the study's own what it cannot be.
+    """
+    return tuple(_stored(dataset, name) for name in with_role(dataset, Role.REFERENCE))
+
+
+def _stored(dataset: xr.Dataset, name: str) -> ConeFactor:
+    reference_id = name.removeprefix(f"{Role.REFERENCE}_")
+    if reference_id in reference_ids():
+        return cone_factor_reference(reference_id)
+    return stored_own_reference(reference_id, dataset[name].attrs)
 
 
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
@@ -222,7 +234,8 @@ def misses(dataset: xr.Dataset) -> list[str]:
 def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
     if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
         value = dataset[deviation]
-        applies = xr.DataArray(cone_factor_reference(name).applies(conditions_of(dataset)))
+        reference = _stored(dataset, f"{Role.REFERENCE}_{name}")
+        applies = xr.DataArray(reference.applies(conditions_of(dataset)))
     elif name in dataset and dataset[name].dtype.kind in "iuf":
         value, applies = dataset[name], xr.DataArray(True)
     else:

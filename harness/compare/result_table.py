@@ -166,6 +166,8 @@ def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
 def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
     texts = [
         _bracketed(_with_deviation(value, deviation), inside)
+        if inside or np.isfinite(value)
+        else "[outside]"
         for value, deviation, inside in zip(
             over_cases(dataset, f"{Role.REFERENCE}_{reference.id}"),
             over_cases(dataset, f"{Role.DEVIATION}_{reference.id}"),

@@ -7,11 +7,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import Role, over_cases, with_role
-from harness.compare.compared import NothingToCompareError, conditions_of
+from harness.archive.conventions import Role, over_cases, parameter_of, with_role
+from harness.compare.compared import NothingToCompareError, conditions_of, stored_references
 from harness.pictures.convergence import shows_convergence
 from harness.pictures.drawing.caption import write_caption
-from harness.pictures.drawing.literature import draw_experience, draw_literature
+from harness.pictures.drawing.literature import draw_experience, draw_literature, ranges_of_own
 from harness.pictures.drawing.plot_parts import (
     MARKERS,
     MOST_LABELS,
@@ -31,6 +31,7 @@ from harness.pictures.map import shows_map
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED, NEEDED
+from harness.study.own_references import OwnReference
 
 FINE = 400
 """Points of a literature curve."""
@@ -94,6 +95,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
         figure,
         dataset,
         "Error bars hold the value with 95 %." if studied.half_width is not None else "",
+        ranges_of_own(dataset) if ends else "",
         f"{left_out} more series are not shown." if left_out else "",
     )
     return figure
@@ -113,13 +115,17 @@ def _values(studied: Studied, name: str) -> Values:
 
 
 def _depends_on(dataset: xr.Dataset, name: str) -> bool:
-    """Whether the literature's cone factors depend on a parameter."""
+    """Whether the references, the literature's or the study's own, depend on a parameter."""
     try:
-        conditions = vars(conditions_of(dataset)).values()
+        conditions = vars(conditions_of(dataset))
     except NothingToCompareError:
         return False
+    own = [it for it in stored_references(dataset) if isinstance(it, OwnReference)]
+    if any(parameter_of(name) in it.names for it in own):
+        return True
     column = over_cases(dataset, name)
-    return any(np.array_equal(over_cases(dataset, it), column) for it in conditions)
+    quantities = [it for key, it in conditions.items() if key != "parameters"]
+    return any(np.array_equal(over_cases(dataset, it), column) for it in quantities)
 
 
 def _literature(

@@ -9,8 +9,8 @@ from __future__ import annotations
 import functools
 import math
 import operator
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
@@ -39,6 +39,8 @@ class Conditions:
         friction: Coulomb coefficient of the penetrometer; no formula knows any.
         strength_stays: whether neither strain nor its rate changes the strength of the clay; all
             formulas are made for such clay.
+        parameters: all parameters of the scene by name, in SI units: what the formula of a study's
+            own reference may depend on.
     """
 
     rigidity_index: Quantity
@@ -48,6 +50,7 @@ class Conditions:
     apex_angle: Quantity = 60.0
     friction: Quantity = 0.0
     strength_stays: Truth = True
+    parameters: Mapping[str, Quantity] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)

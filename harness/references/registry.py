@@ -68,7 +68,8 @@ def all_entries() -> str:
     lines = [
         *_wrapped(
             "REFERENCES: cone factors by analysis, Nc = (qc - sigma_v0) / su, for a 60 degree "
-            "cone. A study names them under [compare] references."
+            "cone. A study names them under [compare] references; those of its own it defines as "
+            "[references.NAME]."
         ),
         *_wrapped(SYMBOLS),
     ]

@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.references.cone_factors import COMPARED
-from harness.references.registry import experience_ids, reference_ids
+from harness.references.cone_factors import COMPARED, ConeFactor
+from harness.references.registry import cone_factor_reference, experience_ids, reference_ids
 from harness.study.files import find_study
+from harness.study.own_references import OWN_REFERENCES, OwnReference, read_own_references
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.parameters import did_you_mean, nearest_name
@@ -29,31 +30,45 @@ MISSPELT = 0.85
 class Compared:
     """What a result is compared with; every name is known. See `Study`."""
 
-    references: tuple[str, ...]
+    references: tuple[ConeFactor, ...]
     reference_result: Path | None
     experience: tuple[str, ...]
     tolerances: Mapping[str, float]
 
 
-def read_compared(table: Table, parts: Sequence[ScenePart], folder: Path) -> Compared:
+def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> Compared:
     """What a study with these scenes, whose file is in a folder, is compared with.
+
+    The references that it defines itself are among them, whether it names them again or not.
 
     Raises:
         StudyError: a name is unknown, or of what no scene here can be compared with.
     """
+    table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
-    references = _ids(table, "references", "reference", reference_ids(), parts)
+    own = {it.id: it for it in _own_references(document.table(OWN_REFERENCES), parts)}
+    known = (*reference_ids(), *own)
+    named = _ids(table, "references", "reference", known, parts)
+    references = dict.fromkeys([*named, *own])
     return Compared(
-        references=references,
+        references=tuple(own.get(it) or cone_factor_reference(it) for it in references),
         reference_result=_reference_result(table, parts, folder),
         experience=_ids(table, "experience", "band of experience", experience_ids(), parts),
-        tolerances=_tolerances(table.table("tolerance"), references, parts),
+        tolerances=_tolerances(table.table("tolerance"), list(references), parts),
     )
 
 
 def takes_references(scene: Scene) -> bool:
     """Whether a scene gives what the references and the experience are of."""
     return scene.comparable == COMPARED
+
+
+def _own_references(table: Table, parts: Sequence[ScenePart]) -> tuple[OwnReference, ...]:
+    """The references that the study defines: formulas of parameters of the scenes compared."""
+    compared = [it for it in parts if takes_references(it.scene)]
+    if table.values and not compared:
+        raise StudyError(f"{table.where}: no scene here gives a {COMPARED}, which they are of")
+    return read_own_references(table, [name for it in compared for name in it.parameters])
 
 
 def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) -> Path | None:

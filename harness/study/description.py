@@ -54,7 +54,7 @@ def study_rows(study: Study) -> list[str]:
     for part in study.parts:
         rows += [f"{title:12} {text}" for title, text in _of_part(part)]
     if study.references:
-        rows.append(f"{'references':12} {', '.join(study.references)}")
+        rows.append(f"{'references':12} {', '.join(it.id for it in study.references)}")
     if study.reference_result is not None:
         rows.append(f"{'errors from':12} {study.reference_result}")
     if study.experience:
@@ -101,6 +101,17 @@ WIDTH = 100
 """Columns of the file."""
 
 
+OWN_REFERENCE = """\
+# A reference of your own: a formula of parameters, or of Ir, alpha_c, alpha_s, Delta.
+#[references.our_laboratory]
+#formula = "10.5 + 1.5 * alpha_c"
+#label = "Our laboratory 2026"
+#source = "calibration chamber, unpublished"
+#range = { Ir = [80, 120] }
+"""
+"""What a new study says of references of its own."""
+
+
 def study_text(name: str, scene_name: str) -> str:
     """A study in TOML that varies one parameter and has the defaults of the others as comments.
 
@@ -143,6 +154,7 @@ def study_text(name: str, scene_name: str) -> str:
         parts += ["#[compare]", f"#references = [{ids}]"]
         parts += ["# and a band of factors measured in the field; others: `harness references`"]
         parts += [f"#experience = [{_toml(EXPERIENCE[0].id)}]"]
+        parts += ["", *OWN_REFERENCE.splitlines()]
     return "\n".join([*parts, ""])
 
 

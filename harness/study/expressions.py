@@ -40,12 +40,13 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "exp": math.exp,
     "log": math.log,
+    "ln": math.log,
     "tan": lambda degrees: math.tan(math.radians(degrees)),
     "round": lambda number: float(round(number)),
     "min": min,
     "max": max,
 }
-"""Angles are in degrees, as those of parameters are."""
+"""Angles are in degrees, as those of parameters are; `log` and `ln` are the natural logarithm."""
 ALLOWED = "numbers, texts, parameters, + - * / **, comparisons, and, or, not, " + ", ".join(
     f"{name}()" for name in FUNCTIONS
 )
@@ -87,6 +88,12 @@ class Expression:
         called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
         names = (n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called)
         return cls(text, frozenset(name.id for name in names), tree)
+
+    @property
+    def is_condition(self) -> bool:
+        """Whether it is true or false, no number."""
+        is_negation = isinstance(self.tree, ast.UnaryOp) and isinstance(self.tree.op, ast.Not)
+        return is_negation or isinstance(self.tree, ast.Compare | ast.BoolOp)
 
     def value(self, parameters: Mapping[str, Value | None]) -> Value:
         """Work it out.

@@ -14,6 +14,7 @@ from harness.references.registry import experience_ids, reference_ids
 from harness.study.compared import REFERENCE_STUDY
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
+from harness.study.own_references import OPTIONAL, OWN_REFERENCES, REFERENCE_NAME, SYMBOLS
 from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
 from harness.study.study import LARGEST_SEED, MOST_REPEATS
 from mpm_warp.parameters import Parameter, parameters_of
@@ -30,6 +31,10 @@ def study_schema() -> Schema:
     texts = {"type": "array", "items": _expression("condition on cases that are not run")}
     line = {"type": "string", "pattern": "\\S"}
     references = _ids(reference_ids(), "cone factors of the literature")
+    # Where the study, or its base, defines some of its own these may be named too.
+    defines = [{"required": [OWN_REFERENCES]}, {"required": ["base"]}]
+    own = references | {"items": {"anyOf": [references["items"], {"pattern": REFERENCE_NAME}]}}
+    shipped = {"properties": {"compare": {"properties": {"references": references}}}}
     experience = _ids(experience_ids(), "bands of factors measured in the field")
     tolerance = {
         "type": "object",
@@ -62,12 +67,18 @@ def study_schema() -> Schema:
         ),
         "compare": _table(
             {
-                "references": references,
+                "references": own,
                 REFERENCE_STUDY: line | {"description": "study whose kept result tells the errors"},
                 "experience": experience,
                 "tolerance": tolerance,
             }
         ),
+        OWN_REFERENCES: {
+            "type": "object",
+            "description": "cone factors of the study's own: formulas of parameters",
+            "propertyNames": {"pattern": f"^{REFERENCE_NAME}$"},
+            "additionalProperties": _own_reference(line),
+        },
         "timing": _table({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
     }
     return {
@@ -79,8 +90,27 @@ def study_schema() -> Schema:
             *(_if("scene", name, _open(_of_scene(name))) for name in scene_names()),
             _if("design", LATIN_HYPERCUBE, {"required": ["samples", "seed", "vary"]}),
             _if("design", LIST, {"required": ["case"]}),
+            {"if": {"not": {"anyOf": defines}}, "then": shipped},
         ],
     }
+
+
+def _own_reference(line: Schema) -> Schema:
+    """A table [references.NAME], whose texts are each of one line."""
+    span = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+    texts = {
+        "label": line | {"description": "name in pictures, as authors and year"},
+        "source": line | {"description": "where it is published"},
+        **dict.fromkeys(OPTIONAL, line),
+    }
+    ranges = {
+        "type": "object",
+        "description": "least and greatest value that it is meant for, by parameter or symbol",
+        "additionalProperties": span,
+    }
+    formula = _expression(f"of parameters, or of {', '.join(SYMBOLS)}")
+    required = ["formula", "label", "source"]
+    return _table({"formula": formula, **texts, "range": ranges}, required=required)
 
 
 def _of_scene(name: str) -> Schema:

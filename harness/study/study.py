@@ -28,10 +28,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from harness.references.cone_factors import ConeFactor
 from harness.study.cases import Case, cases_of
 from harness.study.compared import read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.study.files import find_study, joined, lineage, study_names, with_profile
+from harness.study.own_references import OWN_REFERENCES
 from harness.study.scene_part import (
     LARGEST_STUDY,
     SNAPSHOTS,
@@ -53,7 +55,10 @@ MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
 LARGEST_SEED = 2**32 - 1
 
-OF_STUDY = ("title", "base", "scene", "scenes", "design", "samples", "seed", "compare", "timing")
+OF_STUDY = (
+    *("title", "base", "scene", "scenes", "design", "samples", "seed"),
+    *("compare", OWN_REFERENCES, "timing"),
+)
 OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
 """Keys that may stand under [scenes.NAME] as well, for that scene alone."""
 
@@ -67,7 +72,7 @@ class Study:
         title: one line on what the study shows.
         parts: one for each scene.
         design: how the varied values are combined.
-        references: literature references to compare with.
+        references: of the literature or its own, to compare with.
         reference_result: result whose cases stand for the true values of errors; or none.
         experience: bands of factors measured in the field, to set beside the result.
         tolerances: largest deviation from a reference, or largest size of a result, by name.
@@ -80,7 +85,7 @@ class Study:
     title: str
     parts: tuple[ScenePart, ...]
     design: Design
-    references: tuple[str, ...]
+    references: tuple[ConeFactor, ...]
     reference_result: Path | None
     experience: tuple[str, ...]
     tolerances: Mapping[str, float]
@@ -193,7 +198,7 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         _check_assignments(document, of_scene)
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
-    compared = read_compared(document.table("compare"), parts, path.parent)
+    compared = read_compared(document, parts, path.parent)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),

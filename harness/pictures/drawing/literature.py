@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
 from harness.compare.compared import conditions_of, stored_experience, stored_references
 from harness.pictures.drawing.plot_parts import CurveEnd, once
-from harness.pictures.drawing.quantities import Floats
+from harness.pictures.drawing.quantities import Floats, plain
 from harness.references.cone_factors import (
     CONE_FACTORS,
+    ConeFactor,
     Quantity,
     envelope,
     envelope_applies,
 )
 from harness.references.experience import Factor
+from harness.study.own_references import OwnReference
 
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, one after the other: a reader can tell them apart where they overlap."""
@@ -68,7 +73,8 @@ def draw_literature(
     Returns:
         The ends of the references' curves, with their names.
     """
-    conditions = conditions_of(one.drop_vars(name).assign_coords({name: (name, along)}))
+    values = xr.Variable(name, along, one[name].attrs)
+    conditions = conditions_of(one.drop_vars(name).assign_coords({name: values}))
 
     def over(value: Quantity) -> np.ndarray:
         return np.broadcast_to(np.asarray(value), along.shape)
@@ -85,12 +91,29 @@ def draw_literature(
         if alone.any():
             axes.vlines(along[alone], lower[alone], upper[alone], color=own, alpha=0.4, lw=5)
     ends = []
-    for reference in stored_references(one) if colour is None else ():
-        own = COLOURS[CONE_FACTORS.index(reference) % len(COLOURS)]
+    references = stored_references(one) if colour is None else ()
+    for reference, own in zip(references, _colours(references), strict=True):
         value, applies = over(reference.evaluate(conditions)), over(reference.applies(conditions))
         axes.plot(along, np.where(applies, value, np.nan), color=own)
-        if not applies.all():
+        known = np.flatnonzero(np.isfinite(value))
+        if known.size == 0:  # a reference of the study's own has no value outside its range
+            continue
+        if not applies[known].all():
             label = once(axes, "outside its validity")
             axes.plot(along, value, color=own, lw=0.9, ls=(0, (4, 3)), alpha=0.7, label=label)
-        ends.append(CurveEnd(along[-1], value[-1], reference.label, own))
+        ends.append(CurveEnd(along[known[-1]], value[known[-1]], reference.label, own))
     return ends
+
+
+def _colours(references: Sequence[ConeFactor]) -> list[str]:
+    """Those that ship have the same colour in all pictures; a study's own have what is left."""
+    shipped = {it.id: COLOURS[place % len(COLOURS)] for place, it in enumerate(CONE_FACTORS)}
+    taken = {shipped.get(it.id) for it in references}
+    left = itertools.cycle([it for it in COLOURS if it not in taken] or COLOURS)
+    return [shipped.get(it.id) or next(left) for it in references]
+
+
+def ranges_of_own(dataset: xr.Dataset) -> str:
+    """Where the curves of the study's own references are drawn, in sentences."""
+    own = [it for it in stored_references(dataset) if isinstance(it, OwnReference) and it.ranges]
+    return " ".join(f"{plain(it.label)} is drawn within its range: {it.validity}." for it in own)

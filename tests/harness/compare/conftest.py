@@ -14,6 +14,7 @@ from harness.archive.case_files import case_folder, write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED
 from harness.compare.compared import with_references
+from harness.references.registry import cone_factor_reference
 from harness.study.study import load_study
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
@@ -44,7 +45,7 @@ def collected() -> Callable[..., xr.Dataset]:
                 write_case(out, case, xr.Dataset(), "diverged", "too fast")
             else:
                 write_case(out, case, result, COMPLETED)
-        return with_references(collect(study, out), ["lu_2004"])
+        return with_references(collect(study, out), [cone_factor_reference("lu_2004")])
 
     return made
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from harness.archive.conventions import FORMAT_VERSION
 from harness.compare.compared import with_references
 from harness.pictures.pictures import figures
+from harness.references.registry import cone_factor_reference
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 SOIL = {"rigidity_index": 100.0, "adhesion_factor": 0.5, "friction_coefficient": 0.0}
@@ -85,7 +86,7 @@ def result(
     made["penetration_resistance"] = made["cone_factor"] * STRENGTH * depth / 18
     made = made.assign_coords(penetration=depth)
     made["penetration"].attrs = {"units": "1", "long_name": "penetration over cone radius"}
-    return with_references(made, REFERENCES)
+    return with_references(made, [cone_factor_reference(it) for it in REFERENCES])
 
 
 def _labels(name: str, values: Sequence[object]) -> dict[str, str]:

@@ -10,6 +10,7 @@ import xarray as xr
 
 from harness.archive.conventions import FORMAT_VERSION
 from harness.compare.compared import with_references
+from harness.references.registry import cone_factor_reference
 from harness.report.report import write_report
 
 TITLE = "Nc < 12 & <script>document.title = 'changed'</script>"
@@ -47,7 +48,7 @@ def study(name: str, cells_per_radius: float, shift: float) -> xr.Dataset:
             "format_version": FORMAT_VERSION,
         },
     )
-    return with_references(made, ["lu_2004"])
+    return with_references(made, [cone_factor_reference("lu_2004")])
 
 
 @pytest.fixture(scope="session")

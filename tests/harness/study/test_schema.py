@@ -21,6 +21,11 @@ VALID = {
     "range": '[vary]\ndensity = { from = 1, to = 9, count = 3, spacing = "logarithmic" }',
     "derived": '[derived]\ndensity = "2 * penetration"',
     "list": "[[case]]\ndensity = 1\n[[case]]\ndensity = 2",
+    "reference of its own": (
+        '[references.ours]\nformula = "2 * Ir"\nlabel = "We"\nsource = "here"\n'
+        "range = { Ir = [1, 2] }\n"
+        '[compare]\nreferences = ["lu_2004", "ours"]'
+    ),
     "scene of its own": "[scenes.cone_penetration.fixed]\ndensity = 1",
 }
 INVALID = {
@@ -33,6 +38,7 @@ INVALID = {
     "range without an end": "[vary]\ndensity = { from = 1 }",
     "unknown key": "scenne = 1",
     "reference": '[compare]\nreferences = ["lu_2005"]',
+    "reference without a formula": '[references.ours]\nlabel = "We"\nsource = "here"',
     "experience": '[compare]\nexperience = ["lu_2004"]',
     "reference study": "[compare]\nreference_study = 1",
     "repeats": "[timing]\nrepeats = 0",

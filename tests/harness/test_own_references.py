@@ -1,0 +1,173 @@
+"""References that a study's own file defines, in the table, in the picture and on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.archive.atomic_files import prepare
+from harness.archive.case_files import case_folder, write_case
+from harness.archive.conventions import COMPLETED
+from harness.archive.study_files import read_study
+from harness.cli.main import main
+from harness.compare.compared import misses
+from harness.compare.result_table import result_table
+from harness.pictures.pictures import figures
+from harness.report.report import page
+from harness.run.collect_and_clean import collect_and_write
+from harness.study.description import study_text
+from harness.study.study import load_study
+
+STUDY = """
+title = "t"
+scene = "cone_penetration"
+[vary]
+rigidity_index = [50, 100, 200]
+[fixed]
+adhesion_factor = 0.5
+[references.our_lab]
+formula = "10 + alpha_c + apex_angle / 60"
+label = "Our <laboratory> 2026"
+source = "unpublished"
+how_known = "measured"
+range = { Ir = [80, 200] }
+"""
+FORMULA = '[references.it]\nformula = "Ir"\nlabel = "l"\nsource = "s"\n'
+
+
+@pytest.fixture
+def computed(tmp_path: Path) -> Callable[[str], xr.Dataset]:
+    """Collects a study whose cone factors are given, and reads its file; the study is gone then."""
+
+    def made(text: str) -> xr.Dataset:
+        file = tmp_path / "s.toml"
+        file.write_text(text)
+        study = load_study(str(file))
+        folder = case_folder(tmp_path, study)
+        prepare(folder)
+        for place, case in enumerate(study.cases):
+            labels = {"role": "headline", "units": "1", "long_name": "cone factor"}
+            write_case(
+                folder, case, xr.Dataset({"cone_factor": ((), 10.35 + place, labels)}), COMPLETED
+            )
+        collect_and_write(study, tmp_path)
+        file.unlink()
+        return read_study(tmp_path / "s.nc")
+
+    return made
+
+
+def test_it_has_its_value_within_its_range_and_none_outside(
+    computed: Callable[[str], xr.Dataset],
+) -> None:
+    result = computed(STUDY)
+    np.testing.assert_allclose(result.reference_our_lab, [np.nan, 11.5, 11.5], rtol=1e-15)
+    np.testing.assert_allclose(result.deviation_our_lab[1:], [-0.15 / 11.5, 0.85 / 11.5])
+
+
+def test_the_table_shows_it_and_says_where_it_does_not_hold(
+    computed: Callable[[str], xr.Dataset],
+) -> None:
+    table = result_table(computed(STUDY))
+    (outside, *_), (within, *_) = (
+        [line for line in table.splitlines() if line.split()[:1] == [index]]
+        for index in ("50", "100")
+    )
+    assert "[outside]" in outside
+    assert "11.50  -1.3%" in within
+    assert "our_lab: unpublished; not stated; Ir 80 to 200" in table
+    assert "measured" in table
+
+
+def test_the_picture_draws_it_within_its_range(computed: Callable[[str], xr.Dataset]) -> None:
+    figure = figures(computed(STUDY))["curve"]
+    (axes,) = figure.axes
+    assert "Our <laboratory> 2026" in [it.get_text() for it in axes.texts]
+    (curve,) = (it for it in axes.lines if np.asarray(it.get_ydata()).size > 100)
+    x, y = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+    assert x[np.isfinite(y)].min() == pytest.approx(80.0, abs=1.0)
+    np.testing.assert_allclose(y[np.isfinite(y)], 11.5)
+    caption = " ".join(str(figure.get_supxlabel()).split())
+    assert "is drawn within its range: Ir 80 to 200." in caption
+
+
+def test_the_page_lists_it(computed: Callable[[str], xr.Dataset]) -> None:
+    text = page([computed(STUDY)])
+    for told in ("Our &lt;laboratory&gt; 2026", "10 + alpha_c + apex_angle / 60", "measured"):
+        assert f"<td>{told}</td>" in text
+
+
+def test_it_may_have_a_tolerance_which_holds_within_its_range(
+    computed: Callable[[str], xr.Dataset],
+) -> None:
+    text = STUDY + '[compare]\nreferences = ["lu_2004", "our_lab"]\ntolerance = { our_lab = 0.05 }'
+    (missed,) = misses(computed(text))
+    assert "rigidity_index=200" in missed
+
+
+def test_it_is_inherited_from_a_base_and_changed_there(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text(STUDY)
+    (tmp_path / "s.toml").write_text('base = "base.toml"\n' + FORMULA)
+    study = load_study(str(tmp_path / "s.toml"))
+    assert [it.id for it in study.references] == ["our_lab", "it"]
+
+
+REFUSED = {
+    "no formula": ('[references.it]\nlabel = "l"\nsource = "s"', "formula: is missing"),
+    "not an expression": (FORMULA.replace('"Ir"', '"2 *"'), "is no expression"),
+    "unknown parameter": (
+        FORMULA.replace('"Ir"', '"rigidity_indx"'),
+        "unknown parameter or symbol 'rigidity_indx'; did you mean 'rigidity_index'?",
+    ),
+    "a condition": (FORMULA.replace('"Ir"', '"Ir > 2"'), "must give a number"),
+    "unknown key": (FORMULA + "labels = 1", "unknown key; did you mean 'label'?"),
+    "name of one that ships": (
+        FORMULA.replace(".it]", ".lu_2004]"),
+        "the harness has a reference of this name",
+    ),
+    "range of what is unknown": (
+        FORMULA + "range = { It = [1, 2] }",
+        "unknown parameter or symbol",
+    ),
+    "range of one number": (FORMULA + "range = { Ir = [1] }", "must be two numbers"),
+    "range upside down": (FORMULA + "range = { Ir = [2, 1] }", "must be two numbers"),
+    "no table": ("references = 3", "must be a table"),
+    "of a scene without a cone factor": (
+        FORMULA.replace("Ir", "2"),
+        "no scene here gives a cone_factor",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "reason"), REFUSED.values(), ids=REFUSED)
+def test_a_wrong_one_is_refused_in_a_line(
+    text: str, reason: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    scene = "strip_footing" if "without" in reason or "gives" in reason else "cone_penetration"
+    file = tmp_path / "s.toml"
+    file.write_text(f'title = "t"\nscene = "{scene}"\n{text}')
+    assert reason in refusal(["describe", str(file)])
+
+
+def test_a_damaged_one_in_a_result_is_reported_in_a_line(
+    computed: Callable[[str], xr.Dataset], tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    result = computed(STUDY)
+    result.reference_our_lab.attrs["formula"] = "__import__('os')"
+    with pytest.raises(Exception, match="reference our_lab: formula") as caught:
+        result_table(result)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_new_study_has_one_to_be_filled_in(tmp_path: Path) -> None:
+    text = study_text("s", "cone_penetration")
+    lines = text[text.index("#[references.") :].splitlines()
+    file = tmp_path / "s.toml"
+    file.write_text(text + "\n".join(line.removeprefix("#") for line in lines))
+    assert main(["describe", str(file)]) == 0
+    (own,) = load_study(str(file)).references
+    assert own.label == "Our laboratory 2026"
