@@ -20,6 +20,8 @@ from harness.cli.slips import slip
 from harness.study.study import is_scene, load_study
 from mpm_warp.scenes import scene_class
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 README, OF_HARNESS = ROOT / "README.md", ROOT / "harness" / "README.md"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])

@@ -1,7 +1,6 @@
 """Studies and command lines that nobody would write: each is done, or refused in one line.
 
-Hypothesis makes them, the same ones every time. ``HARNESS_FUZZ=10000 python -m pytest
-tests/harness/test_fuzzed.py`` makes that many of each kind, others every time.
+Hypothesis makes them, the same ones every time; with ``--deep`` many, others every time.
 """
 
 from __future__ import annotations
@@ -13,7 +12,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from hypothesis import HealthCheck, given, settings
+import pytest
+from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.cli.main import COMMANDS, main
@@ -23,14 +23,8 @@ from harness.study.designs import DESIGNS, SPACINGS
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
-ASKED = os.environ.get("HARNESS_FUZZ")
-few = settings(
-    max_examples=int(ASKED or "60"),
-    derandomize=ASKED is None,
-    database=None,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
+pytestmark = pytest.mark.slow
+
 SCENES = ["cone_penetration", "sliding_block", "material_point"]
 PARAMETERS = sorted({name for scene in SCENES for name in parameters_of(scene_class(scene))})
 
@@ -112,7 +106,6 @@ def check(arguments: list[str]) -> None:
         assert not any(name in line for name in ("Error:", "Exception", "Errno", "Traceback"))
 
 
-@few
 @given(study=studies)
 def test_any_study_is_read_or_refused_in_one_line(study: dict[str, Any], tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
@@ -121,7 +114,6 @@ def test_any_study_is_read_or_refused_in_one_line(study: dict[str, Any], tmp_pat
     assert not (tmp_path / "out").exists()
 
 
-@few
 @given(
     command=st.sampled_from([it for it in COMMANDS if it not in ("bench", "verify")]) | words,
     rest=st.lists(

@@ -29,6 +29,8 @@ from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 SHEAR_MODULUS, STRENGTH, HARDENING = 2e6, 20e3, 3e5
 
 

@@ -12,6 +12,8 @@ import mpm_warp
 from mpm_warp import public_names
 from mpm_warp.scenes import scene_class, scene_names
 
+pytestmark = pytest.mark.slow
+
 
 def run(code: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(

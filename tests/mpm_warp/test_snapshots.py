@@ -9,6 +9,8 @@ import xarray as xr
 from mpm_warp import ConePenetration, GravityColumn, SceneError, Simulation, Snapshots, soil_fields
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def run(short_test: ConePenetration) -> tuple[xr.Dataset, xr.Dataset]:

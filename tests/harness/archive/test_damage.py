@@ -1,8 +1,4 @@
-"""Damage on disk: flipped bits, cut files, and what is no file at all.
-
-``HARNESS_FLIPS=5000 python -m pytest tests/harness/archive/test_damage.py`` flips that many bits
-instead of the few hundred of the suite.
-"""
+"""Damage on disk: flipped bits, cut files, and what is no file at all."""
 
 from __future__ import annotations
 
@@ -36,9 +32,6 @@ DONE = xr.Dataset(
     {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
 )
 """What a case has at the least that has completed: a headline."""
-
-FLIPS = int(os.environ.get("HARNESS_FLIPS", "600"))
-"""Bits that are flipped in all, one at a time."""
 
 STUDIES = {
     "cone_penetration": (
@@ -90,7 +83,7 @@ def is_same(one: xr.Dataset, other: xr.Dataset) -> bool:
 
 
 def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
-    computed: Study, tmp_path: Path
+    computed: Study, tmp_path: Path, depth: Callable[[int, int], int]
 ) -> None:
     (case,) = computed.cases
     assert computed.source is not None
@@ -101,7 +94,7 @@ def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
     assert before is not None
     stand = read_outcome(tmp_path, case)
     noticed = 0
-    for bit in flips(content, FLIPS // len(STUDIES)):
+    for bit in flips(content, depth(50, 5000) // len(STUDIES)):
         path.write_bytes(flipped(content, bit))
         outcome = read_outcome(tmp_path, case)
         after = read(path)
@@ -116,14 +109,14 @@ def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
 
 
 def test_a_flipped_bit_of_a_collected_file_is_noticed_or_changes_nothing(
-    computed: Study, tmp_path: Path
+    computed: Study, tmp_path: Path, depth: Callable[[int, int], int]
 ) -> None:
     assert computed.source is not None
     content = (computed.source.parent / "one.nc").read_bytes()
     path = tmp_path / "one.nc"
     path.write_bytes(content)
     before = read_netcdf(path)
-    for bit in flips(content, FLIPS // len(STUDIES)):
+    for bit in flips(content, depth(50, 5000) // len(STUDIES)):
         path.write_bytes(flipped(content, bit))
         after = read(path)
         if isinstance(after, str):

@@ -22,6 +22,8 @@ from harness.run.worker import run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 120
 """Seconds after which what is waited for does not come."""
 

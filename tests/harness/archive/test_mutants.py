@@ -2,13 +2,11 @@
 
 A mutant is a result in which one thing is missing, renamed, of another type or of another size.
 Whatever reads it tells that in one line that names the file, or does what it does with a whole
-result. ``HARNESS_MUTANTS=300 python -m pytest tests/harness/archive/test_mutants.py`` makes that
-many of case files and of collected files, instead of the few of the suite.
+result.
 """
 
 from __future__ import annotations
 
-import os
 import random
 import shutil
 from collections.abc import Callable, Iterator
@@ -35,8 +33,8 @@ from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
-COUNT = int(os.environ.get("HARNESS_MUTANTS", "32"))
-"""Mutants of case files, and of collected files."""
+pytestmark = pytest.mark.slow
+
 STUDY = """
 title = "mutants"
 scene = "cone_penetration"
@@ -229,12 +227,16 @@ def fault_of(folder: Path, case: Case) -> str:
 
 
 def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
-    computed: Study, out: Path, capsys: pytest.CaptureFixture[str]
+    computed: Study,
+    out: Path,
+    capsys: pytest.CaptureFixture[str],
+    depth: Callable[[int, int], int],
 ) -> None:
+    count = depth(32, 1000)
     folder, case = case_folder(out, computed), computed.cases[1]
     path = case_file(folder, case)
     damaged = 0
-    for what in mutants(path, COUNT):
+    for what in mutants(path, count):
         outcome, fault = read_outcome(folder, case), fault_of(folder, case)
         assert (outcome.status == DAMAGED) == bool(fault), (what, outcome, fault)
         if fault:
@@ -248,7 +250,7 @@ def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
         assert code == (0 if outcome.status == COMPLETED else 1), what
         assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n"), what
         assert read_study(out / "many.nc").attrs["study"] == "many", what
-    assert damaged > COUNT // 4
+    assert damaged > count // 4
 
 
 def can_be_read(path: Path) -> bool:
@@ -276,7 +278,9 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
+    depth: Callable[[int, int], int],
 ) -> None:
+    count = depth(32, 1000)
     case = computed.cases[1]
     whole = shutil.copy(out / "many.nc", tmp_path / "whole.nc")
     again = read_case(case_folder(out, computed), case)
@@ -284,7 +288,7 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
     for module in (pictures, page):  # and so does each picture
         monkeypatch.setattr(module, "image", lambda *_, **__: MAKER.encode())
     refused = 0
-    for number, what in enumerate(mutants(out / "many.nc", COUNT)):
+    for number, what in enumerate(mutants(out / "many.nc", count)):
         every = commands(out / "many.nc", whole, case.key)
         # What cannot be read is refused in the same place by all of them.
         one = every[number % len(every)]
@@ -300,7 +304,7 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
                 assert names_it or "nothing to compare" in line, (what, line)
                 assert len(line) < 400 + len(str(out)), what
                 refused += 1
-    assert refused > COUNT // 4
+    assert refused > count // 4
 
 
 def test_a_result_with_an_unknown_reference_is_told_by_its_file(

@@ -20,6 +20,8 @@ from harness.errors import LONGEST_LINE
 from harness.study.study import Study
 from harness.terminal import GOOD
 
+pytestmark = pytest.mark.slow
+
 FULL = Path("/dev/full")
 
 

@@ -33,6 +33,8 @@ from mpm_warp.scenes.catalogue import CatalogueScene
 
 from .conftest import MADE, drawn, random_cases, result
 
+pytestmark = pytest.mark.slow
+
 PAGE_WIDTH = 6.5
 MadeUp = tuple[xr.Dataset, dict[str, Figure]]
 MAIN = {

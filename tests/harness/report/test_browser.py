@@ -20,9 +20,12 @@ from selenium.webdriver.remote.webelement import WebElement
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 DEMANDED = "BROWSER_DEMANDED" in os.environ
 
-pytestmark = pytest.mark.skipif(
-    not DEMANDED and (BROWSER is None or DRIVER is None), reason="no chromium with its driver"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not DEMANDED and (BROWSER is None or DRIVER is None), reason="no chromium with its driver"
+    ),
+]
 
 
 @pytest.fixture(scope="module")

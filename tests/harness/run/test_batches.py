@@ -6,6 +6,8 @@ import multiprocessing
 from collections.abc import Iterable
 from pathlib import Path
 
+import pytest
+
 from harness.archive import case_files
 from harness.archive.case_files import Outcome
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
@@ -15,6 +17,8 @@ from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
 from .conftest import Record, collected, prepared, run
+
+pytestmark = pytest.mark.slow
 
 
 def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:

@@ -18,6 +18,8 @@ from harness.compare.differences import differing
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 120
 """Seconds after which what is waited for does not come."""
 CASE_COUNT = 20

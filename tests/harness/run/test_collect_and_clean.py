@@ -19,6 +19,8 @@ from harness.run.measuring import case_time
 from harness.study.cases import Case
 from harness.study.study import Study
 
+pytestmark = pytest.mark.slow
+
 DONE = xr.Dataset(
     {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
 )

@@ -25,6 +25,8 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing
 
+pytestmark = pytest.mark.slow
+
 HUGE = ConePenetration(
     cells_per_radius=100, domain_radius=1000, domain_above=500, domain_below=500, cell_growth=0.1
 )

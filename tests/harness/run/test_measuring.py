@@ -24,6 +24,8 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 
+pytestmark = pytest.mark.slow
+
 MIB = 2**20
 
 

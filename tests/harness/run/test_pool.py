@@ -28,6 +28,8 @@ from harness.study.study import Study, load_study
 
 from .conftest import Record, collected, prepared, run
 
+pytestmark = pytest.mark.slow
+
 DONE = xr.Dataset(
     {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
 )

@@ -14,6 +14,8 @@ from harness.study.study import Study, load_study
 
 from .conftest import Record
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def mixed(small_file: Path) -> Study:

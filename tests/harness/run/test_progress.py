@@ -9,6 +9,8 @@ from harness.archive.case_files import Outcome
 from harness.run.progress import Display
 from harness.study.study import Study
 
+pytestmark = pytest.mark.slow
+
 
 class Terminal(io.StringIO):
     encoding = "utf-8"

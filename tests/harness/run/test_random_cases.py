@@ -1,8 +1,7 @@
 """Cases with random parameters over all that is allowed: each ends, with a result or a reason.
 
-``HARNESS_RANDOM=100 python -m pytest -o faulthandler_timeout=0
-tests/harness/run/test_random_cases.py`` runs that many, of all scenes in turn; with cold kernels
-that takes longer than the suite lets a test take.
+With ``--deep`` and cold kernels that takes longer than the suite lets a test take: add ``-o
+faulthandler_timeout=0``.
 """
 
 from __future__ import annotations
@@ -10,9 +9,9 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-import os
 import random
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -26,7 +25,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
-COUNT = int(os.environ.get("HARNESS_RANDOM", "6"))
+pytestmark = pytest.mark.slow
+
 SECONDS, BYTES = 2.0, 1.5e9
 """What a case may take of time and of memory."""
 NAMED = {COMPLETED, "refused", "diverged", "inaccurate", "unfinished", "timed_out"}
@@ -100,13 +100,16 @@ class Ends:
         self.outcomes.append((case, outcome))
 
 
-def test_a_random_case_ends_with_a_result_or_with_a_reason(tmp_path: Path) -> None:
+def test_a_random_case_ends_with_a_result_or_with_a_reason(
+    tmp_path: Path, depth: Callable[[int, int], int]
+) -> None:
     prepare(tmp_path)
+    count = depth(6, 100)
     ends = Ends()
     run_cases(
-        random_cases(COUNT), tmp_path, 1, ends, threads=1, time_limit=SECONDS, memory_limit=BYTES
+        random_cases(count), tmp_path, 1, ends, threads=1, time_limit=SECONDS, memory_limit=BYTES
     )
-    assert len(ends.outcomes) == COUNT
+    assert len(ends.outcomes) == count
     for case, outcome in ends.outcomes:
         what = f"{case.scene}: {case.label}: {outcome}"
         assert outcome.status in NAMED, what

@@ -18,6 +18,8 @@ from harness.cli.main import main
 from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
 from harness.study.study import Study, load_study
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = ["material=['von_mises']", "rigidity_index=[50, 100]", "adhesion_factor=0.5"]
 
 

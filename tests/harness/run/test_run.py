@@ -17,6 +17,8 @@ from harness.run import run_study
 from harness.run.pool import run_cases
 from harness.study.study import Study, load_study
 
+pytestmark = pytest.mark.slow
+
 TIMED = "[timing]\nrepeats = 3\n"
 
 

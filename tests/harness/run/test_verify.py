@@ -14,6 +14,8 @@ from harness.run.verify import Check, Verified, as_dataset, checks_of, table_row
 from mpm_warp.scenes import Verification
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 
+pytestmark = pytest.mark.slow
+
 CHECK = Check(
     scene="gravity_column",
     verification=Verification(

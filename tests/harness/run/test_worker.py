@@ -19,6 +19,8 @@ from mpm_warp.results import variable
 from mpm_warp.scene import SceneError
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
+pytestmark = pytest.mark.slow
+
 
 def test_an_exception_of_the_scene_is_the_outcome(
     tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch

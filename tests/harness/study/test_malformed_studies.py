@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import os
 import random
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,7 +19,6 @@ from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
-COUNT = int(os.environ.get("MALFORMED_STUDIES", "1000"))
 KNOWN = list(parameters_of(ConePenetration).values())
 NUMBERS = [it for it in KNOWN if it.kind is not str]
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
@@ -222,11 +220,11 @@ def test_the_study_that_is_broken_is_a_valid_one(tmp_path: Path) -> None:
 
 
 def test_malformed_files_are_refused_in_a_line_each(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, depth: Callable[[int, int], int]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "study.toml"
-    for number, (how, content) in enumerate(malformed(COUNT)):
+    for number, (how, content) in enumerate(malformed(depth(3, 250) * len(BREAKERS))):
         path.write_bytes(content)
         code, out, err = outcome_of_run(path)
         what = f"file {number}, {how}: {content[:300]!r}: {code!r}: {err!r}"

@@ -27,6 +27,8 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 SMALL = {
     "cells_per_radius": 1,
     "domain_radius": 10,

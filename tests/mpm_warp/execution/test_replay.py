@@ -23,6 +23,8 @@ from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 CONE = ConePenetration(
     cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5
 )

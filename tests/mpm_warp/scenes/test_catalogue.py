@@ -20,6 +20,8 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 SMALL: dict[str, dict[str, Value]] = {
     "ball_penetration": {"cells_per_radius": 2, "domain_extent": 4, "penetration": 6.0},
     "cavity_cylinder": {"expansion": 1.1, "cells_per_radius": 1, "rigidity_index": 10.0},

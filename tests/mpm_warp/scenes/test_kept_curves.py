@@ -13,6 +13,8 @@ from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 KEPT = 7
 """Samples before the run diverges."""
 RECORDING: list[tuple[str, dict[str, Any], str]] = [

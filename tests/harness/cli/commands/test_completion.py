@@ -13,6 +13,8 @@ from harness.cli.commands.completion import scene_names_at_once
 from harness.cli.main import main
 from mpm_warp.scenes import scene_names
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_each_shell_is_given_its_code(shell: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,6 +18,8 @@ import xarray as xr
 from harness.archive import study_files
 from harness.archive.conventions import COMPLETED
 
+pytestmark = pytest.mark.slow
+
 INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
 

@@ -18,6 +18,8 @@ from harness.archive import case_files, study_files
 from harness.compare.differences import differing
 from harness.study.study import Study, load_study
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 600
 """Seconds after which a run is taken to hang: it needs less than a minute."""
 

@@ -14,6 +14,8 @@ from mpm_warp.plan.time_step import SLACK
 from mpm_warp.scenes.bars import stretched_bar
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("stretch", [1.5, 4.0])
 def test_bar_that_is_drawn_out(stretch: float) -> None:

@@ -16,6 +16,8 @@ from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
 from mpm_warp.scenes.bearing.footings import CircularFooting, Footing, StripFooting
 from mpm_warp.scenes.bearing.on_ground import OnGround
 
+pytestmark = pytest.mark.slow
+
 Order = Callable[[Callable[[int], xr.Dataset], int], float]
 
 

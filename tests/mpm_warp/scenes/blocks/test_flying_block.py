@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from mpm_warp.scenes.blocks.flying_block import TIME_STEP_FRACTION, FlyingBlock
+
+pytestmark = pytest.mark.slow
 
 
 def test_free_flight_keeps_momentum_spin_and_shape() -> None:

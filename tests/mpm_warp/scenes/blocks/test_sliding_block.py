@@ -8,6 +8,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 
+pytestmark = pytest.mark.slow
+
 PUSHED: dict[str, Value] = {
     "friction": 0.0,
     "adhesion": 500.0,

@@ -15,6 +15,8 @@ from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
 from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 RADII = np.array([1.01, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0])
 
 

@@ -17,6 +17,8 @@ from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 ROUNDING = 1e-9
 """What sums over samples and nodes are exact to, generously."""
 SHORT = ConePenetration(

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 
+import pytest
+
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
+
+pytestmark = pytest.mark.slow
 
 
 def test_load_of_a_cone_from_first_touch() -> None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from mpm_warp import ConePenetration, Snapshots
+
+pytestmark = pytest.mark.slow
 
 WITHIN = 0.05
 """Error that is allowed of a displacement behind the cone."""

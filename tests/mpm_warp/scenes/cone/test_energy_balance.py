@@ -9,6 +9,8 @@ from mpm_warp.errors import InaccurateRun
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.energy_balance import LARGEST_RESIDUAL, MEANING, check_balance
 
+pytestmark = pytest.mark.slow
+
 
 def run(adhesion_factor: float, energy_audit: str) -> xr.Dataset:
     return ConePenetration(

@@ -16,6 +16,8 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.measured_error import DIFFERENCES, further_tests, with_measured_error
 from mpm_warp.scenes.cone.stated_error import NOISE
 
+pytestmark = pytest.mark.slow
+
 TEST = ConePenetration(uncertainty="measured", material="von_mises")
 FACTOR, FACE, GROWTH, SPEED, DOMAIN = 11.0, -0.4, 1.2, 0.07, 0.03
 """A cone factor, and what mesh, speed and window add to it."""

@@ -12,6 +12,8 @@ from mpm_warp.errors import InaccurateRun, UnfinishedRun
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.soundness import check_bound, check_levelled, cone_factor_estimate
 
+pytestmark = pytest.mark.slow
+
 SHORT = ConePenetration(
     cells_per_radius=1, penetration=2, domain_radius=8, domain_above=3, domain_below=3
 )

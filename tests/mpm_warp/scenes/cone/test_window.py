@@ -9,6 +9,8 @@ import pytest
 from mpm_warp.parts.window.window import Approach
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_run_takes_the_steps_that_its_plan_says() -> None:
     """But for two: in a step the speed is that at its begin.

@@ -10,6 +10,8 @@ import xarray as xr
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 
+pytestmark = pytest.mark.slow
+
 Order = Callable[[Callable[[int], xr.Dataset], int], float]
 
 

@@ -7,6 +7,8 @@ import pytest
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
 from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
 
+pytestmark = pytest.mark.slow
+
 CELLS = 4
 
 

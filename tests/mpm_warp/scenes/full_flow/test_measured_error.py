@@ -15,6 +15,8 @@ from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import limit_load
 from mpm_warp.scenes.full_flow.measured_error import DIFFERENCES, further_tests, with_measured_error
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 
+pytestmark = pytest.mark.slow
+
 TEST = BallPenetration(adhesion_factor=0.5)
 FACTOR, MESH, SPEED, BOTH, DOMAIN, CHANGE = 11.0, -3.0, 0.6, 4.0, 0.05, 0.001
 """A resistance factor, what mesh, speed, both together and window add to it, and its last change,

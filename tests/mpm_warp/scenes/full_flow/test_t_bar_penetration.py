@@ -7,6 +7,8 @@ import pytest
 from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 
+pytestmark = pytest.mark.slow
+
 CELLS = 4
 
 

@@ -10,6 +10,8 @@ from mpm_warp.scenes.impact.impact import TRAVEL, Impact, Shock
 from mpm_warp.scenes.impact.struck_bar import StruckBar
 from mpm_warp.scenes.impact.struck_column import StruckColumn
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("struck", [StruckBar, StruckColumn])
 @pytest.mark.parametrize("speed_ratio", [0.1, 0.5, 0.9])

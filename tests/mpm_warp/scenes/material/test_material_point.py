@@ -19,6 +19,8 @@ from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 Order = Callable[[Callable[[int], xr.Dataset], int], float]
 
 

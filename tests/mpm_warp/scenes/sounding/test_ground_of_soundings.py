@@ -15,6 +15,8 @@ from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 SOFT = {
     "remoulded_strength_ratio": 0.2,
     "ductility": 10.0,

@@ -16,6 +16,8 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scenes.sounding.layer import change_of_resistance, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
 
+pytestmark = pytest.mark.slow
+
 LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 

@@ -15,6 +15,8 @@ from mpm_warp.scenes.sounding.sample_error import sample_error
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 PASSED = 3.0 + math.sqrt(3.0) + 1.0
 """Way of the coarse cone, of radius 1, to where a layer of a radius has left the window [m]."""
 

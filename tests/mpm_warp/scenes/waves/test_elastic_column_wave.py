@@ -13,6 +13,8 @@ from mpm_warp.scenes.waves.curves import PERIOD
 from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.scenes.waves.transfer import wave_factor
 
+pytestmark = pytest.mark.slow
+
 Order = Callable[[Callable[[int], xr.Dataset], int], float]
 
 

@@ -18,6 +18,8 @@ from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 COARSE = CyclicTBar(
     cells_per_radius=2, domain_extent=4, adhesion_factor=0.5, stroke=6.0, cycle_count=2
 )

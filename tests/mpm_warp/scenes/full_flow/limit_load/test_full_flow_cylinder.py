@@ -6,6 +6,8 @@ import pytest
 
 from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
 def test_force_on_a_cylinder_in_full_flow(adhesion_factor: float) -> None:
