@@ -4,27 +4,38 @@
 writes the table `tests/mutations.md`. ``python tests/mutations.py WORD ...`` tries only those whose
 meaning has one of the words in it, and writes nothing.
 
+Two copies of the tree are at work at the same time. They share a cache of kernels, in which the
+tests without an error leave theirs: with an error only the kernels that it changes are compiled.
+
 An error is noticed where the test fails: not where it passes, cannot be collected or set up, or
 takes too long. Without an error all of these tests have to pass. The exit code is 1 where an error
-goes unnoticed. One whose text is not in its file, or more than once, is to be rewritten.
+goes unnoticed. One whose text is not in its file, or more than once, is to be rewritten: all of
+them are listed before anything is run.
 """
 
 from __future__ import annotations
 
+import compileall
 import os
+import py_compile
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
 
 ROOT = Path(__file__).parent.parent
 TABLE = ROOT / "tests" / "mutations.md"
 COPIED = ("harness", "mpm_warp", "studies", "tests", "pyproject.toml")
+COPIES = 2
+"""Copies of the tree in which errors are tried at the same time."""
 TIME_LIMIT = 300.0
 """Time that a test may take with an error in place [s]: many times what any takes without."""
 PASSED, FAILED = "passed", "failed"
@@ -48,13 +59,23 @@ class Mutation:
     wrong: str
     test: str
 
-    def apply(self, tree: Path) -> None:
-        """Put the error into a tree."""
+    def fault(self) -> str:
+        """Why the error cannot be tried in the tree as it is; "" where it can."""
+        file, test = ROOT / self.file, ROOT / self.test.partition("::")[0]
+        if not file.is_file() or not test.is_file():
+            return f"no file {self.test if file.is_file() else self.file}"
+        count = file.read_text().count(self.right)
+        return "" if count == 1 else f"{count} times in {self.file}: {self.right!r}"
+
+    def outcome(self, tree: Path) -> tuple[str, str]:
+        """What becomes of the test with the error in a tree, which is whole again afterwards."""
         file = tree / self.file
         text = file.read_text()
-        if text.count(self.right) != 1:
-            raise SystemExit(f"{self.meaning}: {self.right!r} is not once in {self.file}")
         file.write_text(text.replace(self.right, self.wrong))
+        try:
+            return outcome(tree, [self.test], TIME_LIMIT)
+        finally:
+            file.write_text(text)
 
 
 MUTATIONS = tuple(
@@ -63,13 +84,14 @@ MUTATIONS = tuple(
 )
 
 
-def outcome(tree: Path, nodes: Iterable[str], time_limit: float | None) -> tuple[str, str]:
+def outcome(tree: Path, arguments: Iterable[str], time_limit: float | None) -> tuple[str, str]:
     """What becomes of tests in a tree: `PASSED`, `FAILED` or in other words what else; and why."""
     with subprocess.Popen(
-        [sys.executable, "-m", "pytest", "-q", "--tb=no", "-rfE", *nodes],
+        [sys.executable, "-m", "pytest", "-q", "--tb=no", "-rfE", *arguments],
         cwd=tree,
         env=os.environ
         | {"PYTHONPATH": str(tree), "WARP_CACHE_PATH": str(tree.parent / "cache")}
+        | {"PYTHONDONTWRITEBYTECODE": "1"}  # for an error it would outlive the error
         | {"COLUMNS": "200"},  # else there is no room for reasons
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
@@ -92,45 +114,61 @@ def outcome(tree: Path, nodes: Iterable[str], time_limit: float | None) -> tuple
     return f"ended with {pytest.returncode}", reason
 
 
-def copied(folder: Path) -> Path:
-    """A copy of the tree in a folder, new."""
-    tree = folder / "tree"
-    shutil.rmtree(tree, ignore_errors=True)
+def copied(tree: Path) -> Path:
+    """A copy of the project, with bytecode that follows what its sources hold, not their age."""
     tree.mkdir()
     for name in COPIED:
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
         copy(ROOT / name, tree / name)
+    by_content = py_compile.PycInvalidationMode.CHECKED_HASH
+    compileall.compile_dir(tree, quiet=1, force=True, invalidation_mode=by_content)
     return tree
+
+
+def tried(mutations: list[Mutation]) -> int:
+    """Try errors, print a line of the table for each; returns how many go unnoticed."""
+    nodes = dict.fromkeys(it.test for it in mutations)
+    with (
+        tempfile.TemporaryDirectory() as name,
+        ThreadPoolExecutor(COPIES) as pool,
+    ):
+        trees = SimpleQueue[Path]()
+        for number in range(COPIES):
+            trees.put(copied(Path(name, str(number))))
+        sound, reason = outcome(Path(name, "0"), [f"-n{COPIES}", "--dist=worksteal", *nodes], None)
+        if sound != PASSED:
+            raise SystemExit(f"without an error the tests {sound}: {reason}")
+
+        def attempt(mutation: Mutation) -> tuple[str, str, float]:
+            tree, start = trees.get(), time.monotonic()
+            try:
+                return *mutation.outcome(tree), time.monotonic() - start
+            finally:
+                trees.put(tree)
+
+        lines, unnoticed = [], 0
+        for mutation, (said, reason, seconds) in zip(
+            mutations, pool.map(attempt, mutations), strict=True
+        ):
+            unnoticed += said != FAILED
+            noticed = f"`{mutation.test}`" if said == FAILED else f"**unnoticed**: {said}"
+            lines.append(f"| {mutation.meaning} | `{mutation.file}` | {noticed} |")
+            print(f"{seconds:.0f} s", lines[-1], reason, flush=True)
+    if len(mutations) == len(MUTATIONS):
+        head = ["# Deliberate errors and the test that notices each", ""]
+        head += ["Written by `python tests/mutations.py`.", ""]
+        head += ["| error | file | test |", "|---|---|---|"]
+        TABLE.write_text("\n".join([*head, *lines]) + "\n")
+    return unnoticed
 
 
 def main(words: list[str]) -> int:
     """Try every error, or those with one of the words; returns the exit code."""
-    tried = [it for it in MUTATIONS if not words or any(word in it.meaning for word in words)]
-    lines = [
-        "# Deliberate errors and the test that notices each",
-        "",
-        "Written by `python tests/mutations.py`.",
-        "",
-        "| error | file | test |",
-        "|---|---|---|",
-    ]
-    unnoticed = 0
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        sound, _ = outcome(copied(folder), dict.fromkeys(it.test for it in tried), None)
-        if sound != PASSED:
-            raise SystemExit(f"without an error the tests {sound}")
-        for mutation in tried:
-            tree = copied(folder)
-            mutation.apply(tree)
-            said, reason = outcome(tree, [mutation.test], TIME_LIMIT)
-            unnoticed += said != FAILED
-            noticed = f"`{mutation.test}`" if said == FAILED else f"**unnoticed**: {said}"
-            lines.append(f"| {mutation.meaning} | `{mutation.file}` | {noticed} |")
-            print(lines[-1], reason, flush=True)
-    if not words:
-        TABLE.write_text("\n".join(lines) + "\n")
-    return 1 if unnoticed else 0
+    chosen = [it for it in MUTATIONS if not words or any(word in it.meaning for word in words)]
+    faults = [f"{it.meaning}: {fault}" for it in chosen if (fault := it.fault())]
+    if faults:
+        raise SystemExit("\n".join(faults))
+    return 1 if tried(chosen) else 0
 
 
 if __name__ == "__main__":
