@@ -1,6 +1,7 @@
-"""From a scene to its plan: the order of the stages of a step, and which parts add to each.
+"""From a scene to its plan: the stages of a step, and the places between them at which parts act.
 
-Nothing else is decided here. A part that a scene does not have has no array and no launch.
+What acts at which place is said in `mpm_warp.scene`. Stages ask for the parts that they depend on
+by their kind, or by an array that such a part adds.
 """
 
 from __future__ import annotations
@@ -8,20 +9,10 @@ from __future__ import annotations
 import functools
 
 from mpm_warp.materials.yield_check import add_yield_check
-from mpm_warp.materials.yield_share import add_yield_share
-from mpm_warp.parts.boundaries.moving_wall import crossing_time
-from mpm_warp.parts.contact.strength_beside import add_strength_beside
-from mpm_warp.parts.records.energy_audit import add_energy_audit
-from mpm_warp.parts.records.energy_balance import add_energy_balance
-from mpm_warp.parts.records.history import add_origin
-from mpm_warp.parts.records.plastic_strain import add_plastic_strain, add_plastic_strain_audit
-from mpm_warp.parts.velocity_interpolation import add_velocity_interpolation
-from mpm_warp.parts.window.cyclic_window import CyclicWindow
-from mpm_warp.parts.window.inflow import add_inflow
-from mpm_warp.parts.window.resting_ground import add_ground_below, add_resting_ground
-from mpm_warp.parts.window.window import Window, add_window_motion
+from mpm_warp.parts.free_surface import FreeSurface, PassingSurface
+from mpm_warp.parts.interpolation import ConservativeInterpolation, make_velocity_interpolation
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import PRECISIONS
 from mpm_warp.scene import Scene
 from mpm_warp.step.cell_rates import add_cell_rates
@@ -58,8 +49,13 @@ def make_soil_plan(
     scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
-    grid, material, window = scene.grid, scene.material, scene.window
+    grid, material, window = scene.grid, scene.material, scene.find(MovingGrid)
     plan = _empty_plan(scene, share_count, time_step)
+    interpolation = (
+        make_velocity_interpolation(plan.precision)
+        if scene.find(ConservativeInterpolation)
+        else None
+    )
     add_points(
         plan,
         grid,
@@ -68,25 +64,20 @@ def make_soil_plan(
         spare_fraction=0.0 if window is None else window.spare_fraction_in(grid),
         stress_at=scene.stress_at_rest_at,
     )
-    if isinstance(window, CyclicWindow):
-        add_ground_below(plan, scene)
-    if scene.history:
-        add_origin(plan)
-        add_plastic_strain(plan)
     if window is not None:
-        add_window_motion(plan)
-    interpolation = (
-        add_velocity_interpolation(plan, grid) if scene.conservative_interpolation else None
-    )
+        window.fill_spare_slots(plan, scene)
+    for part in scene.parts:
+        part.add_to_points(plan, scene)
+
     add_particles_to_grid(plan, grid, has_empty_slots=window is not None)
-    add_cell_stress(
-        plan, grid, material, bulk_viscosity=scene.bulk_viscosity, free_surface=scene.free_surface
-    )
-    add_momentum(plan, grid, material, corrected=scene.has_mass_matrix_correction)
-    for part in scene.node_actions:
-        part.add_to(plan, scene)
-    if scene.moving_wall is not None:
-        scene.moving_wall.add_push(plan, scene)
+    add_cell_stress(plan, grid, material, bulk_viscosity=scene.bulk_viscosity)
+    add_momentum(plan, grid, material, corrected=has_mass_matrix_correction(scene))
+    for part in scene.parts:
+        part.add_forces(plan, scene)
+    for part in scene.parts:
+        part.add_boundary(plan, scene)
+    for part in scene.parts:
+        part.add_contact(plan, scene)
     add_cell_rates(
         plan,
         grid,
@@ -101,42 +92,36 @@ def make_soil_plan(
         flow_displacement=None if interpolation is None else interpolation.displacement,
         window_top=None if window is None else window.top(scene),
     )
-    if scene.moving_wall is not None:
-        scene.moving_wall.add_motion(plan, scene)
-    if window is not None:
-        _add_travel(plan, scene, window)
-    if scene.energy_audit:
-        add_energy_audit(plan, grid)
-    if scene.energy_balance:
-        add_energy_balance(plan, grid, material)
-    if scene.contact is not None:
-        add_strength_beside(plan, scene, scene.contact)
+    for part in scene.parts:
+        part.add_after_motion(plan, scene)
+
     add_yield_check(plan, material)
-    if scene.history:
-        add_plastic_strain_audit(plan, grid, material)
-        add_yield_share(plan, material)
+    for part in scene.parts:
+        part.add_records(plan, scene)
     return plan
 
 
-def _add_travel(plan: Plan, scene: Scene, window: Window | CyclicWindow) -> None:
-    """Add what moves the grid through the soil, and how soil comes in and goes."""
-    if isinstance(window, CyclicWindow):
-        add_resting_ground(plan, scene)
-        window.add_to(plan)
-    else:
-        window.add_to(plan)
-        add_inflow(plan, scene)
+def has_mass_matrix_correction(scene: Scene) -> bool:
+    """Whether nodes are given back what the transfers take from their velocity at the least.
+
+    The correction is that of full cells. Where a surface passes only those far below it have it. A
+    single particle in the middle of a cell takes nothing of what it gives back.
+    """
+    surface = scene.find(FreeSurface)
+    has_full_cells = surface is None or isinstance(surface, PassingSurface)
+    return scene.particles_per_side > 1 and has_full_cells
 
 
 def _empty_plan(scene: Scene, share_count: int, time_step: float | None) -> Plan:
     """The plan without arrays and launches: its time step and limits."""
     wave_speed = scene.material.pressure_wave_speed
+    window = scene.find(MovingGrid)
     # Soil carries its waves along.
-    flow_speed = 0.0 if scene.window is None else scene.window.first_speed
+    flow_speed = 0.0 if window is None else window.first_speed
     critical_time_step = float(scene.grid.cell_lengths.min()) / (wave_speed + flow_speed)
     if time_step is None:
         time_step = scene.time_step_fraction * critical_time_step
-    plan = Plan(
+    return Plan(
         precision=PRECISIONS[scene.precision],
         share_count=share_count,
         time_step=time_step,
@@ -144,11 +129,3 @@ def _empty_plan(scene: Scene, share_count: int, time_step: float | None) -> Plan
         speed_limit=wave_speed,
         particle_bounds=scene.grid.particle_bounds,
     )
-    if scene.moving_wall is not None:
-        plan.control = TimeStepControl(
-            first=plan.time_step,
-            fraction=scene.time_step_fraction,
-            critical=lambda array: crossing_time(array, scene.material),
-            replan=lambda time_step: make_soil_plan(scene, share_count, time_step),
-        )
-    return plan

@@ -18,19 +18,19 @@ from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.parts.boundaries.radial_motion import RadialMotion
-from mpm_warp.parts.contact.contact import SurfaceContact
-from mpm_warp.parts.forces.damping import Damping
-from mpm_warp.parts.forces.gravity import Gravity
-from mpm_warp.parts.forces.nodal_load import NodalLoad
-from mpm_warp.parts.window.cyclic_window import CyclicWindow
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window.travelling_source import TravellingSource
-from mpm_warp.parts.window.window import Approach, Window
-from mpm_warp.scene import Scene
+from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.cyclic_window import CyclicWindow
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
+from mpm_warp.parts.free_surface import FreeSurface, PassingSurface
+from mpm_warp.parts.history import History
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
+from mpm_warp.parts.window import Approach, Window
+from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
 from mpm_warp.scenes.bearing.footings import CircularFooting, StripFooting

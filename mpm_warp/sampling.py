@@ -10,6 +10,7 @@ import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
@@ -164,7 +165,7 @@ def excess_pore_pressure(simulation: Simulation) -> Floats:
     elastic, perfectly plastic undrained clay stays.
     """
     scene = soil_scene(simulation)
-    travel = 0.0 if scene.window is None else simulation.travel
+    travel = simulation.travel if scene.find(MovingGrid) else 0.0
     middle = scene.grid.node_positions[scene.grid.cell_nodes].mean(axis=1)
     before = scene.stress_at_rest_at(middle - np.array([0.0, travel]))
     change = simulation.array("cell.stress") - before

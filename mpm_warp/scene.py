@@ -1,9 +1,27 @@
-"""What a user declares: a composition of parts. A part that is None costs nothing in the run."""
+"""What a user declares: soil in a grid, and the parts that act on it.
+
+A step and the places in it at which parts act, in order; where several act at one place they do so
+in the order of the tuple. A part that is not in the tuple has no kernel, no array and no branch.
+
+    material points                     add_to_points       what a point carries, options of stages
+    1 particles to grid
+    2 cell stress
+    3 momentum of nodes
+                                        add_forces          loads, gravity, damping
+                                        add_boundary        what holds nodes at the grid's edges
+                                        add_contact         a rigid body, with all else known
+    5 rates of cells
+    6 grid to particles
+                                        add_after_motion    what moves the grid
+    every 16th step                     add_records         the audited step
+    between steps, by the host          between_steps       soil that enters; `enter`, `follow`
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -18,32 +36,91 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.parts.contact.contact import SurfaceContact
-from mpm_warp.parts.part import FitsGrid, NodeAction
-from mpm_warp.parts.window.cyclic_window import CyclicWindow
-from mpm_warp.parts.window.passing_surface import PassingSurface
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window.window import Window
+from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
 from mpm_warp.precision import PRECISIONS
 
-REQUIRED = {"grid": Grid, "material": Material, "forces": tuple, "precision": str} | dict.fromkeys(
-    ("free_surface", "conservative_interpolation", "energy_audit", "energy_balance", "history"),
-    bool,
-)
-"""Of what type a value of a scene has to be."""
-OPTIONAL = {
-    "fixed": (Fixed,),
-    "far_field": (FarField,),
-    "surroundings": (SurroundingGround,),
-    "contact": (SurfaceContact,),
-    "moving_wall": (MovingWall,),
-    "window": (Window, CyclicWindow),
-    "passing_surface": (PassingSurface,),
-}
-"""Of what type it has to be where it is not None."""
+KindOfPart = TypeVar("KindOfPart", bound="Part")
+
+
+class BetweenSteps(Protocol):
+    """What the host does between the steps of a run."""
+
+    @property
+    def steps_ahead(self) -> int:
+        """Steps that can be taken before it may have to act, at least 1."""
+
+    def act(self) -> None:
+        """Act, if it is time."""
+
+
+class Part:
+    """A part of a scene: a force, a boundary, a contact, a window, a record.
+
+    A part has a method for each place of a step at which it acts; what it does not override adds
+    nothing. At the places on nodes the array "node.velocities" holds (v_r, v_z, u_r, u_z), velocity
+    after the step and before it, and "node.mass" the mass, 0 where no particle is near.
+
+    A file with kernels must not have `from __future__ import annotations`: Warp reads the types of
+    a kernel from its annotations, and would raise a `NameError`.
+
+    Attributes:
+        needs: kinds of parts without which there is none of this kind.
+        not_beside: kinds of parts that a scene cannot have beside one of this kind, each with what
+            to do instead, or "".
+    """
+
+    needs: ClassVar[tuple[type[Part], ...]] = ()
+    not_beside: ClassVar[Mapping[type[Part], str]] = {}
+
+    def check(self, scene: Scene) -> None:
+        """Check that the part fits grid and material; the other parts have been checked.
+
+        Raises:
+            SceneError: it does not.
+        """
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add arrays of the material points, or what stages look for; before the first stage."""
+
+    def add_forces(self, plan: Plan, scene: Scene) -> None:
+        """Add launches that change the new velocities of nodes, after the momentum equation."""
+
+    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+        """The same, after all forces."""
+
+    def add_contact(self, plan: Plan, scene: Scene) -> None:
+        """The same, after all boundaries; the strain rates of cells are next."""
+
+    def add_after_motion(self, plan: Plan, scene: Scene) -> None:
+        """Add launches to the end of a step, when points have moved."""
+
+    def add_records(self, plan: Plan, scene: Scene) -> None:
+        """Add launches to the audited step of a plan whose step is complete, or between steps."""
+
+    def between_steps(self, run: Run, scene: Scene) -> BetweenSteps | None:
+        """What the host does for the part between steps of a run; none by default."""
+        return None
+
+    def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
+        """Give a layer of soil that is about to enter what it has by this part.
+
+        Args:
+            run: with the values of the layer in the arrays "layer.x", for each "particle.x".
+            scene: that is run.
+            position: of its points in the grid [m], shape [point_count, 2].
+            travel: how far the grid has travelled down through the soil [m].
+        """
+
+    def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
+        """Give the arrays of the part their values from here on, after a layer has entered.
+
+        Args:
+            run: whose arrays the part has added.
+            scene: that is run.
+            travel: how far the grid has travelled down through the soil [m].
+            by_a_row: whether the soil has come into the next row of cells since the start.
+        """
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,27 +137,7 @@ class Scene:
             default. It rests where it has no shear, its radial part is the hoop part, and what
             bounds the grid holds it: fixed nodes, or the surroundings, which start with it. Where
             the material varies it is none: the variation has the horizontal stress.
-        forces: parts that act on nodes before all others, in this order: loads, gravity, damping,
-            radial motion, or a user's own.
-        fixed: nodes held at rest, or none.
-        far_field: the medium around the grid, or none.
-        surroundings: the ground around a window that travels with a body, or none; it takes the
-            place of a far field.
-        contact: contact with a rigid body, or none.
-        moving_wall: inner wall that moves and takes the grid along, or none; it is a cylinder or a
-            sphere, and there is no window then.
-        window: travel of the grid through the soil, or none; around a cyclic one the ground rests,
-            so there is neither a far field nor surroundings then.
-        free_surface: whether the surface of the ground passes through cells: their stress then acts
-            as far as they are filled.
-        passing_surface: the free surface that a window leaves behind, or none; the scene has a
-            window and a free surface then.
-        conservative_interpolation: whether particles follow a flow that changes volume alike all
-            over a cell; for soil that streams along a wall for long. The grid has horizontal rows.
-        energy_audit: whether to sample what energy the transfers create or dissipate.
-        energy_balance: whether to sample where the work of the body goes; the scene has a window, a
-            contact, a bulk viscosity and an energy audit then.
-        history: whether particles keep where they entered, and add up their plastic shear strain.
+        parts: all that acts on the soil, moves the grid or is recorded.
         precision: floating point numbers of the run, "float64" or "float32".
 
     Raises:
@@ -93,42 +150,63 @@ class Scene:
     time_step_fraction: float
     bulk_viscosity: float | None = None
     stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4))
-    forces: tuple[NodeAction, ...] = ()
-    fixed: Fixed | None = None
-    far_field: FarField | None = None
-    surroundings: SurroundingGround | None = None
-    contact: SurfaceContact | None = None
-    moving_wall: MovingWall | None = None
-    window: Window | CyclicWindow | None = None
-    free_surface: bool = False
-    passing_surface: PassingSurface | None = None
-    conservative_interpolation: bool = False
-    energy_audit: bool = False
-    energy_balance: bool = False
-    history: bool = False
+    parts: tuple[Part, ...] = ()
     precision: str = "float64"
 
     def __post_init__(self) -> None:
+        check_kind("grid", self.grid, Grid)
+        check_kind("material", self.material, Material)
         check_whole("particles_per_side", self.particles_per_side, FROM_ONE)
         check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
         if self.bulk_viscosity is not None:
             check_number("bulk_viscosity", self.bulk_viscosity, POSITIVE)
         check_array("stress_at_rest", self.stress_at_rest, (4,))
-        for name, kind in REQUIRED.items():
-            check_kind(name, getattr(self, name), kind)
-        for name, kinds in OPTIONAL.items():
-            check_kind(name, getattr(self, name), (*kinds, type(None)))
-        for number, force in enumerate(self.forces):
-            if not isinstance(force, NodeAction):
-                raise SceneError(f"forces[{number}]: a {type(force).__name__} has no `add_to`")
+        check_kind("precision", self.precision, str)
         if self.precision not in PRECISIONS:
             raise SceneError(
                 f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
             )
-        self._check_together()
-        for part in self.node_actions:
-            if isinstance(part, FitsGrid):
-                part.check(self)
+        refuse_together(
+            "stress_at_rest",
+            np.any(self.stress_at_rest) and self.material.variation is not None,
+            "a material that varies",
+        )
+        check_kind("parts", self.parts, tuple)
+        for number, part in enumerate(self.parts):
+            check_kind(f"parts[{number}]", part, Part)
+        for part in self.parts:
+            self._check_beside_others(part)
+            part.check(self)
+
+    def find(self, kind: type[KindOfPart]) -> KindOfPart | None:
+        """The first part of a kind; None where there is none."""
+        return next((part for part in self.parts if isinstance(part, kind)), None)
+
+    def __getitem__(self, kind: type[KindOfPart]) -> KindOfPart:
+        """The first part of a kind.
+
+        Raises:
+            SceneError: the scene has none.
+        """
+        part = self.find(kind)
+        if part is None:
+            raise SceneError(f"the scene has no {kind.__name__}")
+        return part
+
+    def with_parts(self, *parts: Part) -> Self:
+        """The scene with parts more, each in the place of the one of its type where it has one."""
+        own = list(self.parts)
+        for part in parts:
+            places = [k for k, other in enumerate(own) if type(other) is type(part)]
+            if places:
+                own[places[0]] = part
+            else:
+                own.append(part)
+        return replace(self, parts=tuple(own))
+
+    def without(self, *kinds: type[Part]) -> Self:
+        """The scene without its parts of some kinds."""
+        return replace(self, parts=tuple(it for it in self.parts if not isinstance(it, kinds)))
 
     def stress_at_rest_at(self, place: Floats) -> Floats:
         """Stress (rr, zz, rz, tt) of the ground before, at places in it [Pa], shape [..., 4].
@@ -142,63 +220,21 @@ class Scene:
             stress[..., [0, 3]] += horizontal[..., None]
         return stress
 
-    def _check_together(self) -> None:
-        """Check that what there is goes together."""
-        leans = np.ptp(self.grid.surface_radius) > 0.0
-        varies = self.material.variation is not None
-        turns = isinstance(self.window, CyclicWindow)
-        for name, does_not_go_with, why in (
-            ("moving_wall", leans or self.grid.planar, "a grid that leans or is plane"),
-            ("moving_wall", self.grid.columns[-1] > 1.0, "columns beyond the fitted radius"),
-            ("moving_wall", self.window, "a window"),
-            ("window", self.grid.polar, "a grid of rays"),
-            ("window", turns and varies, "a material that varies, where it is cyclic"),
-            ("far_field", turns, "a cyclic window; hold the nodes around the grid"),
-            ("surroundings", turns, "a cyclic window; hold the nodes around the grid"),
-            ("surroundings", self.far_field, "a far field"),
-            (
-                "passing_surface",
-                self.window is None or turns,
-                "a grid that stays; give it a window",
-            ),
-            ("passing_surface", not self.free_surface, "full cells; set free_surface"),
-            ("surroundings", self.window is None, "a grid at rest; give it a window"),
-            ("conservative_interpolation", self.grid.polar, "a grid of rays"),
-            ("far_field", varies, "a material that varies; around a window give it surroundings"),
-            ("moving_wall", varies, "a material that varies"),
-        ):
-            if getattr(self, name) and does_not_go_with:
-                raise SceneError(f"{name}: not together with {why}")
-        if varies and np.any(self.stress_at_rest):
-            raise SceneError("stress_at_rest: not together with a material that varies")
-        if self.energy_balance:
-            for name in ("window", "contact", "bulk_viscosity", "energy_audit"):
-                if not getattr(self, name):
-                    raise SceneError(f"energy_balance: not without {name}")
+    def _check_beside_others(self, part: Part) -> None:
+        name = type(part).__name__
+        for kind in part.needs:
+            if self.find(kind) is None:
+                raise SceneError(f"{name}: not without a {kind.__name__}")
+        for kind, instead in part.not_beside.items():
+            remedy = f"; {instead}" if instead else ""
+            refuse_together(name, self.find(kind), f"a {kind.__name__}{remedy}")
 
-    @property
-    def node_actions(self) -> Iterator[NodeAction]:
-        """The parts that act on nodes, in their order, or that follow the window beside them.
 
-        The push of a moving wall comes after.
-        """
-        yield from self.forces
-        for part in (
-            self.fixed,
-            self.far_field,
-            self.surroundings,
-            self.contact,
-            self.passing_surface,
-        ):
-            if part is not None:
-                yield part
+def refuse_together(name: str, is_there: object, what: str) -> None:
+    """Refuse a value or a part beside something that it does not go with.
 
-    @property
-    def has_mass_matrix_correction(self) -> bool:
-        """Whether nodes are given back what the transfers take from their velocity at the least.
-
-        The correction is that of full cells. Where a surface passes only those far below it have
-        it. A single particle in the middle of a cell takes nothing of what it gives back.
-        """
-        has_full_cells = not self.free_surface or self.passing_surface is not None
-        return self.particles_per_side > 1 and has_full_cells
+    Raises:
+        SceneError: that is there.
+    """
+    if is_there:
+        raise SceneError(f"{name}: not together with {what}")

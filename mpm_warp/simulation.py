@@ -13,12 +13,11 @@ from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.device_run import DeviceRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parts.window.inflow import Inflow
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.window import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.scene import Scene
+from mpm_warp.scene import BetweenSteps, Scene
 from mpm_warp.watch.watch import make_watch
 
 CHECK_INTERVAL = 500
@@ -46,7 +45,8 @@ class Simulation:
         execution = execution or Execution()
         start = time.perf_counter()
         on_gpu = wp.get_device(execution.device).is_cuda
-        plan = make_plan(scene, share_count=1 if on_gpu else SHARE_COUNT)
+        self._share_count = 1 if on_gpu else SHARE_COUNT
+        plan = make_plan(scene, share_count=self._share_count)
         self._run = DeviceRun(plan, execution)
         self.scene = scene
         self.compile_time = self._run.compile_time
@@ -58,11 +58,10 @@ class Simulation:
         self._changed_step, self._changed_time = 0, 0.0
         # They hold the run, not this: a run that is over then lets go of its arrays at once.
         self._watch = make_watch(scene, self._run)
-        self._inflow = (
-            Inflow(self._run, scene, scene.window, scene.surroundings, scene.node_actions)
-            if isinstance(scene, Scene) and isinstance(scene.window, Window)
-            else None
-        )
+        self._between_steps: list[BetweenSteps] = []
+        if isinstance(scene, Scene):
+            actors = [part.between_steps(self._run, scene) for part in scene.parts]
+            self._between_steps += [actor for actor in actors if actor is not None]
 
     @property
     def plan(self) -> Plan:
@@ -148,15 +147,14 @@ class Simulation:
             if is_watched:
                 self._watch.prepare()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
-            if self._inflow is not None:
-                block = min(block, self._inflow.steps_ahead)
+            block = min([block, *(actor.steps_ahead for actor in self._between_steps)])
             self._run.replay(range(self.step_count, self.step_count + block))
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:
                 self.check()
-            if self._inflow is not None:
-                self._inflow.let_in()
+            for actor in self._between_steps:
+                actor.act()
 
     def advance_to_step(self, step: float) -> None:
         """Take steps until so many have been taken since the start.
@@ -213,15 +211,16 @@ class Simulation:
         self._healthy_step = self.step_count
         if control is not None and time_step != self.plan.time_step:
             self._changed_step, self._changed_time = self.step_count, self.time
-            self._run.change_time_step(control.replan(time_step))
+            self._run.change_time_step(make_plan(self.scene, self._share_count, time_step))
 
     @property
     def _window_inflow(self) -> Inflow:
-        if self._inflow is None:
+        inflow = next((it for it in self._between_steps if isinstance(it, Inflow)), None)
+        if inflow is None:
             travels = self.plan.find("window.motion") is not None
             why = "has a window that turns: advance to a time" if travels else NOTHING_TRAVELS
             raise ValueError(f"the scene {why}")
-        return self._inflow
+        return inflow
 
     def _steps_until(self, time: float) -> int:
         since_change = round((time - self._changed_time) / self.plan.time_step)

@@ -9,8 +9,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from mpm_warp.arguments import POSITIVE, check_number
-from mpm_warp.parts.records.history import displacement
-from mpm_warp.parts.records.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.parts.history import displacement
+from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.results import labelled, variable
 from mpm_warp.sampling import soil_scene
 from mpm_warp.simulation import Simulation
@@ -136,7 +137,7 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
         KeyError: its points do not keep where they entered: the scene has no `history`.
     """
     scene, array = soil_scene(simulation), simulation.array
-    travel = 0.0 if scene.window is None else simulation.travel
+    travel = simulation.travel if scene.find(MovingGrid) else 0.0
     moved = displacement(simulation, travel)
     stress, velocity = array("particle.stress"), array("particle.velocity")
     position, node_velocity = array("particle.position"), array("node.velocities")

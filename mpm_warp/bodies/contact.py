@@ -34,7 +34,7 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.grid import UniformGrid, first_node, one, real, two, vec2, vec3, zero
-from mpm_warp.parts.contact.contact_law import make_contact_law
+from mpm_warp.parts.contact import make_contact_law
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import FLOAT64
 

@@ -40,7 +40,6 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
             first=scene.time_step_fraction * critical_time_step,
             fraction=scene.time_step_fraction,
             critical=lambda array: scene.critical_time_step(array("particle.volume")),
-            replan=lambda time_step: make_body_plan(scene, time_step=time_step),
         ),
         remedy="try a smaller time_step_fraction, or a wider grid where a body has left it",
     )

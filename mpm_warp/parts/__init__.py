@@ -1,4 +1,1 @@
-"""Parts of a scene, one file each: declaration, kernel, place in the plan.
-
-`part.py` says what all have in common, `velocity_interpolation.py` how soil moves between nodes.
-"""
+"""Parts of a scene, one file each: declaration, kernel, place in the step (`mpm_warp.scene`)."""

@@ -26,13 +26,11 @@ class TimeStepControl:
         first: the first time step, which none exceeds [s].
         fraction: time step over the critical one, > 0.
         critical: the critical time step [s], by a function that gives arrays of the run by name.
-        replan: gives the plan of the run with another time step [s].
     """
 
     first: float
     fraction: float
     critical: Callable[[Callable[[str], NDArray[Any]]], float]
-    replan: Callable[[float], Any]
 
     def __post_init__(self) -> None:
         self._critical_before = self.first / self.fraction

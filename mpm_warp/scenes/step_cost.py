@@ -18,6 +18,8 @@ from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter, redefined
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled, variable
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
@@ -146,15 +148,7 @@ class StepCost(CatalogueScene):
         scene = self.cone().build()
         if self.physics == "cone":
             return scene
-        soil = dataclasses.replace(
-            scene,
-            bulk_viscosity=None,
-            surroundings=None,
-            contact=None,
-            window=None,
-            conservative_interpolation=False,
-            energy_audit=False,
-        )
+        soil = dataclasses.replace(scene, bulk_viscosity=None, parts=(scene[Fixed],))
         if self.physics == "plastic":
             return soil
         material = LinearElastic(
@@ -259,9 +253,9 @@ class StepCost(CatalogueScene):
         for first in range(0, len(stress), BLOCK):
             part = stress[first : min(first + BLOCK, len(stress))]
             part.assign(block[: len(part)])
-        if scene.window is None:
+        window = scene.find(Window)
+        if window is None:
             return TimedRun(simulation, simulation.advance)
-        window = scene.window
         simulation.assign("window.motion", np.array([window.ramp_time, window.speed, 0.0]))
         per_step = window.speed * simulation.plan.time_step
         cone = self.cone()

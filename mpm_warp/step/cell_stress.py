@@ -19,24 +19,23 @@ from mpm_warp.precision import Precision
 
 
 def add_cell_stress(
-    plan: Plan, grid: Grid, material: Material, *, bulk_viscosity: float | None, free_surface: bool
+    plan: Plan, grid: Grid, material: Material, *, bulk_viscosity: float | None
 ) -> None:
     """Add the stage.
 
     Args:
-        plan: of the run.
+        plan: of the run; it has the array "cell.full_mass" where cells may hold less soil than
+            fills them.
         grid: whose cells they are.
         material: of the soil.
         bulk_viscosity: coefficient b, dimensionless, or none.
-        free_surface: whether cells may hold less soil than fills them.
     """
     plan.add_zeros("cell.stress", "vec4", grid.cell_count)
     if bulk_viscosity is not None:
         impedance = material.density * material.pressure_wave_speed
         plan.add_array("cell.viscosity", "real", bulk_viscosity * impedance * grid.cell_lengths)
         plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
-    if free_surface:
-        plan.add_array("cell.full_mass", "real", material.density * grid.cell_volumes)
+    free_surface = plan.find("cell.full_mass") is not None
     plan.add_launch(
         _make_cell_stress(
             plan.share_count, bulk_viscosity is not None, free_surface, plan.precision

@@ -22,7 +22,7 @@ returns all of a linear field, but what it takes from one motion for another not
 waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
 
 In cells that are filled in part P may be anything: there is no S where a free surface passes, or
-only far below it (`mpm_warp.parts.window.passing_surface`).
+only far below it (`mpm_warp.parts.free_surface`).
 """
 
 import functools

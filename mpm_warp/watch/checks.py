@@ -11,7 +11,7 @@ import numpy as np
 
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.contact import SurfaceContact
 
 STRESS_ROUNDINGS = 64
 """Roundings of the greatest stress by which a step may change the mean stress by itself."""

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import PROPERTIES
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.free_surface import FreeSurface
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.run import Run
 from mpm_warp.plan.time_step import check_time_step
 from mpm_warp.scene import Scene
@@ -123,7 +126,7 @@ class SoilWatch(ParticleWatch):
         self._scene = scene
         present = self._present
         self._first_blocks = self._blocks(self._mass_in(self._cell_of(present), present))
-        contact, window = scene.contact, scene.window
+        contact, window = scene.find(SurfaceContact), scene.find(MovingGrid)
         speed = window.first_speed if window else contact.speed if contact else 0.0
         self._parts = contact is not None and contact.can_part(scene.material, speed)
         self._before: _Before | None = None
@@ -169,11 +172,11 @@ class SoilWatch(ParticleWatch):
             particles_per_cell=scene.particles_per_side**2,
         )
         # Elsewhere soil may leave a cell by right: below a free surface, beside one that parts.
-        if not (scene.free_surface or self._parts):
+        if not (scene.find(FreeSurface) or self._parts):
             check_blocks(self._blocks(mass), self._first_blocks)
 
     def _look_at_contact(self, before: _Before) -> None:
-        contact = self._scene.contact
+        contact = self._scene.find(SurfaceContact)
         if contact is not None and not self._parts:
             velocity = self._run.array("node.velocities")[contact.nodes, :2]
             check_contact(contact, velocity, speed=before.speed)
@@ -194,10 +197,10 @@ class SoilWatch(ParticleWatch):
     @property
     def _speed(self) -> float:
         """Of the rigid body down into the soil in the next step [m/s]."""
-        scene = self._scene
-        if scene.window is not None:
+        if self._run.plan.find("window.motion"):
             return float(self._run.array("window.motion")[1])
-        return 0.0 if scene.contact is None else scene.contact.speed
+        contact = self._scene.find(SurfaceContact)
+        return 0.0 if contact is None else contact.speed
 
     def _trace_of(self, particle: Integers) -> Floats:
         rr, zz, _, tt = self._of("stress", particle).T

@@ -14,11 +14,12 @@ from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.mpm_warp.edges import axis_and_ends
@@ -82,19 +83,21 @@ def cone(fitted: Grid) -> Scene:
         particles_per_side=2,
         time_step_fraction=0.85,
         bulk_viscosity=0.2,
-        fixed=axis_and_ends(fitted),
-        far_field=FarField.around(fitted, clay),
-        contact=SurfaceContact(
-            nodes=fitted.node(0, row),
-            normals=vectors / areas[:, None],
-            normal_areas=areas,
-            adhesion_forces=0.5 * clay.strength * areas,
-            friction=0.0,
-            in_situ_stress=400e3,
+        parts=(
+            axis_and_ends(fitted),
+            FarField.around(fitted, clay),
+            SurfaceContact(
+                nodes=fitted.node(0, row),
+                normals=vectors / areas[:, None],
+                normal_areas=areas,
+                adhesion_forces=0.5 * clay.strength * areas,
+                friction=0.0,
+                in_situ_stress=400e3,
+            ),
+            Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),
+            ConservativeInterpolation(),
+            EnergyAudit(),
         ),
-        window=Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),
-        conservative_interpolation=True,
-        energy_audit=True,
     )
 
 
@@ -130,10 +133,12 @@ def cavity() -> Scene:
         particles_per_side=2,
         time_step_fraction=0.85,
         bulk_viscosity=0.2,
-        fixed=Fixed.where(radial=~vertical, vertical=vertical),
-        # Springs alone: dashpots would push against soil that flows outward without end.
-        far_field=dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot),
-        moving_wall=MovingWall(speed=0.02, ramp_travel=0.3),
+        parts=(
+            Fixed.where(radial=~vertical, vertical=vertical),
+            # Springs alone: dashpots would push against soil that flows outward without end.
+            dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot),
+            MovingWall(speed=0.02, ramp_travel=0.3),
+        ),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries import Fixed
 
 
 def axis_and_ends(grid: Grid) -> Fixed:

@@ -18,11 +18,11 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.von_mises import make_j2
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.part import Setting
+from mpm_warp.parts.forces import Damping, Gravity
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 from mpm_warp.results import variable
-from mpm_warp.scene import Scene
+from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.gravity_column import GravityColumn
@@ -196,15 +196,15 @@ def test_the_watch_knows_the_strength_of_the_material(short_test: ConePenetratio
 
 
 @dataclass(frozen=True)
-class BodyForce:
+class BodyForce(Part):
     """An acceleration of all soil: v <- v + dt b."""
 
     acceleration: tuple[float, float]
 
-    def add_to(self, plan: Plan, setting: Setting) -> None:
+    def add_forces(self, plan: Plan, scene: Scene) -> None:
         plan.add_launch(
             _make_body_force(plan.precision),
-            setting.grid.node_count,
+            scene.grid.node_count,
             change=plan.precision.vec2(*(plan.time_step * np.array(self.acceleration))),
             mass="node.mass",
             velocities="node.velocities",
@@ -235,9 +235,9 @@ def settled(scene: Scene) -> Floats:
 
 def test_a_body_force_downward_is_gravity_to_the_last_bit() -> None:
     scene = GravityColumn(cell_count=8).build()
-    gravity, damping = scene.forces
-    force = BodyForce((0.0, -gravity.acceleration))
-    np.testing.assert_array_equal(settled(replace(scene, forces=(force, damping))), settled(scene))
+    force = BodyForce((0.0, -scene[Gravity].acceleration))
+    pulled = replace(scene, parts=(force, *scene.without(Gravity).parts))
+    np.testing.assert_array_equal(settled(pulled), settled(scene))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -251,7 +251,7 @@ class HeavyColumn(CatalogueScene):
 
     def build(self) -> Scene:
         scene = GravityColumn(cell_count=8).build()
-        return replace(scene, forces=(BodyForce((0.0, -self.acceleration)),))
+        return scene.without(Gravity, Damping).with_parts(BodyForce((0.0, -self.acceleration)))
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         before = simulation.array("particle.position")[:, 1].copy()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import re
 import sys
@@ -15,6 +14,7 @@ import warp as wp
 import mpm_warp
 from mpm_warp.execution.batched_kernel import make_batched_kernel
 from mpm_warp.parameters import Value, parameters_of
+from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
@@ -58,7 +58,7 @@ def kernels() -> set[wp.Kernel]:
     """Of all scenes, their launches in one share, as where a simulation is on a GPU."""
     scenes = [scene.build() for name in scene_names() for scene in variants(name)]
     # With snapshots a run also records what its soil has gone through.
-    scenes += [dataclasses.replace(it, history=True) for it in scenes if isinstance(it, Scene)]
+    scenes += [it.with_parts(History()) for it in scenes if isinstance(it, Scene)]
     plans = [make_plan(scene, share_count=1) for scene in scenes]
     return {launch.kernel for plan in plans for launch in plan.launches}
 

@@ -17,7 +17,8 @@ import pytest
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.forces import NodalLoad
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
@@ -29,8 +30,7 @@ NAN, INF = float("nan"), float("inf")
 CONE = ConePenetration(cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3)
 SCENE = CONE.build()
 CELLS, NODES = SCENE.grid.cell_count, SCENE.grid.node_count
-assert SCENE.contact is not None
-CONTACT = SCENE.contact.nodes
+CONTACT = SCENE[SurfaceContact].nodes
 
 SLOTS = make_plan(SCENE).arrays["particle.cell"].shape[0]
 NO_COLUMN = np.tile((-1, 0), (SLOTS, 1))
@@ -88,7 +88,7 @@ def take_twice() -> None:
 def load_twice() -> None:
     """A second part of a kind would take the place of the arrays of the first."""
     loads = (NodalLoad(nodes=CONTACT[:n], forces=np.ones((n, 2))) for n in (4, 1))
-    Simulation(replace(SCENE, forces=tuple(loads))).advance(3)
+    Simulation(replace(SCENE, parts=tuple(loads))).advance(3)
 
 
 def compute_with(threads: Any) -> None:

@@ -22,15 +22,12 @@ from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.parts.contact.contact import SurfaceContact
-from mpm_warp.parts.forces.damping import Damping
-from mpm_warp.parts.forces.gravity import Gravity
-from mpm_warp.parts.forces.nodal_load import NodalLoad
-from mpm_warp.parts.window.passing_surface import PassingSurface
-from mpm_warp.parts.window.window import Approach, Window
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
+from mpm_warp.parts.free_surface import PassingSurface
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
@@ -182,12 +179,7 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             "particles_per_side": [0, -2, 2.0, 1.5, True, NAN],
             "time_step_fraction": [0.0, INF],
             "stress_at_rest": [np.zeros(3), np.array([0.0, NAN, 0.0, 0.0])],
-            "forces": [[Gravity(9.81)], (9.81,)],
-            "fixed": [SIDE],
-            "contact": [FarField(**FAR)],
-            "window": [1.0],
-            "passing_surface": [1.0],
-            "free_surface": ["no"],
+            "parts": [[Gravity(9.81)], (9.81,), Gravity(9.81)],
         },
     ),
     (
@@ -206,9 +198,9 @@ IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
     ("contact", SurfaceContact, CONTACT),
     ("far_field", FarField, FAR),
     ("fixed", Fixed, {"free": np.zeros((4, 2))}),
-    ("forces", NodalLoad, {"forces": np.ones((4, 2))}),
+    ("load", NodalLoad, {"forces": np.ones((4, 2))}),
 ]
-"""Parts with nodes, which are checked when a scene is made of them."""
+"""Parts with nodes, which are checked when a scene is made of them, and their word for them."""
 Misuse = tuple[Callable[[], object], str]
 """What is done, and the word of the message that tells the argument."""
 Refused = Callable[[Callable[[], object], type[Exception], str], None]
@@ -221,9 +213,8 @@ def run(made: object) -> None:
         Simulation(made).advance(3)
 
 
-def with_part(field: str, make: Callable[..., object], given: Values) -> None:
-    part = make(**given)
-    run(Scene(**SCENE | {field: (part,) if field == "forces" else part}))
+def with_part(make: Callable[..., object], given: Values) -> None:
+    run(Scene(**SCENE | {"parts": (make(**given),)}))
 
 
 def misuses() -> Iterator[tuple[str, Misuse]]:
@@ -233,10 +224,10 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
                 changed_so = given | {argument: value}
                 do = functools.partial(lambda make, given: run(make(**given)), make, changed_so)
                 yield f"{make.__name__}.{argument} {number}", (do, argument.removesuffix("s"))
-    for field, make, given in IN_A_SCENE:
+    for word, make, given in IN_A_SCENE:
         for number, nodes in enumerate(NODES):
-            do = functools.partial(with_part, field, make, given | {"nodes": nodes})
-            yield f"Scene.{field} {number}", (do, "load" if field == "forces" else field)
+            do = functools.partial(with_part, make, given | {"nodes": nodes})
+            yield f"Scene, {word} {number}", (do, word)
 
 
 MISUSES = dict(misuses())
@@ -261,8 +252,8 @@ def test_what_is_allowed_is_not_refused() -> None:
     for make, given, _ in MADE:
         if make not in (Fixed, NodalLoad, Gravity, Damping):
             run(make(**given))
-    for field, make, given in IN_A_SCENE:
-        with_part(field, make, given | {"nodes": SIDE})
+    for _, make, given in IN_A_SCENE:
+        with_part(make, given | {"nodes": SIDE})
 
 
 if __name__ == "__main__":

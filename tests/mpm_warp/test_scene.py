@@ -10,12 +10,15 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.parts.forces.damping import Damping
-from mpm_warp.parts.forces.gravity import Gravity
-from mpm_warp.parts.forces.nodal_load import NodalLoad
-from mpm_warp.parts.window.window import Window
-from mpm_warp.scene import Scene
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.forces import Gravity
+from mpm_warp.parts.free_surface import FreeSurface
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.window import MovingGrid, Window
+from mpm_warp.planning import has_mass_matrix_correction
+from mpm_warp.scene import Part, Scene
 
 WALL = MovingWall(speed=1.0, ramp_travel=1.0)
 WINDOW = Window(speed=1.0, ramp_travel=1.0, spare_fraction=0.1)
@@ -43,14 +46,13 @@ def plane(rectilinear: Grid) -> Grid:
         ),
         ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0$"),
         ({"precision": "float16"}, "precision = 'float16' must be one of float64, float32$"),
+        ({"parts": (WALL, WINDOW)}, "MovingWall: not together with a MovingGrid$"),
         (
-            {"moving_wall": WALL, "window": WINDOW},
-            "moving_wall: not together with a window$",
+            {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},
+            "ConservativeInterpolation: not together with a grid of rays$",
         ),
-        (
-            {"conservative_interpolation": True, "grid": ON_RAYS},
-            "conservative_interpolation: not together with a grid of rays$",
-        ),
+        ({"parts": (EnergyBalance(),)}, "EnergyBalance: not without a MovingGrid$"),
+        ({"parts": (Fixed.axis, WALL)}, r"parts\[0\] = <.*> must be of type Part$"),
     ],
 )
 def test_what_does_not_go_together_is_refused_in_one_line(
@@ -64,29 +66,30 @@ def test_a_wall_moves_in_no_grid_that_leans_or_is_plane(
     floating: Scene, fitted: Grid, plane: Grid
 ) -> None:
     for grid in (fitted, plane):
-        with pytest.raises(SceneError, match=r"^moving_wall: not together with a grid that leans"):
-            dataclasses.replace(floating, grid=grid, moving_wall=WALL)
+        with pytest.raises(SceneError, match=r"^MovingWall: not together with a grid that leans"):
+            dataclasses.replace(floating, grid=grid, parts=(WALL,))
 
 
-def test_parts_act_on_nodes_in_one_order(cone: Scene) -> None:
-    """Forces in the order in which they are given, then what holds nodes, then the contact."""
-    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
-    forces = (load, Gravity(9.81), Damping(1.0))
-    scene = dataclasses.replace(cone, forces=forces)
-    rest = [cone.fixed, cone.far_field, cone.contact]
-    assert list(scene.node_actions) == [*forces, *rest]
-    turned = dataclasses.replace(scene, forces=forces[::-1], far_field=None)
-    assert list(turned.node_actions) == [*forces[::-1], cone.fixed, cone.contact]
+def test_parts_are_found_by_kind_changed_and_left_out(cone: Scene) -> None:
+    assert cone.find(MovingGrid) is cone[Window]
+    assert cone.find(Gravity) is None
+    with pytest.raises(SceneError, match=r"^the scene has no Gravity$"):
+        cone[Gravity]
+    faster = dataclasses.replace(cone[Window], speed=2.0)
+    changed = cone.with_parts(faster, Gravity(9.81))
+    place = cone.parts.index(cone[Window])
+    assert changed.parts == (*cone.parts[:place], faster, *cone.parts[place + 1 :], Gravity(9.81))
+    assert changed.without(MovingGrid, FarField, Gravity).parts == tuple(
+        part for part in cone.parts if not isinstance(part, (Window, FarField))
+    )
 
 
 @pytest.mark.parametrize(
-    ("particles_per_side", "free_surface", "corrected"),
-    [(2, False, True), (3, False, True), (1, False, False), (2, True, False)],
+    ("particles_per_side", "surface", "corrected"),
+    [(2, (), True), (3, (), True), (1, (), False), (2, (FreeSurface(),), False)],
 )
 def test_velocities_are_corrected_where_cells_are_full_of_several_particles(
-    floating: Scene, particles_per_side: int, free_surface: bool, corrected: bool
+    floating: Scene, particles_per_side: int, surface: tuple[Part, ...], corrected: bool
 ) -> None:
-    scene = dataclasses.replace(
-        floating, particles_per_side=particles_per_side, free_surface=free_surface
-    )
-    assert scene.has_mass_matrix_correction is corrected
+    scene = dataclasses.replace(floating, particles_per_side=particles_per_side, parts=surface)
+    assert has_mass_matrix_correction(scene) is corrected

@@ -15,8 +15,8 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.limit_load import PLATEAU_CHANGE, PLATEAU_SHARE, LoadSampler
@@ -136,8 +136,7 @@ class Bearing(CatalogueScene):
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
-            fixed=self.fixed(grid),
-            contact=self.contact(grid),
+            parts=(self.fixed(grid), self.contact(grid)),
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

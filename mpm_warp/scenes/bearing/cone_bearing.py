@@ -92,8 +92,7 @@ class ConeBearing(OnGround):
 
     def load(self, scene: Scene, nodal: Floats) -> float:
         """The upward force on the face, over base area and su0."""
-        assert isinstance(scene.contact, PenetrometerContact)
-        forces = scene.contact.forces(nodal)
+        forces = scene[PenetrometerContact].forces(nodal)
         return (forces.face_normal + forces.face_shear) / (0.5 * RADIUS**2 * STRENGTH)
 
     @property

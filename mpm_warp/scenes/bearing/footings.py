@@ -11,7 +11,7 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import graded
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH
 from mpm_warp.scenes.bearing.on_ground import OnGround

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.simulation import Simulation
@@ -105,8 +106,7 @@ class LoadSampler:
     @property
     def travel_per_step(self) -> float:
         """How far the surface sinks in a step [m]."""
-        contact = soil_scene(self._simulation).contact
-        assert contact is not None, "nothing is pressed into the soil"
+        contact = soil_scene(self._simulation)[SurfaceContact]
         return contact.speed * self._simulation.plan.time_step
 
     def steps(self, displacement: float, sample_count: int) -> list[int]:

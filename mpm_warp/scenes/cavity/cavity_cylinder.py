@@ -12,8 +12,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.scene import Part
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cavity.common import RADIUS, STRENGTH, Cavity
 from mpm_warp.scenes.cavity.verifications import HURRIED, LATE, SOON, verifications
@@ -76,16 +76,13 @@ class CavityCylinder(Cavity):
             fitted_radius=outer,
         )
 
-    def fixed(self, grid: Grid) -> Fixed:
-        """Nothing moves along the axis."""
+    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
+        """Nothing moves along the axis; around the grid is the elastic medium, as springs."""
         vertical = np.ones((2, len(grid.columns)), dtype=bool)
-        return Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
-
-    def far_field(self, grid: Grid, material: Material) -> FarField:
-        """The elastic medium around the grid, as springs."""
+        fixed = Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
         far_field = FarField.around(grid, material)
         # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
-        return dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
+        return fixed, dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
 
     def wall_area(self, grid: Grid, radius: float) -> float:
         """Area of the wall per radian [m2] when the cavity has a radius [m]."""

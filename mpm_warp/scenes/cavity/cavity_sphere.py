@@ -12,11 +12,9 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.boundaries.radial_motion import RadialMotion
-from mpm_warp.parts.part import NodeAction
+from mpm_warp.parts.boundaries import Fixed, RadialMotion
 from mpm_warp.results import variable
+from mpm_warp.scene import Part
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cavity.common import RADIUS, Cavity
 from mpm_warp.scenes.cavity.verifications import HURRIED, LATE, SOON, verifications
@@ -53,22 +51,17 @@ class CavitySphere(Cavity):
             fitted_radius=outer,
         )
 
-    def fixed(self, grid: Grid) -> Fixed:
-        """Nothing moves across the axis or the equator."""
+    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
+        """Nothing moves across the axis or the equator; the grid ends without traction.
+
+        Where the clay softens it moves along rays, which keeps the flow as round as the exact one.
+        """
         radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
         vertical = radial.copy()
         radial[0] = True
         vertical[-1] = True
-        return Fixed.where(radial=radial, vertical=vertical)
-
-    @property
-    def guides(self) -> tuple[NodeAction, ...]:
-        """See `Cavity`: rays, where the clay softens."""
-        return (RadialMotion(),) if self.remoulded_strength_ratio < 1.0 else ()
-
-    def far_field(self, grid: Grid, material: Material) -> FarField | None:
-        """None: the grid ends without traction."""
-        return None
+        fixed = Fixed.where(radial=radial, vertical=vertical)
+        return (RadialMotion(), fixed) if self.remoulded_strength_ratio < 1.0 else (fixed,)
 
     def wall_area(self, grid: Grid, radius: float) -> float:
         """Area of the wall per radian [m2] when the cavity has a radius [m].

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
+from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.scenes.cavity.strength_law import cavity_pressure, strain_rate
 from mpm_warp.scenes.monotonic_shear import shear_stress
 

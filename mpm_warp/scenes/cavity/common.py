@@ -16,13 +16,10 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.boundaries.moving_wall import MovingWall
-from mpm_warp.parts.part import NodeAction
+from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.results import variable
 from mpm_warp.sampling import follow, soil_scene
-from mpm_warp.scene import Scene
+from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.changing_strength import ChangingStrengthCavity
 from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
@@ -92,12 +89,8 @@ class Cavity(ClayScene):
         """The grid around the cavity."""
 
     @abstractmethod
-    def fixed(self, grid: Grid) -> Fixed:
-        """Nodes on planes and axes of symmetry."""
-
-    @abstractmethod
-    def far_field(self, grid: Grid, material: Material) -> FarField | None:
-        """The medium around the grid, or none."""
+    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
+        """Planes and axes of symmetry, and the medium around the grid."""
 
     @abstractmethod
     def wall_area(self, grid: Grid, radius: float) -> float:
@@ -158,16 +151,8 @@ class Cavity(ClayScene):
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             stress_at_rest=self.stress_at_rest,
-            forces=self.guides,
-            fixed=self.fixed(grid),
-            far_field=self.far_field(grid, material),
-            moving_wall=self.wall,
+            parts=(*self.boundaries(grid, material), self.wall),
         )
-
-    @property
-    def guides(self) -> tuple[NodeAction, ...]:
-        """What keeps the flow as symmetric as the exact one, beyond the fixed nodes."""
-        return ()
 
     @property
     def stress_at_rest(self) -> Floats:
@@ -234,9 +219,7 @@ class Cavity(ClayScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
-        wall = soil_scene(simulation).moving_wall
-        assert wall is not None
-        duration = self.duration(wall)
+        duration = self.duration(soil_scene(simulation)[MovingWall])
         grid = soil_scene(simulation).grid
         curve = PressureCurve(
             simulation,

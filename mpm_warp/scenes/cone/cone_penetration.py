@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import xarray as xr
@@ -12,16 +12,19 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.spacing import growing
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window.travelling_source import TravellingSource
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.history import History
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.energy_balance import EnergyBalance, check_balance
+from mpm_warp.scenes.cone.energy_balance import EnergyBalanceCurves, check_balance
 from mpm_warp.scenes.cone.known_error import known_error
 from mpm_warp.scenes.cone.measured_error import further_tests, with_measured_error
 from mpm_warp.scenes.cone.parameters import ConeTest
@@ -88,21 +91,23 @@ class ConePenetration(ConeTest):
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=0.2,
-            fixed=Fixed.axis(grid),
             stress_at_rest=self.stress_at_rest,
-            surroundings=SurroundingGround.around(grid, material, self._source),
-            contact=PenetrometerContact.of(
-                self.penetrometer,
-                grid,
-                face_adhesion=self.adhesion_factor * strength,
-                shaft_adhesion=self.shaft_adhesion_factor * strength,
-                friction=self.friction_coefficient,
-                in_situ_stress=self.in_situ_stress,
+            parts=(
+                Fixed.axis(grid),
+                SurroundingGround.around(grid, material, self._source),
+                PenetrometerContact.of(
+                    self.penetrometer,
+                    grid,
+                    face_adhesion=self.adhesion_factor * strength,
+                    shaft_adhesion=self.shaft_adhesion_factor * strength,
+                    friction=self.friction_coefficient,
+                    in_situ_stress=self.in_situ_stress,
+                ),
+                self._window,
+                ConservativeInterpolation(),
+                EnergyAudit(),
+                *([EnergyBalance()] if self.energy_audit == "balance" else []),
             ),
-            window=self._window,
-            conservative_interpolation=True,
-            energy_audit=True,
-            energy_balance=self.energy_audit == "balance",
             precision=self.precision,
         )
 
@@ -192,7 +197,7 @@ class ConePenetration(ConeTest):
     ) -> xr.Dataset:
         def run(test: ConePenetration, report: Progress) -> xr.Dataset:
             shown = snapshots if test is self else None
-            scene = test.build() if shown is None else replace(test.build(), history=True)
+            scene = test.build() if shown is None else test.build().with_parts(History())
             simulation = Simulation(scene, execution)
             report(0.0)
             return test.record(simulation, report, shown)
@@ -212,8 +217,7 @@ class ConePenetration(ConeTest):
             UnfinishedRun: a steady resistance was asked for (`steady_tolerance` > 0), and at the
                 greatest penetration it still changes.
         """
-        window = soil_scene(simulation).window
-        assert isinstance(window, Window)
+        window = soil_scene(simulation)[Window]
         slowing = slowing_penetration(window, self.cone_radius)
         pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=slowing)
         curves = PenetrationCurves(
@@ -223,7 +227,7 @@ class ConePenetration(ConeTest):
             slowing=slowing,
             tolerance=self.steady_tolerance,
         )
-        balances = [EnergyBalance(simulation)] if self.energy_audit == "balance" else []
+        balances = [EnergyBalanceCurves(simulation)] if self.energy_audit == "balance" else []
         views = []
         if snapshots is not None:
             parameters = parameter_variables(self, [AXIS])

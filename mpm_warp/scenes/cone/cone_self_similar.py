@@ -13,8 +13,9 @@ from mpm_warp.grid.fitted import Floats, GroundGrid
 from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.free_surface import FreeSurface
+from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, follow, soil_scene
 from mpm_warp.scene import Scene
@@ -78,15 +79,17 @@ class ConeSelfSimilar(CatalogueScene):
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
-            fixed=Fixed.where(radial=radial, vertical=vertical),
-            contact=PenetrometerContact.of(
-                self._penetrometer,
-                grid,
-                face_adhesion=self.adhesion_factor * STRENGTH,
-                in_situ_stress=0.0,
+            parts=(
+                Fixed.where(radial=radial, vertical=vertical),
+                PenetrometerContact.of(
+                    self._penetrometer,
+                    grid,
+                    face_adhesion=self.adhesion_factor * STRENGTH,
+                    in_situ_stress=0.0,
+                ),
+                self._window,
+                FreeSurface(),
             ),
-            window=self._window,
-            free_surface=True,
         )
 
     def run_size(self) -> RunSize:
@@ -173,8 +176,7 @@ class _LoadCurve:
     """Samples the load on the cone: means over the travel since the sample before."""
 
     def __init__(self, simulation: Simulation) -> None:
-        contact = soil_scene(simulation).contact
-        assert isinstance(contact, PenetrometerContact)
+        contact = soil_scene(simulation)[PenetrometerContact]
         self._simulation = simulation
         self._contact = contact
         self._contact_forces = ContactForces(simulation)

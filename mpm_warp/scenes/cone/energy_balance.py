@@ -7,7 +7,7 @@ import xarray as xr
 
 from mpm_warp.errors import InaccurateRun
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.records.energy_balance import OF_CELLS, OF_NODES, OF_POINTS
+from mpm_warp.parts.energy_balance import OF_CELLS, OF_NODES, OF_POINTS
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import variable
 from mpm_warp.sampling import transferred_energy
@@ -32,7 +32,7 @@ MEANING = {
 RESIDUAL = "work of the penetrometer that is not found again, over all of it"
 
 
-class EnergyBalance:
+class EnergyBalanceCurves:
     """Samples the works of a scene with an energy balance, and gives their shares.
 
     The work is that on face and shaft within the window, of the excess over the in-situ stress.

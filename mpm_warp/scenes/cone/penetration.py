@@ -48,8 +48,7 @@ class PenetrationCurves:
         tolerance: float,
         slowing: Slowing | None = None,
     ) -> None:
-        contact = soil_scene(simulation).contact
-        assert isinstance(contact, PenetrometerContact)
+        contact = soil_scene(simulation)[PenetrometerContact]
         self._simulation = simulation
         self._contact = contact
         self.radius = radius

@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 
 
 @dataclass(frozen=True, kw_only=True)

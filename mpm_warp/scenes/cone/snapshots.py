@@ -37,13 +37,13 @@ class PenetrationSnapshots:
         parameters: Variables,
     ) -> None:
         scene = soil_scene(simulation)
-        assert isinstance(scene.contact, PenetrometerContact)
+        contact = scene[PenetrometerContact]
         self._simulation = simulation
         self._snapshots = snapshots
         self._curves = curves
-        self._contact = scene.contact
+        self._contact = contact
         self._sample_count = 0
-        places = surface_places(scene.contact, scene.grid.node_positions[scene.contact.nodes])
+        places = surface_places(contact, scene.grid.node_positions[contact.nodes])
         same = {**parameters, **grid_places(simulation), **places}
         snapshots.begin(AXIS, ("1", "penetration over cone radius"), same)
 

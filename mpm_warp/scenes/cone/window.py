@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from mpm_warp.parts.window.window import Approach, Window
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, STEADY_SAMPLES
 

@@ -12,8 +12,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.forces.damping import Damping
-from mpm_warp.parts.forces.gravity import Gravity
+from mpm_warp.parts.forces import Damping, Gravity
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
@@ -80,8 +79,7 @@ class GravityColumn(CatalogueScene):
             material=material,
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
-            forces=(Gravity(GRAVITY), Damping(damping)),
-            fixed=self._column.fixed,
+            parts=(Gravity(GRAVITY), Damping(damping), self._column.fixed),
         )
 
     @property

@@ -13,9 +13,8 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.forces.damping import Damping
-from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.forces import Damping, NodalLoad
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
@@ -105,8 +104,7 @@ class ThickCylinder(CatalogueScene):
             material=material,
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
-            forces=(self._load(grid), Damping(damping)),
-            fixed=self._fixed(grid),
+            parts=(self._load(grid), Damping(damping), self._fixed(grid)),
         )
 
     def _grid(self) -> Grid:

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window.travelling_source import TravellingSource
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.scenes.full_flow.ball import Ball
 from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
 from mpm_warp.scenes.full_flow.round_body import RoundBody

@@ -12,7 +12,7 @@ import xarray as xr
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scenes.catalogue import Progress

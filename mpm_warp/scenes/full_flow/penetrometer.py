@@ -14,10 +14,13 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import growing
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.window.cyclic_window import CyclicWindow
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.cyclic_window import CyclicWindow
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
@@ -141,16 +144,18 @@ class FullFlowPenetrometer(FieldClayScene):
             particles_per_side=math.isqrt(self.particles_per_cell),
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
-            fixed=_fixed(grid, rests_around=surroundings is None),
-            surroundings=surroundings,
-            contact=self.body.contact(
-                grid,
-                adhesion=self.adhesion_factor * strength,
-                in_situ_stress=NO_PARTING * strength,
+            parts=(
+                _fixed(grid, rests_around=surroundings is None),
+                *([] if surroundings is None else [surroundings]),
+                self.body.contact(
+                    grid,
+                    adhesion=self.adhesion_factor * strength,
+                    in_situ_stress=NO_PARTING * strength,
+                ),
+                self.window,
+                ConservativeInterpolation(),
+                EnergyAudit(),
             ),
-            window=self.window,
-            conservative_interpolation=True,
-            energy_audit=True,
         )
 
     def run_size(self) -> RunSize:
@@ -183,9 +188,7 @@ class ResistanceSamples:
     """
 
     def __init__(self, simulation: Simulation, body: RoundBody) -> None:
-        contact = soil_scene(simulation).contact
-        assert contact is not None
-        self._contact = contact
+        self._contact = soil_scene(simulation)[SurfaceContact]
         self._area = body.radius if body.planar else 0.5 * body.radius**2
         self._contact_forces = ContactForces(simulation)
         self.forces: list[float] = []

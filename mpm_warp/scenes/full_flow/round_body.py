@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 
 FITTED = 3.0
 """Radius up to which the columns of nodes follow the surface, about, over that of the body: the

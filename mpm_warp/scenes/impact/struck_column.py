@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.impact.impact import LENGTH, Impact, Sections
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
@@ -52,8 +53,7 @@ class StruckColumn(Impact):
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=BULK_VISCOSITY,
-            fixed=self.column.fixed,
-            free_surface=True,
+            parts=(self.column.fixed, FreeSurface()),
         )
 
     def sections(self, simulation: Simulation) -> Sections:

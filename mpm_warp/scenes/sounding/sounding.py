@@ -12,6 +12,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import Derived, parameters_of
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scene import Scene
@@ -119,8 +120,7 @@ class Sounding(SoundingTest):
 
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the last depth of the stretch."""
-        window = self._test.build().window
-        assert window is not None
+        window = self._test.build()[Window]
         return math.ceil(window.time_to(self.travel) / plan.time_step)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.parts.window.passing_surface import PassingSurface
-from mpm_warp.parts.window.window import Window
+from mpm_warp.parts.free_surface import PassingSurface
+from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 
 LAYER = 1.0
@@ -37,17 +37,11 @@ def from_surface(scene: Scene, *, level: float, radius: float) -> Scene:
         level: height of the surface above the tip at the start [m], <= 0.
         radius: of the cone [m].
     """
-    grid, window = GroundGrid.of(scene.grid, level), scene.window
-    assert isinstance(window, Window)
+    grid, window = GroundGrid.of(scene.grid, level), scene[Window]
     points_of_cell = scene.particles_per_side**2
     seeded = seed_rows(grid, 0, grid.row_count, scene.particles_per_side).particle_count
     slots = (1.0 + window.spare_fraction) * grid.cell_count * points_of_cell
-    return replace(
-        scene,
-        grid=grid,
-        window=replace(window, spare_fraction=slots / seeded - 1.0),
-        free_surface=True,
-        passing_surface=PassingSurface(
-            level=level, layer=LAYER * radius, pic_fraction=PIC_FRACTION
-        ),
+    return replace(scene, grid=grid).with_parts(
+        replace(window, spare_fraction=slots / seeded - 1.0),
+        PassingSurface(level=level, layer=LAYER * radius, pic_fraction=PIC_FRACTION),
     )

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.forces.nodal_load import NodalLoad
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.forces import NodalLoad
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -112,8 +112,10 @@ class ElasticColumnWave(CatalogueScene):
             ),
             particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
-            forces=(self._column.pressure_on_top(PRESSURE),) if sudden else (),
-            fixed=self._column.fixed,
+            parts=(
+                *([self._column.pressure_on_top(PRESSURE)] if sudden else []),
+                self._column.fixed,
+            ),
         )
 
     @property

@@ -6,6 +6,7 @@ import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.shares import has_dynamic_chunks, share_of
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.plan.launch import OFFSET, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -53,13 +54,12 @@ def test_what_threads_do_of_a_launch_makes_up_the_whole(threads: int) -> None:
 
 def test_threads_share_what_takes_longer_than_to_wait_for_each_other() -> None:
     scene = CONE.build()
-    assert scene.contact is not None
     small = [
         launch
         for launch in make_plan(scene).step
         if OFFSET in launch.arguments and not launch.is_shared
     ]
-    assert any(launch.dim == (len(scene.contact.nodes),) for launch in small)
+    assert any(launch.dim == (len(scene[SurfaceContact].nodes),) for launch in small)
     assert all(launch.item_count < WORTH_SHARING for launch in small)
     # What adds up is always split, else the number of threads would change how sums are rounded.
     few = GravityColumn(cell_count=3).build()

@@ -12,6 +12,8 @@ from mpm_warp.errors import SceneError
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.materials.variation import Variation
+from mpm_warp.parts.boundaries import FarField
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
@@ -27,7 +29,7 @@ TWO_LAYERS = Variation(
 def varied(scene: Scene, variation: Variation | None) -> Scene:
     """The scene with a material that varies, in surroundings that a far field would not be."""
     material = dataclasses.replace(scene.material, variation=variation)
-    return dataclasses.replace(scene, material=material, far_field=None)
+    return dataclasses.replace(scene.without(FarField), material=material)
 
 
 def test_ratios_are_linear_between_depths_and_jump_where_two_are_equal() -> None:
@@ -126,13 +128,12 @@ def test_a_run_of_ten_times_the_strength_and_stiffness_has_ten_times_the_stress(
         strength=10.0 * cone.material.strength,
         density=10.0 * cone.material.density,
     )
-    assert cone.contact is not None
     contact = dataclasses.replace(
-        cone.contact,
-        adhesion_forces=10.0 * cone.contact.adhesion_forces,
-        in_situ_stress=10.0 * cone.contact.in_situ_stress,
+        cone[SurfaceContact],
+        adhesion_forces=10.0 * cone[SurfaceContact].adhesion_forces,
+        in_situ_stress=10.0 * cone[SurfaceContact].in_situ_stress,
     )
-    ten = dataclasses.replace(cone, material=stiff, contact=contact)
+    ten = dataclasses.replace(cone.with_parts(contact), material=stiff)
     runs = [Simulation(varied(it, TWO_LAYERS)) for it in (cone, ten)]
     for run in runs:
         run.travel_to(0.4)
@@ -142,7 +143,7 @@ def test_a_run_of_ten_times_the_strength_and_stiffness_has_ten_times_the_stress(
 
 def test_a_far_field_or_stress_at_rest_does_not_follow_the_soil(cone: Scene) -> None:
     soil = dataclasses.replace(cone.material, variation=TWO_LAYERS)
-    with pytest.raises(SceneError, match="far_field: not together with a material that varies"):
+    with pytest.raises(SceneError, match="FarField: not together with a material that varies"):
         dataclasses.replace(cone, material=soil)
     scene = varied(cone, TWO_LAYERS)
     with pytest.raises(SceneError, match="stress_at_rest: not together"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
-from mpm_warp.parts.velocity_interpolation import interpolation_weights
+from mpm_warp.parts.interpolation import ConservativeInterpolation, interpolation_weights
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scene import Scene
@@ -129,9 +129,8 @@ def test_either_edge_of_a_cell_has_its_mean_divergence(rectilinear: Grid, nodal:
 
 
 def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
-    scene = dataclasses.replace(
-        floating, grid=fitted, particles_per_side=3, conservative_interpolation=True
-    )
+    parts = (ConservativeInterpolation(),)
+    scene = dataclasses.replace(floating, grid=fitted, particles_per_side=3, parts=parts)
     simulation = Simulation(scene)
     position = simulation.array("particle.position").copy()
     column, row = simulation.array("particle.cell").copy().T
@@ -167,7 +166,7 @@ def test_in_plane_strain_it_is_that_far_from_the_axis(fitted: Grid) -> None:
 
 def test_it_adds_weights_and_a_flow_to_cells_and_no_launch(floating: Scene) -> None:
     bare = make_plan(floating)
-    plan = make_plan(dataclasses.replace(floating, conservative_interpolation=True))
+    plan = make_plan(floating.with_parts(ConservativeInterpolation()))
     assert set(plan.arrays) - set(bare.arrays) == {
         "cell.interpolation_weights",
         "cell.internal_flow",
@@ -190,12 +189,11 @@ def test_no_soil_piles_up_beside_a_rough_shaft() -> None:
         domain_below=7,
     )
     scene = cone.build()
-    assert isinstance(scene.contact, PenetrometerContact)
     grid, simulation, resistance = scene.grid, Simulation(scene), []
     contact_forces = ContactForces(simulation)
     for penetration in (35, 40, 155, 160):
         simulation.travel_to(penetration * cone.cone_radius)
-        forces = scene.contact.forces(contact_forces.take())
+        forces = scene[PenetrometerContact].forces(contact_forces.take())
         resistance.append(forces.face_normal + forces.face_shear)
     present = simulation.array("particle.cell")[:, 0] >= 0
     column, row = simulation.array("particle.cell")[present].T

@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 from mpm_warp.errors import Fault
 from mpm_warp.execution.batched_plan import batch_key
 from mpm_warp.plan.time_step import TimeStepControl
-from mpm_warp.planning import make_plan
+from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 
 
 def following(now: float, critical: float, fraction: float = 0.8) -> float:
-    control = TimeStepControl(
-        first=0.8, fraction=fraction, critical=lambda array: critical, replan=pytest.fail
-    )
+    control = TimeStepControl(first=0.8, fraction=fraction, critical=lambda array: critical)
     return control.following(now, np.zeros)
 
 
@@ -33,9 +31,7 @@ def test_the_time_step_is_ready_for_the_critical_one_to_fall_on() -> None:
 
 
 def test_the_time_step_rises_again_up_to_the_first_one() -> None:
-    control = TimeStepControl(
-        first=0.8, fraction=0.8, critical=lambda array: float(array("")), replan=pytest.fail
-    )
+    control = TimeStepControl(first=0.8, fraction=0.8, critical=lambda array: float(array("")))
     found = iter([0.5, 0.5, 0.5 * 1.04, 0.5 * 1.06, 5.0])
 
     def array(name: str) -> NDArray[Any]:
@@ -61,7 +57,7 @@ def test_only_what_can_change_is_looked_at(cone: Scene, cavity: Scene) -> None:
 def test_a_plan_with_another_time_step_is_the_same_but_for_numbers(cavity: Scene) -> None:
     plan = make_plan(cavity)
     assert plan.control is not None
-    other = plan.control.replan(0.3 * plan.time_step)
+    other = make_plan(cavity, SHARE_COUNT, 0.3 * plan.time_step)
     assert other.time_step == 0.3 * plan.time_step
     assert batch_key(other) == batch_key(plan)
 

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 
 from mpm_warp.grid.fitted import Grid, GroundGrid
+from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -25,7 +26,7 @@ def test_a_cell_at_the_surface_of_the_ground_bears_stress_as_far_as_it_is_filled
         fitted_radius=fitted.outer_radius,
         ground_level=half_up,
     )
-    scene = dataclasses.replace(floating, grid=ground, particles_per_side=4, free_surface=True)
+    scene = dataclasses.replace(floating, grid=ground, particles_per_side=4, parts=(FreeSurface(),))
     simulation = Simulation(scene)
     simulation.array("particle.stress")[:] = [-3.0, -2.0, 1.0, -2.5]
     simulation.advance(1)

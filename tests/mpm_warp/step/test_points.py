@@ -7,6 +7,7 @@ import itertools
 
 import numpy as np
 
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
@@ -24,12 +25,11 @@ def test_particles_start_at_rest_without_stress_with_the_mass_of_the_soil(floati
 def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) -> None:
     """The empty ones at its end, outside every cell and without mass."""
     plan = make_plan(cone)
-    assert cone.window is not None
     cell, mass = (plan.arrays[f"particle.{name}"].initial for name in ("cell", "mass"))
     assert cell is not None
     assert mass is not None
     empty = cell[:, 0] < 0
-    assert empty.sum() == round(cone.window.spare_fraction * plan.particle_count)
+    assert empty.sum() == round(cone[Window].spare_fraction * plan.particle_count)
     np.testing.assert_array_equal(cell[empty], -1)
     np.testing.assert_array_equal(mass[empty], 0.0)
     bounds = share_bounds(len(cell), plan.share_count)

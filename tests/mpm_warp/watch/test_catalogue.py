@@ -8,6 +8,8 @@ import pytest
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.parameters import Value
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.simulation import Simulation
@@ -86,7 +88,7 @@ def with_blocks(name: str) -> bool:
     """Whether a scene has cells around which there are others, whose soil leaves by no right."""
     scene = COMPOSITIONS[name]
     wide = min(scene.grid.row_count, scene.grid.column_count) > BLOCK
-    return wide and not scene.free_surface
+    return wide and scene.find(FreeSurface) is None
 
 
 @pytest.mark.parametrize("name", list(filter(with_blocks, SOIL_SCENES)))
@@ -102,7 +104,7 @@ def test_cells_that_have_lost_their_soil_are_noticed(name: str) -> None:
 
 def touches(name: str) -> bool:
     """Whether a scene has a surface from which soil parts by no right."""
-    contact = COMPOSITIONS[name].contact
+    contact = COMPOSITIONS[name].find(SurfaceContact)
     return contact is not None and contact.in_situ_stress > 0.0
 
 

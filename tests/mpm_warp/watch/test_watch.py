@@ -10,6 +10,7 @@ import warp as wp
 
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
@@ -133,9 +134,8 @@ def test_cells_that_have_lost_their_soil_are_noticed(cone: Scene) -> None:
 
 
 def test_soil_may_leave_cells_where_it_may_part_from_the_surface(cone: Scene) -> None:
-    assert cone.contact is not None
-    parting = dataclasses.replace(cone.contact, in_situ_stress=0.0)
-    simulation = Simulation(dataclasses.replace(cone, contact=parting))
+    parting = dataclasses.replace(cone[SurfaceContact], in_situ_stress=0.0)
+    simulation = Simulation(cone.with_parts(parting))
     lose_soil(simulation)
     simulation.check()
 
@@ -151,15 +151,14 @@ def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
 
 def test_a_held_node_may_be_without_soil_for_a_moment(cone: Scene) -> None:
     """It then has no velocity, while the body goes on; here they are a half of all."""
-    assert cone.contact is not None
-    held = np.arange(len(cone.contact.nodes) // 2)
-    contact = dataclasses.replace(cone.contact, held=held)
+    held = np.arange(len(cone[SurfaceContact].nodes) // 2)
+    contact = dataclasses.replace(cone[SurfaceContact], held=held)
     with_the_body = np.tile([0.0, -2.0], (len(contact.nodes), 1))
     without = with_the_body.copy()
     without[held] = 0.0
     check_contact(contact, without, speed=2.0)
     with pytest.raises(Fault, match=r"contact is lost on \d+% of the surface"):
-        check_contact(cone.contact, without, speed=2.0)
+        check_contact(cone[SurfaceContact], without, speed=2.0)
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])

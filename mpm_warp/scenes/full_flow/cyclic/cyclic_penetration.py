@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.window.cyclic_window import CyclicWindow
+from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, transferred_energy
 from mpm_warp.scenes.catalogue import Progress, Verification

@@ -11,8 +11,8 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.grid.spacing import graded
 from mpm_warp.parameters import redefined
-from mpm_warp.parts.boundaries.fixed import Fixed
-from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.scenes.shared_parameters import ConeInGround
@@ -74,8 +74,7 @@ class FullFlow(Bearing):
 
     def load(self, scene: Scene, nodal: Floats) -> float:
         """The force along the line of travel, over projected area and su."""
-        assert scene.contact is not None
-        normals = scene.contact.normals
+        normals = scene[SurfaceContact].normals
         upward = nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]
         # Forces are those on half a cylinder, or on a radian of a sphere.
         area = RADIUS if self.planar else 0.5 * RADIUS**2

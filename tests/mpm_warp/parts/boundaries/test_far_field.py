@@ -9,7 +9,8 @@ import pytest
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parts.boundaries.far_field import FarField
+from mpm_warp.parts.boundaries import FarField
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.edges import axis_and_ends
@@ -39,7 +40,7 @@ def test_its_dashpots_are_no_harder_than_those_of_soil_that_may_change_its_volum
 
 def test_the_far_field_pushes_back_like_an_elastic_cavity(cone: Scene) -> None:
     """From rest: m dv / dt = - k u - c v with the dashpot implicit, to rounding."""
-    far = cone.far_field
+    far = cone[FarField]
     assert far is not None
     simulation = Simulation(cone)
     pushed = 1e-3 * np.linspace(1.0, 2.0, len(far.nodes))
@@ -57,10 +58,9 @@ def test_the_springs_of_the_far_field_rise_with_the_soil(cone: Scene) -> None:
     """After a row of travel each spring is one row higher, and the lowest is undisturbed."""
     # Springs without stiffness, in soil at rest: nothing else changes their displacement.
     grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
-    assert cone.far_field is not None
-    limp = dataclasses.replace(cone.far_field, spring=0.0 * cone.far_field.spring)
+    limp = dataclasses.replace(cone[FarField], spring=0.0 * cone[FarField].spring)
     fixed = axis_and_ends(grid)
-    still = dataclasses.replace(cone, grid=grid, contact=None, fixed=fixed, far_field=limp)
+    still = dataclasses.replace(cone.without(SurfaceContact).with_parts(fixed, limp), grid=grid)
     simulation = Simulation(still)
     count = simulation.array("far_field.displacement").shape[0]
     simulation.assign("far_field.displacement", np.arange(1.0, count + 1.0))
@@ -73,7 +73,7 @@ def test_the_springs_of_the_far_field_rise_with_the_soil(cone: Scene) -> None:
 def test_a_node_without_soil_is_left_alone(floating: Scene, elastic: LinearElastic) -> None:
     """Not a number there would stay in the far field after soil has come back."""
     far = FarField.around(floating.grid, elastic)
-    simulation = Simulation(dataclasses.replace(floating, far_field=far))
+    simulation = Simulation(floating.with_parts(far))
     simulation.array("particle.cell")[:] = [2, 2]
     simulation.array("particle.position")[:] = floating.grid.place(
         np.array(2), np.array(2), np.array(0.5), np.array(0.5)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.plan.time_step import SLACK
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
@@ -22,7 +24,7 @@ def spherical(cavity: Scene) -> Scene:
         surface_radius=np.ones(6),
         fitted_radius=cavity.grid.outer_radius,
     )
-    return dataclasses.replace(cavity, grid=grid, fixed=None, far_field=None)
+    return dataclasses.replace(cavity.without(Fixed, FarField), grid=grid)
 
 
 @pytest.mark.parametrize("name", ["cavity", "spherical"])
@@ -55,22 +57,21 @@ def test_soil_beside_the_wall_moves_with_it_and_without_shear(
     grid = scene.grid
     nodes = grid.node(0, np.arange(grid.row_count + 1))
     velocity = simulation.array("node.velocities")[nodes, :2]
-    if scene.fixed is not None:  # the ends hold it along z
+    if scene.find(Fixed):  # the ends hold it along z
         velocity[:, 1] = 7.0
     normals = grid.surface_normals
     tangents = np.stack([normals[:, 1], -normals[:, 0]], axis=-1)
     np.testing.assert_allclose(np.sum(velocity * normals, axis=1), 2.0, rtol=1e-9)
     across = np.sum(velocity * tangents, axis=1)
     np.testing.assert_allclose(across, tangents @ [3.0, 7.0], rtol=1e-9, atol=1e-9)
-    pushed = 2.0 - normals @ [3.0, 7.0] if scene.fixed is None else 2.0 - 3.0 * normals[:, 0]
+    pushed = 2.0 - (3.0 * normals[:, 0] if scene.find(Fixed) else normals @ [3.0, 7.0])
     expected = simulation.array("node.mass")[nodes] * pushed
     np.testing.assert_allclose(simulation.array("wall.impulse"), expected, rtol=1e-6)
 
 
 def test_a_wall_that_squeezes_its_cells_to_a_half(cavity: Scene) -> None:
     """It goes on with steps that fit them, at the same time to the same place."""
-    assert cavity.moving_wall is not None
-    wall = cavity.moving_wall
+    wall = cavity[MovingWall]
     end = (1.0 + wall.ramp_travel) / wall.speed
     simulation = Simulation(cavity)
     simulation.advance_to(end)

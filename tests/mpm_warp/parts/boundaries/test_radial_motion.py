@@ -9,7 +9,8 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.parts.boundaries.radial_motion import RadialMotion
+from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
+from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -26,13 +27,10 @@ def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(cavity: Scene) 
     # So short a step that no stress acts.
     simulation = Simulation(
         dataclasses.replace(
-            cavity,
+            cavity.without(Fixed, FarField, MovingWall),
             grid=grid,
-            fixed=None,
-            far_field=None,
-            forces=(RadialMotion(),),
             time_step_fraction=1e-6,
-        )
+        ).with_parts(RadialMotion(), cavity[MovingWall])
     )
     simulation.array("particle.velocity")[:] = [3.0, 7.0]
     simulation.advance(1)
@@ -47,4 +45,4 @@ def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(cavity: Scene) 
 
 def test_a_grid_without_rays_is_refused(cavity: Scene) -> None:
     with pytest.raises(SceneError, match="radial motion: the grid is a Grid, must be a PolarGrid"):
-        dataclasses.replace(cavity, forces=(RadialMotion(),))
+        cavity.with_parts(RadialMotion())

@@ -11,7 +11,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parts.contact.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -19,8 +19,7 @@ from mpm_warp.simulation import Simulation
 @pytest.fixture
 def surface(cone: Scene) -> SurfaceContact:
     """Of the cone and its shaft."""
-    assert cone.contact is not None
-    return cone.contact
+    return cone[SurfaceContact]
 
 
 def test_nodal_areas_integrate_linear_functions_exactly() -> None:
@@ -55,12 +54,9 @@ def test_only_nodes_of_the_surface_can_be_held(surface: SurfaceContact) -> None:
 
 def after_a_step(scene: Scene, speed: float, **changes: object) -> tuple[Simulation, Floats]:
     """A run of one step without a window, and the velocity of the soil past the body [m/s]."""
-    assert scene.contact is not None
-    contact = dataclasses.replace(scene.contact, speed=speed, **changes)
+    contact = dataclasses.replace(scene[SurfaceContact], speed=speed, **changes)
     # The contact alone, in a step so short that no stress matters.
-    alone = dataclasses.replace(
-        scene, contact=contact, window=None, fixed=None, far_field=None, time_step_fraction=1e-6
-    )
+    alone = dataclasses.replace(scene, parts=(contact,), time_step_fraction=1e-6)
     simulation = Simulation(alone)
     simulation.advance(1)
     return simulation, simulation.array("node.velocities")[contact.nodes, :2] + [0.0, speed]

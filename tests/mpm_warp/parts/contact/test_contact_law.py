@@ -7,7 +7,7 @@ import pytest
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.contact.contact_law import make_contact_law
+from mpm_warp.parts.contact import make_contact_law
 from mpm_warp.precision import FLOAT64
 
 ROUNDING = 1e-14

@@ -12,6 +12,8 @@ from mpm_warp.errors import SceneError
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
+from mpm_warp.parts.boundaries import FarField
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
@@ -39,7 +41,6 @@ def softening(cone: Scene) -> Scene:
 
 def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening: Scene) -> None:
     """By mass; the points of one row of cells are remoulded, so nodes above and below mix."""
-    assert softening.contact is not None
     simulation = Simulation(softening)
     row = softening.grid.row_count - 2
     cell = simulation.array("particle.cell")
@@ -47,20 +48,19 @@ def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening
     simulation.advance(AUDIT_INTERVAL)
     mass = simulation.array("particle.mass")
     in_row = [mass[(cell[:, 0] == 0) & (cell[:, 1] == it)].sum() for it in range(row + 2)]
-    share = np.ones(len(softening.contact.nodes))
+    share = np.ones(len(softening[SurfaceContact].nodes))
     # Nodes are numbered upward; the last is the upper end of the last row of cells.
     share[-3] = (in_row[row - 1] + DELTA * in_row[row]) / (in_row[row - 1] + in_row[row])
     share[-2] = (DELTA * in_row[row] + in_row[row + 1]) / (in_row[row] + in_row[row + 1])
-    expected = share * softening.contact.adhesion_forces
+    expected = share * softening[SurfaceContact].adhesion_forces
     np.testing.assert_allclose(simulation.array("contact.adhesion"), expected, rtol=1e-12)
 
 
 def test_adhesion_beside_intact_soil_is_what_was_given(softening: Scene) -> None:
-    assert softening.contact is not None
     simulation = Simulation(softening)
     simulation.advance(AUDIT_INTERVAL)
     adhesion = simulation.array("contact.adhesion")
-    np.testing.assert_allclose(adhesion, softening.contact.adhesion_forces, rtol=1e-14)
+    np.testing.assert_allclose(adhesion, softening[SurfaceContact].adhesion_forces, rtol=1e-14)
 
 
 def test_soil_whose_strength_stays_needs_nothing_of_it(cone: Scene) -> None:
@@ -70,12 +70,11 @@ def test_soil_whose_strength_stays_needs_nothing_of_it(cone: Scene) -> None:
 
 
 def test_a_surface_elsewhere_than_along_the_first_column_is_refused(softening: Scene) -> None:
-    assert softening.contact is not None
-    nodes = softening.contact.nodes.copy()
+    nodes = softening[SurfaceContact].nodes.copy()
     nodes[3] += 1
-    elsewhere = dataclasses.replace(softening.contact, nodes=nodes)
+    elsewhere = dataclasses.replace(softening[SurfaceContact], nodes=nodes)
     with pytest.raises(SceneError, match=r"nodes\[3\] is not in the first column"):
-        dataclasses.replace(softening, contact=elsewhere)
+        softening.with_parts(elsewhere)
 
 
 def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Scene) -> None:
@@ -84,9 +83,8 @@ def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Sc
         depth=np.zeros(2), strength_ratio=np.array([1.0, 2.0]), stiffness_ratio=np.ones(2)
     )
     soil = dataclasses.replace(cone.material, variation=two)
-    simulation = Simulation(dataclasses.replace(cone, material=soil, far_field=None))
-    contact = cone.contact
-    assert contact is not None
+    simulation = Simulation(dataclasses.replace(cone.without(FarField), material=soil))
+    contact = cone[SurfaceContact]
     ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
     # The tip, at the very border, belongs to what is below it.
     np.testing.assert_allclose(ratio, [2.0] + [1.0] * (len(ratio) - 1))

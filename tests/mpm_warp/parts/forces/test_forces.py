@@ -9,18 +9,15 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.forces.damping import Damping
-from mpm_warp.parts.forces.gravity import Gravity
-from mpm_warp.parts.forces.nodal_load import NodalLoad
-from mpm_warp.parts.part import NodeAction
-from mpm_warp.scene import Scene
+from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
+from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.edges import axis_and_ends
 
 
-def after_a_step(scene: Scene, *forces: NodeAction) -> Simulation:
+def after_a_step(scene: Scene, *parts: Part) -> Simulation:
     """A run of one step from a uniform velocity (3, 7) m/s, so short that no stress matters."""
-    short = dataclasses.replace(scene, forces=forces, time_step_fraction=1e-6)
+    short = dataclasses.replace(scene, parts=parts, time_step_fraction=1e-6)
     simulation = Simulation(short)
     simulation.array("particle.velocity")[:] = [3.0, 7.0]
     simulation.advance(1)
@@ -55,7 +52,7 @@ def test_a_nodal_load_accelerates_its_nodes_by_their_mass(floating: Scene) -> No
 def test_a_node_without_soil_has_neither_load_nor_weight(floating: Scene) -> None:
     """All particles are gone from the cells around the first nodes."""
     load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
-    simulation = Simulation(dataclasses.replace(floating, forces=(load, Gravity(10.0))))
+    simulation = Simulation(floating.with_parts(load, Gravity(10.0)))
     simulation.array("particle.cell")[:] = [2, 2]
     simulation.array("particle.position")[:] = floating.grid.place(
         np.array(2), np.array(2), np.array(0.5), np.array(0.5)
@@ -67,7 +64,7 @@ def test_a_node_without_soil_has_neither_load_nor_weight(floating: Scene) -> Non
 
 def test_fixed_nodes_are_at_rest_along_what_is_held(floating: Scene, rectilinear: Grid) -> None:
     fixed = axis_and_ends(rectilinear)
-    simulation = after_a_step(dataclasses.replace(floating, fixed=fixed))
+    simulation = after_a_step(floating, fixed)
     shape = (rectilinear.row_count + 1, rectilinear.column_count + 1, 4)
     velocity = simulation.array("node.velocities").reshape(shape)[..., :2]
     assert np.all(velocity[0] == 0.0)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
+from mpm_warp.parts.energy_audit import EnergyAudit
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import transferred_energy
@@ -29,7 +28,7 @@ def test_energy_audit_is_a_sample_of_what_the_transfers_do(cone: Scene) -> None:
 
 
 def test_audit_costs_nothing_where_it_is_not_asked_for(cone: Scene) -> None:
-    plan = make_plan(dataclasses.replace(cone, energy_audit=False))
+    plan = make_plan(cone.without(EnergyAudit))
     assert plan.audited_step == []
     assert "transfer.energy" not in plan.arrays
 

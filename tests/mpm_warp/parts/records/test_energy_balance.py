@@ -11,10 +11,13 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parts.records.energy_balance import OF_CELLS, OF_NODES, OF_POINTS
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.energy_balance import OF_CELLS, OF_NODES, OF_POINTS, EnergyBalance
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
+from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-9
@@ -23,15 +26,14 @@ ROUNDING = 1e-9
 
 @pytest.fixture
 def balanced(cone: Scene) -> Scene:
-    return dataclasses.replace(cone, energy_balance=True)
+    return cone.with_parts(EnergyBalance())
 
 
 def works_by_hand(simulation: Simulation) -> dict[str, float]:
     """Of the step to come: works at the nodes by what the body bears and what cells press with."""
     scene = simulation.scene
     assert isinstance(scene, Scene)
-    contact, grid = scene.contact, scene.grid
-    assert contact is not None
+    contact, grid = scene[SurfaceContact], scene.grid
     speed = simulation.array("window.motion")[1]
     simulation.assign("contact.impulse", 0.0)
     viscous = grid.cell_volumes * simulation.array("cell.viscosity")
@@ -142,13 +144,15 @@ def test_a_scene_without_balance_has_none_of_it_and_the_same_run(
     assert len(audited) == len(make_plan(cone).audited_step) + 5
 
 
-@pytest.mark.parametrize("name", ["window", "contact", "bulk_viscosity", "energy_audit"])
+@pytest.mark.parametrize("kind", [Window, SurfaceContact, EnergyAudit])
 def test_a_balance_needs_what_it_is_a_balance_of(
     balanced: Scene,
     refused: Callable[[Callable[[], object], type[Exception], str], None],
-    name: str,
+    kind: type[Part],
 ) -> None:
-    without = False if name == "energy_audit" else None
-    refused(
-        lambda: dataclasses.replace(balanced, **{name: without}), SceneError, f"not without {name}"
-    )
+    refused(lambda: balanced.without(kind), SceneError, "EnergyBalance: not without a")
+
+
+def test_a_balance_needs_a_bulk_viscosity(balanced: Scene) -> None:
+    with pytest.raises(SceneError, match=r"^EnergyBalance: not without a bulk_viscosity$"):
+        dataclasses.replace(balanced, bulk_viscosity=None)

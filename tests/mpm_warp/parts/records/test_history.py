@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.records.history import displacement
-from mpm_warp.parts.records.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.parts.history import History, displacement
+from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
@@ -20,7 +18,7 @@ ADDED = {"particle.origin", "particle.plastic_strain", "layer.origin", "layer.pl
 
 
 def with_history(scene: Scene) -> Scene:
-    return dataclasses.replace(scene, history=True)
+    return scene.with_parts(History())
 
 
 def test_a_scene_without_history_has_none_of_its_arrays_and_launches(cone: Scene) -> None:

@@ -12,8 +12,8 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.linear_elastic import LinearElastic
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.window.cyclic_window import CyclicWindow
+from mpm_warp.parts.boundaries import FarField
+from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -31,7 +31,7 @@ def travelling(elastic: LinearElastic) -> Scene:
         fitted_radius=1.0,
     )
     return Scene(
-        grid=grid, material=elastic, particles_per_side=2, time_step_fraction=0.5, window=WINDOW
+        grid=grid, material=elastic, particles_per_side=2, time_step_fraction=0.5, parts=(WINDOW,)
     )
 
 
@@ -119,7 +119,7 @@ def test_what_does_not_go_with_a_cyclic_window_is_refused(
     refused: Callable[[Callable[[], object], type[Exception], str], None],
 ) -> None:
     far_field = FarField.around(travelling.grid, travelling.material)
-    refused(lambda: dataclasses.replace(travelling, far_field=far_field), SceneError, "far_field")
+    refused(lambda: travelling.with_parts(far_field), SceneError, "FarField")
     for values, word in (
         ({"speed": 0.0}, "speed"),
         ({"ramp_travel": -1.0}, "ramp_travel"),

@@ -11,7 +11,9 @@ import warp as wp
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.materials.material import PROPERTIES, Material
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.window.window import Approach
+from mpm_warp.parts.boundaries import FarField
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.planning import make_plan
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
@@ -48,7 +50,7 @@ def empty(cone: Scene) -> Scene:
     """The window without a penetrometer in it."""
     grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
     fixed = axis_and_ends(grid)
-    return dataclasses.replace(cone, grid=grid, contact=None, fixed=fixed)
+    return dataclasses.replace(cone.without(SurfaceContact).with_parts(fixed), grid=grid)
 
 
 def test_undisturbed_soil_in_the_window_stays_exactly_at_rest(empty: Scene) -> None:
@@ -118,9 +120,8 @@ def state_of(simulation: Simulation) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("approach", [None, Approach(speed=3.0, travel=1.2, slowing_travel=0.4)])
 def test_soil_enters_however_the_steps_are_parted(cone: Scene, approach: Approach | None) -> None:
     """By travel, in one go and one by one: the same bits in every array of the run."""
-    assert cone.window is not None
-    window = dataclasses.replace(cone.window, approach=approach)
-    scene = dataclasses.replace(cone, window=window)
+    window = dataclasses.replace(cone[Window], approach=approach)
+    scene = cone.with_parts(window)
     travelled = Simulation(scene)
     travelled.travel_to(1.5)
     steps = travelled.step_count
@@ -183,7 +184,7 @@ def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
         stiffness_ratio=np.array([0.2, 1.0]),
     )
     soil = dataclasses.replace(empty.material, variation=growing)
-    simulation = Simulation(dataclasses.replace(empty, material=soil, far_field=None))
+    simulation = Simulation(dataclasses.replace(empty.without(FarField), material=soil))
     simulation.travel_to(2.0 * float(rows[1] - rows[0]))
     inside = simulation.array("particle.cell")[:, 0] >= 0
     place = simulation.array("particle.position")[inside] - [0.0, simulation.travel]

@@ -9,7 +9,10 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import GroundGrid
-from mpm_warp.parts.window.passing_surface import PassingSurface
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.free_surface import PassingSurface
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.edges import axis_and_ends
@@ -25,16 +28,12 @@ def ground(cone: Scene) -> Scene:
     level = float(rows[LEVEL_ROW])
     plain = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
     layer = 1.5 * float(rows[1] - rows[0])
-    assert cone.window is not None
-    return dataclasses.replace(
-        cone,
-        grid=GroundGrid.of(plain, level),
-        contact=None,
-        fixed=axis_and_ends(plain),
-        window=dataclasses.replace(cone.window, spare_fraction=3.0),
-        free_surface=True,
-        passing_surface=PassingSurface(level=level, layer=layer, pic_fraction=0.25),
+    in_window = cone.without(SurfaceContact).with_parts(
+        axis_and_ends(plain),
+        dataclasses.replace(cone[Window], spare_fraction=3.0),
+        PassingSurface(level=level, layer=layer, pic_fraction=0.25),
     )
+    return dataclasses.replace(in_window, grid=GroundGrid.of(plain, level))
 
 
 def _by_row(simulation: Simulation, ground: Scene, name: str) -> np.ndarray:
@@ -70,11 +69,8 @@ def test_a_point_near_the_surface_takes_its_share_of_the_velocity_of_the_grid(
     """All of it is the velocity that the point moves with; deeper points keep their own."""
 
     def after_a_step(fraction: float) -> tuple[np.ndarray, np.ndarray]:
-        assert ground.passing_surface is not None
-        surface = dataclasses.replace(ground.passing_surface, pic_fraction=fraction)
-        simulation = Simulation(
-            dataclasses.replace(ground, passing_surface=surface, conservative_interpolation=False)
-        )
+        surface = dataclasses.replace(ground[PassingSurface], pic_fraction=fraction)
+        simulation = Simulation(ground.without(ConservativeInterpolation).with_parts(surface))
         velocity = simulation.array("particle.velocity")
         velocity[:, 0] = 1e-3 * np.sin(np.arange(len(velocity)))
         before = simulation.array("particle.position")[:, 0].copy()
@@ -92,15 +88,6 @@ def test_a_point_near_the_surface_takes_its_share_of_the_velocity_of_the_grid(
     assert np.abs(own - whole)[is_near].max() > 1e-4
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"window": None}, "passing_surface: not together with a grid that stays"),
-        ({"free_surface": False}, "passing_surface: not together with full cells"),
-    ],
-)
-def test_it_needs_a_window_and_a_free_surface(
-    ground: Scene, changes: dict[str, object], message: str
-) -> None:
-    with pytest.raises(SceneError, match=message):
-        dataclasses.replace(ground, **changes)
+def test_it_needs_a_window(ground: Scene) -> None:
+    with pytest.raises(SceneError, match=r"^PassingSurface: not without a Window$"):
+        ground.without(Window)

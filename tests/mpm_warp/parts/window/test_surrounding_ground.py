@@ -9,8 +9,10 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
+from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
@@ -28,8 +30,7 @@ def scene() -> Scene:
 
 
 def ground_of(scene: Scene) -> SurroundingGround:
-    assert scene.surroundings is not None
-    return scene.surroundings
+    return scene[SurroundingGround]
 
 
 def test_bottom_and_top_move_as_the_source_has_them_move(scene: Scene) -> None:
@@ -95,9 +96,8 @@ def test_anisotropic_ground_rests(anisotropy: float) -> None:
     # The contact would let the soil go where it pulls at the shaft, so that is held instead.
     held = np.zeros((scene.grid.row_count + 1, scene.grid.column_count + 1), dtype=bool)
     held[:, 0] = True
-    assert scene.fixed is not None
-    fixed = type(scene.fixed).where(radial=held, vertical=held)
-    simulation = Simulation(dataclasses.replace(scene, contact=None, fixed=fixed))
+    fixed = type(scene[Fixed]).where(radial=held, vertical=held)
+    simulation = Simulation(scene.without(SurfaceContact).with_parts(fixed))
     simulation.advance(1)
     stress = simulation.array("particle.stress")
     soil = simulation.array("particle.cell")[:, 0] >= 0
@@ -127,10 +127,10 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
 
 def test_it_takes_the_place_of_a_far_field_and_needs_a_window(scene: Scene) -> None:
     far = FarField.around(scene.grid, scene.material)
-    with pytest.raises(SceneError, match="surroundings: not together with a far field"):
-        dataclasses.replace(scene, far_field=far)
-    with pytest.raises(SceneError, match="surroundings: not together with a grid at rest"):
-        dataclasses.replace(scene, window=None)
+    with pytest.raises(SceneError, match="SurroundingGround: not together with a FarField"):
+        scene.with_parts(far)
+    with pytest.raises(SceneError, match="SurroundingGround: not without a Window"):
+        scene.without(Window)
 
 
 def test_values_that_are_not_allowed(scene: Scene) -> None:

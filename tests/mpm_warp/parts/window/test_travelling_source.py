@@ -7,7 +7,7 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.window.travelling_source import TravellingSource
+from mpm_warp.parts.surrounding_ground import TravellingSource
 
 SOURCE = TravellingSource(radius=0.5, height=0.2, shear_modulus=3.0)
 PLACES = np.array([[4.0, -6.0], [5.0, 0.2], [3.0, 7.0], [0.0, -5.0]])

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.parts.window.window import Approach, Window
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -49,17 +49,15 @@ def test_no_speed_is_above_the_highest_beyond_a_travel() -> None:
 @pytest.fixture
 def hurried(cone: Scene) -> Scene:
     """The cone of unit radius, with an approach at three times its speed."""
-    assert cone.window is not None
     approach = Approach(speed=3.0, travel=2.0, slowing_travel=1.0)
-    return dataclasses.replace(cone, window=dataclasses.replace(cone.window, approach=approach))
+    return cone.with_parts(dataclasses.replace(cone[Window], approach=approach))
 
 
 def test_a_run_takes_the_time_that_its_window_says(hurried: Scene) -> None:
     """But for two steps: in a step the speed is that at its begin."""
-    assert hurried.window is not None
     simulation = Simulation(hurried)
     simulation.travel_to(4.0)
-    steps = hurried.window.time_to(4.0) / simulation.plan.time_step
+    steps = hurried[Window].time_to(4.0) / simulation.plan.time_step
     assert abs(simulation.step_count - steps) <= 2.0
 
 
@@ -68,7 +66,7 @@ def test_the_window_stops_at_the_first_step_beyond_a_distance(
 ) -> None:
     """And takes its steps in one go wherever its speed is the final one."""
     simulation = Simulation(hurried)
-    window = hurried.window
+    window = hurried[Window]
     assert window is not None
     assert window.approach is not None
     goes: list[int] = []

@@ -11,6 +11,7 @@ import pytest
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.batched_plan import batch_key
 from mpm_warp.plan.time_step import SLACK
+from mpm_warp.planning import make_plan
 from mpm_warp.scenes.bars import stretched_bar
 from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 
@@ -36,7 +37,7 @@ def spread(bar: StretchedBar) -> float:
 def test_its_plan_with_another_time_step_is_the_same_but_for_numbers() -> None:
     plan = StretchedBar().plan()
     assert plan.control is not None
-    other = plan.control.replan(0.3 * plan.time_step)
+    other = make_plan(StretchedBar().build(), time_step=0.3 * plan.time_step)
     assert other.time_step == 0.3 * plan.time_step
     assert batch_key(other) == batch_key(plan)
 

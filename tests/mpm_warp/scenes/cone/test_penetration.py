@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, is_steady
@@ -22,7 +23,6 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
 ) -> None:
     """Of a smooth cone: normal forces times the upward part of their normals, times the way."""
     scene = SMOOTH.build()
-    assert scene.contact is not None
     simulation = Simulation(scene)
     taken: list[Floats] = []
     take = ContactForces.take
@@ -37,7 +37,7 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
     for _ in range(10):
         simulation.travel_to(curves.next_distance)
         curves.sample()
-        upward = float(taken[-1][:, 0] @ scene.contact.normals[:, 1])
+        upward = float(taken[-1][:, 0] @ scene[SurfaceContact].normals[:, 1])
         assert curves.forces[-1].upward == pytest.approx(upward, rel=ROUNDING)
         work += upward * (simulation.travel - way)
         way = simulation.travel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 ROUNDING = 1e-12

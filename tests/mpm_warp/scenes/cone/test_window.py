@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from mpm_warp.parts.window.window import Approach
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 pytestmark = pytest.mark.slow
@@ -43,9 +43,7 @@ def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float)
 
 def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
     def approach(**changes: float) -> Approach | None:
-        window = ConePenetration(**changes).build().window
-        assert window is not None
-        return window.approach
+        return ConePenetration(**changes).build()[Window].approach
 
     assert approach() is not None
     assert approach(penetration=7) is None  # its last five radii are at the final speed

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
 
 ROUNDING = 1e-12

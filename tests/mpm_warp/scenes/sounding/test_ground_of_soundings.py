@@ -9,6 +9,7 @@ import pytest
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
@@ -153,15 +154,16 @@ def test_adhesion_factors_by_depth_are_those_of_the_soil_beside(
         to_depth=15.0,
     )
     scene = by_depth.build()
-    assert scene.contact is not None
     simulation = Simulation(scene)
 
     def ratio(tip_depth: float) -> Floats:
         simulation.travel_to(tip_depth - by_depth.start_depth)
-        beside: Floats = simulation.array("contact.adhesion") / scene.contact.adhesion_forces
+        beside: Floats = (
+            simulation.array("contact.adhesion") / scene[SurfaceContact].adhesion_forces
+        )
         return beside
 
-    height = scene.grid.node_positions[scene.contact.nodes, 1]
+    height = scene.grid.node_positions[scene[SurfaceContact].nodes, 1]
     # Soil beside the surface is dragged down by some radii at most.
     at_border = ratio(15.0)
     np.testing.assert_array_equal(at_border[15.0 - height < 12.0], 0.0)
@@ -195,8 +197,7 @@ def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face(
         adhesion_factor=0.0,
         shaft_adhesion_factor=0.4,
     )
-    contact = sounding.build().contact
-    assert isinstance(contact, PenetrometerContact)
+    contact = sounding.build()[PenetrometerContact]
     assert contact.face_adhesion == pytest.approx(0.2 * 20e3)
     assert contact.shaft_adhesion == pytest.approx(0.1 * 20e3)
 

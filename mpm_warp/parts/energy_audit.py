@@ -12,27 +12,31 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene
 
 
-def add_energy_audit(plan: Plan, grid: Grid) -> None:
-    """Add an audited step to a plan whose step is complete.
+class EnergyAudit(Part):
+    """Samples what energy the transfers create or dissipate."""
 
-    The array "transfer.energy" adds up what each row of nodes has gained in the audited steps [J].
-    """
-    plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
-    before, after = (
-        plan.launch(
-            _make_kinetic_energy(when, plan.precision),
-            grid.row_count + 1,
-            column_count=grid.column_count,
+    def add_records(self, plan: Plan, scene: Scene) -> None:
+        """Add an audited step.
+
+        The array "transfer.energy" adds up what each row of nodes has gained in these steps [J].
+        """
+        grid = scene.grid
+        plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
+        before, after = (
+            plan.launch(
+                _make_kinetic_energy(when, plan.precision),
+                grid.row_count + 1,
+                column_count=grid.column_count,
+            )
+            for when in ("before", "after")
         )
-        for when in ("before", "after")
-    )
-    plan.audit_first(after)
-    plan.audit_after("momentum", before)
+        plan.audit_first(after)
+        plan.audit_after("momentum", before)
 
 
 @functools.cache

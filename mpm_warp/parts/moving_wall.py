@@ -16,9 +16,9 @@ f and g the linear functions along either, P = integral of f' rho^2, Q of f rho,
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -28,13 +28,15 @@ from mpm_warp.arguments import POSITIVE, check_number
 from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.part import Setting
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene, refuse_together
 
 
 @dataclass(frozen=True, kw_only=True)
-class MovingWall:
+class MovingWall(Part):
     """A smooth wall, a cylinder or a sphere, the first column of the grid's nodes, pushed outward.
 
     The columns between the wall and the outer radius draw together in proportion; soil passes
@@ -48,6 +50,7 @@ class MovingWall:
         SceneError: a value is not allowed.
     """
 
+    not_beside: ClassVar[Mapping[type[Part], str]] = {MovingGrid: ""}
     speed: float
     ramp_travel: float
 
@@ -60,13 +63,31 @@ class MovingWall:
         """Time until the final speed is reached [s]."""
         return 2.0 * self.ramp_travel / self.speed
 
-    def add_push(self, plan: Plan, setting: Setting) -> None:
+    def check(self, scene: Scene) -> None:
+        """Check that wall and columns are upright, and that the soil is the same everywhere."""
+        grid = scene.grid
+        for is_there, what in (
+            (grid.planar or np.ptp(grid.surface_radius) > 0.0, "a grid that leans or is plane"),
+            (grid.columns[-1] > 1.0, "columns beyond the fitted radius"),
+            (scene.material.variation is not None, "a material that varies"),
+        ):
+            refuse_together("MovingWall", is_there, what)
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Have the time step follow the cells, which the wall draws together."""
+        plan.control = TimeStepControl(
+            first=plan.time_step,
+            fraction=scene.time_step_fraction,
+            critical=lambda array: crossing_time(array, scene.material),
+        )
+
+    def add_contact(self, plan: Plan, scene: Scene) -> None:
         """Add the launch by which the wall pushes the soil beside it; it acts on nodes.
 
         The array "wall.motion" holds (time [s], speed [m/s], radius [m]) of the wall for each row
         of nodes, "wall.impulse" the impulse of the soil on each since it was last cleared.
         """
-        grid = setting.grid
+        grid = scene.grid
         motion = np.zeros((grid.row_count + 1, 3))
         motion[:, 2] = grid.surface_radius
         plan.add_array("wall.motion", "vec3", motion)
@@ -76,9 +97,9 @@ class MovingWall:
             _make_push(plan.precision), grid.row_count + 1, column_count=grid.column_count
         )
 
-    def add_motion(self, plan: Plan, setting: Setting) -> None:
+    def add_after_motion(self, plan: Plan, scene: Scene) -> None:
         """Add the launches that move the wall at the end of a step and draw the cells together."""
-        grid = setting.grid
+        grid = scene.grid
         plan.add_launch(
             _make_move_wall(plan.precision),
             grid.row_count + 1,

@@ -13,30 +13,34 @@ from __future__ import annotations
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.yield_share import add_yield_share
+from mpm_warp.parts.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run
+from mpm_warp.scene import Part, Scene
 
 ORIGIN = "particle.origin"
 """The array of the places of entry X [m], shape [slot_count, 2]."""
 
 
-def add_origin(plan: Plan) -> None:
-    """Add the array of the places of entry, when the plan has its points."""
-    position = plan.arrays["particle.position"].initial
-    assert position is not None
-    plan.add_array(ORIGIN, "vec2", position)
+class History(Part):
+    """Points keep where they entered, and add up their plastic shear strain."""
 
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add the arrays of the places of entry and of the plastic strain."""
+        position = plan.arrays["particle.position"].initial
+        assert position is not None
+        plan.add_array(ORIGIN, "vec2", position)
+        add_plastic_strain(plan)
 
-def note_origin(run: Run, position: Floats, travel: float) -> None:
-    """Record where a layer of soil enters, before it does; nothing where points do not keep it.
-
-    Args:
-        run: whose window lets the layer in.
-        position: where its points are in the grid [m], shape [point_count, 2].
-        travel: how far the grid has travelled [m].
-    """
-    if run.plan.find("layer.origin"):
+    def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
+        """The layer keeps where it enters."""
         run.assign("layer.origin", position - np.array([0.0, travel], dtype=position.dtype))
+
+    def add_records(self, plan: Plan, scene: Scene) -> None:
+        """Add the record of the plastic strain, and the share of its strength that soil bears."""
+        add_plastic_strain_audit(plan, scene.grid, scene.material)
+        add_yield_share(plan, scene.material)
 
 
 def displacement(run: Run, travel: float) -> Floats:

@@ -9,26 +9,39 @@ the greatest speed, the speed is
 At a turn the body stands still, and the soil is set at rest with it. Particles have velocities that
 no node has a share in; these would add up from passage to passage, until soil is thrown about.
 
-No soil enters, and none is lost: what is outside the grid rests (`resting_ground`).
+No soil enters, and none is lost. The soil of the whole stroke is there from the start: that of the
+grid, and that below it. A point that the grid has left keeps its place in the ground, its stress
+and its memory, and has no speed. Seen from the grid, which moves down by V, it passes by:
+
+    x <- x + dt V e_z,      v = 0           outside: cell (-1, -1)
+
+It comes back in the column that it left: what rests does not go sideways.
 """
 
 import functools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
+import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, check_number
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.part import Setting
-from mpm_warp.parts.window.resting_ground import rows_below
+from mpm_warp.grid.seeding import seed_rows
+from mpm_warp.parts.boundaries import FarField
+from mpm_warp.parts.window import MovingGrid, height_of_leaving
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene, refuse_together
+
+RESTING_COLUMN = "particle.resting_column"
+"""Column of cells in which a particle left the grid, -1 while it is in it; shape [slot_count]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class CyclicWindow:
+class CyclicWindow(MovingGrid):
     """The grid moves down through the soil over a stroke, up again, and so on.
 
     Attributes:
@@ -41,6 +54,9 @@ class CyclicWindow:
         SceneError: a value is not allowed.
     """
 
+    not_beside: ClassVar[Mapping[type[Part], str]] = {
+        FarField: "hold the nodes around the grid",
+    }
     speed: float
     ramp_travel: float
     stroke: float
@@ -82,12 +98,45 @@ class CyclicWindow:
         """Slots for the ground below a grid, over the number of particles that fill it."""
         return rows_below(grid, self.stroke) / grid.row_count
 
-    def top(self, setting: Setting) -> float:
+    def top(self, scene: Scene) -> float:
         """Height above which the stage of the particles takes them out of the grid: none [m]."""
         return math.inf
 
-    def add_to(self, plan: Plan) -> None:
-        """Add the launches that set soil at rest at a turn, and move the grid on after a step."""
+    def check(self, scene: Scene) -> None:
+        """Check grid and material."""
+        super().check(scene)
+        varies = scene.material.variation is not None
+        refuse_together("CyclicWindow", varies, "a material that varies")
+
+    def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
+        """Put the soil below the grid into them: they are as many as it needs."""
+        grid = scene.grid
+        position, mass, cell = (
+            plan.arrays[f"particle.{name}"].initial for name in ("position", "mass", "cell")
+        )
+        assert position is not None
+        assert mass is not None
+        assert cell is not None
+        row = seed_rows(grid, 0, 1, scene.particles_per_side)
+        empty = np.flatnonzero(cell[:, 0] < 0)
+        depth, in_row = np.divmod(np.arange(len(empty)), row.particle_count)
+        position[empty] = row.position[in_row]
+        position[empty, 1] -= (1 + depth) * (grid.rows[1] - grid.rows[0])
+        mass[empty] = scene.material.density * row.volume[in_row]
+        column = np.full(len(cell), -1)
+        column[empty] = row.cell[in_row, 0]
+        plan.add_array(RESTING_COLUMN, "int", column, (grid.column_count,), may_be_none=True)
+
+    def add_after_motion(self, plan: Plan, scene: Scene) -> None:
+        """Add what lets points leave and come back, rests soil at a turn, and moves the grid on."""
+        grid = scene.grid
+        plan.add_launch(
+            _make_leave_and_return(plan.precision),
+            plan.arrays["particle.mass"].shape,
+            bottom=float(grid.rows[0]),
+            top=height_of_leaving(scene),
+            highest_row=grid.row_count - 1,
+        )
         plan.add_launch(
             _make_rest_at_turn(plan.precision),
             plan.arrays["particle.mass"].shape,
@@ -100,6 +149,11 @@ class CyclicWindow:
             ramp_time=self.ramp_time,
             passage_time=self.passage_time,
         )
+
+
+def rows_below(grid: Grid, stroke: float) -> int:
+    """Rows of soil below a grid, as high as the lowest of its own, that fill a stroke [m]."""
+    return math.ceil(stroke / float(grid.rows[1] - grid.rows[0]))
 
 
 @functools.cache
@@ -146,3 +200,41 @@ def _make_advance_cyclic_window() -> Any:
         window_motion[1] = (one - two * upward) * share * speed
 
     return advance_cyclic_window
+
+
+@functools.cache
+def _make_leave_and_return(precision: Precision) -> Any:
+    """The kernel, launched over slots of particles."""
+    real, vec2 = precision.real, precision.vec2
+
+    @wp.kernel(module=f"mpm_warp.leave_and_return.{precision.numpy_name}", enable_backward=False)
+    def leave_and_return(
+        offset: int,
+        time_step: real,
+        bottom: real,
+        top: real,
+        highest_row: int,
+        window_motion: wp.array(dtype=wp.float64),
+        particle_position: wp.array(dtype=vec2),
+        particle_velocity: wp.array(dtype=vec2),
+        particle_cell: wp.array(dtype=wp.vec2i),
+        particle_resting_column: wp.array(dtype=int),
+    ):
+        p = offset + wp.tid()
+        x = particle_position[p]
+        column = particle_resting_column[p]
+        if column >= 0:
+            x += vec2(real(0.0), time_step * real(window_motion[1]))
+            particle_position[p] = x
+            if x[1] >= bottom and x[1] < top:
+                row = 0
+                if x[1] > real(0.5) * (bottom + top):
+                    row = highest_row
+                particle_cell[p] = wp.vec2i(column, row)
+                particle_resting_column[p] = -1
+        elif x[1] < bottom or x[1] >= top:
+            particle_velocity[p] = vec2(real(0.0))
+            particle_resting_column[p] = particle_cell[p][0]
+            particle_cell[p] = wp.vec2i(-1, -1)
+
+    return leave_and_return

@@ -34,6 +34,7 @@ import warp as wp
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene, refuse_together
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,19 @@ class VelocityInterpolation:
     displacement: Any
 
 
-def add_velocity_interpolation(plan: Plan, grid: Grid) -> VelocityInterpolation:
-    """Add the weights of the cells to a plan; returns the functions that its stages are to use."""
-    plan.add_array("cell.interpolation_weights", "vec10", interpolation_weights(grid))
-    return _make_velocity_interpolation(plan.precision)
+class ConservativeInterpolation(Part):
+    """Particles follow a flow that changes volume alike all over a cell.
+
+    For soil that streams along a wall for long. The grid has horizontal rows.
+    """
+
+    def check(self, scene: Scene) -> None:
+        """Check that the grid has horizontal rows."""
+        refuse_together("ConservativeInterpolation", scene.grid.polar, "a grid of rays")
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add the weights of the cells."""
+        plan.add_array("cell.interpolation_weights", "vec10", interpolation_weights(scene.grid))
 
 
 def interpolation_weights(grid: Grid) -> Floats:
@@ -95,7 +105,8 @@ def interpolation_weights(grid: Grid) -> Floats:
 
 
 @functools.cache
-def _make_velocity_interpolation(precision: Precision) -> VelocityInterpolation:
+def make_velocity_interpolation(precision: Precision) -> VelocityInterpolation:
+    """The functions in one precision."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
     vec10 = precision.vector(10)
     one = wp.constant(real(1.0))

@@ -1,10 +1,23 @@
 """Contact of the soil with a rigid body whose surface goes through nodes of the grid.
 
-On such a surface the impulse that presses the two together is the node's own,
+Adhesive contact after Ceccato, Beuth & Simonini (2017, Procedia Engineering 175:182-188) and
+Bardenhagen et al. (2001, CMES 2:509-522): a corrector on the velocities predicted without it.
 
-    P = m d.n + p A dt
+Symbols: m mass of the soil at the node, d its predicted velocity less that of the combined system
+(of a rigid body: the prescribed one), n unit normal, outward from the soil, P impulse that presses
+the two together, mu friction coefficient, a A adhesion times contact area, p A in-situ pressure
+times contact area, which the simulated stress leaves out.
 
-in the symbols of the contact law.
+    J_n = m d.n, at least -p A dt: there the two part
+    J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)  while P > 0, else 0
+    P   = m d.n + p A dt            where the surface goes through the nodes, as here
+
+Nodes on the axis are held by body and axis together. The least mass M of a node limits what the
+force does to one that has little soil, for it could be thrown. A node that is held cannot, and
+before a blunt nose it always has little. The force that it does not get is one on the body; with u
+and v the velocities before and after the force,
+
+    J_n += (max(m, M) - m) (v - u) . n
 """
 
 import functools
@@ -26,11 +39,10 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.contact.contact_law import make_contact_law
-from mpm_warp.parts.contact.held_nodes import add_held_nodes
-from mpm_warp.parts.part import Setting
+from mpm_warp.parts.strength_beside import add_strength_beside, passes_soil_that_varies
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene
 
 PARTED = 1e-3
 """Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
@@ -51,7 +63,7 @@ def nodal_areas(weight: Floats, length: Floats) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SurfaceContact:
+class SurfaceContact(Part):
     """Contact of nodes of the grid with a rigid body whose surface goes through them.
 
     Areas are integrals of the nodes' shape functions over the surface, times r: per radian. In
@@ -104,21 +116,21 @@ class SurfaceContact:
         check_number("contact: speed", self.speed, unit="m/s")
         check_nodes("contact: held", self.held, count)
 
-    def check(self, setting: Setting) -> None:
+    def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, in its first column beside soil that changes.
 
         Raises:
             SceneError: not so.
         """
-        check_nodes("contact: nodes", self.nodes, setting.grid.node_count)
-        inside = np.flatnonzero(np.asarray(self.nodes) % (setting.grid.column_count + 1))
-        if inside.size and (setting.material.state or self.passes_soil_that_varies(setting)):
+        check_nodes("contact: nodes", self.nodes, scene.grid.node_count)
+        inside = np.flatnonzero(np.asarray(self.nodes) % (scene.grid.column_count + 1))
+        if inside.size and (scene.material.state or passes_soil_that_varies(scene)):
             raise SceneError(
                 f"contact: nodes[{inside[0]}] is not in the first column of the grid, must be "
                 "where the strength beside it changes: with a state, or a variation and a window"
             )
 
-    def add_to(self, plan: Plan, setting: Setting) -> None:
+    def add_contact(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over the nodes in contact.
 
         Where the plan has a window, the body sinks through the soil at its speed. The array
@@ -126,15 +138,16 @@ class SurfaceContact:
         shape [node_count, 2], since it was last cleared.
         """
         window_motion = plan.find("window.motion")
-        plan.add_array("contact.nodes", "int", self.nodes, (setting.grid.node_count,))
+        plan.add_array("contact.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
-        place = setting.grid.node_positions[self.nodes]
-        adhesion = self.adhesion_forces * setting.material.relative_adhesion_at(place)
+        place = scene.grid.node_positions[self.nodes]
+        adhesion = self.adhesion_forces * scene.material.relative_adhesion_at(place)
         plan.add_array("contact.adhesion", "real", adhesion)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
         if self.held.size:
-            add_held_nodes(plan, self.held)
+            plan.add_array("contact.held", "int", self.held, (len(self.nodes),))
+            plan.add_launch(_make_bear_what_is_kept(plan.precision), len(self.held))
         plan.add_launch(
             _make_surface_contact(window_motion is not None, plan.precision),
             len(self.nodes),
@@ -143,10 +156,9 @@ class SurfaceContact:
             window_motion=window_motion,
         )
 
-    @staticmethod
-    def passes_soil_that_varies(setting: Setting) -> bool:
-        """Whether other soil comes to be beside the surface, which may be of another strength."""
-        return setting.material.variation is not None and setting.window is not None
+    def add_records(self, plan: Plan, scene: Scene) -> None:
+        """Add what keeps the adhesion that of the soil beside the surface."""
+        add_strength_beside(plan, scene, nodes=self.nodes, adhesion_forces=self.adhesion_forces)
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed.
@@ -179,6 +191,31 @@ class SurfaceContact:
         """
         pull = material.limit_pressure + material.density * speed**2
         return self.in_situ_stress < 2.0 * pull
+
+
+@functools.cache
+def make_contact_law(precision: Precision) -> Any:
+    """The function (m, d, n, P, mu, a A dt, p A dt) -> (J_n, J_t w/|w|): impulse from the body."""
+    real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
+    zero = wp.constant(real(0.0))
+
+    @wp.func
+    def contact_law(
+        m: real, d: vec2, n: vec2, pressing: real, friction: real, adhesion: real, pressure: real
+    ) -> vec3:
+        normal_speed = wp.dot(d, n)
+        J_n = wp.max(m * normal_speed, -pressure)
+        if pressing <= zero:
+            return vec3(J_n, zero, zero)
+        w = d - normal_speed * n
+        slip = m * wp.length(w)
+        limit = friction * pressing + adhesion
+        transmitted = m * w
+        if slip > limit:
+            transmitted = (limit / slip) * transmitted
+        return vec3(J_n, transmitted[0], transmitted[1])
+
+    return contact_law
 
 
 @functools.cache
@@ -232,3 +269,31 @@ def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
         contact_impulse[k] += vec2(J[0], along)
 
     return surface_contact
+
+
+@functools.cache
+def _make_bear_what_is_kept(precision: Precision) -> Any:
+    """The kernel, launched over the nodes that are held."""
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.bear_what_is_kept.{precision.numpy_name}", enable_backward=False)
+    def bear_what_is_kept(
+        offset: int,
+        contact_held: wp.array(dtype=int),
+        contact_nodes: wp.array(dtype=int),
+        contact_normals: wp.array(dtype=vec2),
+        node_mass: wp.array(dtype=real),
+        node_least_mass: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
+        contact_impulse: wp.array(dtype=vec2),
+    ):
+        k = contact_held[offset + wp.tid()]
+        node, n = contact_nodes[k], contact_normals[k]
+        m, M, v = node_mass[node], node_least_mass[node], node_velocities[node]
+        if m <= real(0.0):
+            return
+        kept = wp.max(m, M) - m
+        J_n = kept * wp.dot(vec2(v[0] - v[2], v[1] - v[3]), n)
+        contact_impulse[k] += vec2(J_n, real(0.0))
+
+    return bear_what_is_kept

@@ -15,34 +15,42 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import (
     Law,
     make_properties_of_point,
     make_state_of_point,
 )
-from mpm_warp.parts.contact.contact import SurfaceContact
-from mpm_warp.parts.part import Setting
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Scene
 
 
-def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -> None:
+def passes_soil_that_varies(scene: Scene) -> bool:
+    """Whether other soil comes to be beside the surface, which may be of another strength."""
+    return scene.material.variation is not None and scene.find(MovingGrid) is not None
+
+
+def add_strength_beside(
+    plan: Plan, scene: Scene, *, nodes: Integers, adhesion_forces: Floats
+) -> None:
     """Add the launches to the audited step of a plan that is complete.
 
     Args:
         plan: of the run.
-        setting: the soil; nothing is added where the strength beside the surface stays.
-        contact: of the soil with the surface, whose nodes are in the first column; its adhesive
-            forces are those beside soil of the strength k0.
+        scene: nothing is added where the strength of its soil beside the surface stays.
+        nodes: of the surface, in the first column of nodes, shape [node_count].
+        adhesion_forces: of each beside soil of the strength k0 [N], shape [node_count].
     """
-    law, grid = setting.material.law(plan.precision), setting.grid
-    changes = law.remembers or contact.passes_soil_that_varies(setting)
-    if not changes or law.yield_function is None or not contact.adhesion_forces.any():
+    law, grid = scene.material.law(plan.precision), scene.grid
+    changes = law.remembers or passes_soil_that_varies(scene)
+    if not changes or law.yield_function is None or not adhesion_forces.any():
         return
     ratio = (1.0,) if law.varies else ()
     adhesion = (1.0,) if law.varies_adhesion else ()
-    plan.add_array("contact.first_adhesion", "real", contact.adhesion_forces)
+    plan.add_array("contact.first_adhesion", "real", adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
     plan.audit_last(
@@ -50,13 +58,13 @@ def add_strength_beside(plan: Plan, setting: Setting, contact: SurfaceContact) -
             _make_sum_of_strength(law, plan.precision),
             plan.arrays["particle.mass"].shape,
             particle_state=plan.find("particle.state"),
-            properties=setting.material.launch_properties(law),
-            common=law.properties_type(*ratio, *setting.material.properties, *adhesion),
+            properties=scene.material.launch_properties(law),
+            common=law.properties_type(*ratio, *scene.material.properties, *adhesion),
             contact_strength_sum=ShareRow("contact.strength_sum"),
         ),
         plan.launch(
             _make_adhesion(plan.share_count, plan.precision),
-            len(contact.nodes),
+            len(nodes),
             column_count=grid.column_count,
             row_count=grid.row_count,
         ),

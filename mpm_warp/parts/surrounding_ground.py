@@ -1,8 +1,20 @@
 """The ground around a travelling window: it moves as the body in the window moves it.
 
-Bottom and top of the grid have the velocity v of a travelling source, V v at the speed V of the
-window. Along the side, spring k and dashpot c of a node act about that motion, per radian and for
-each component, A its area and t the growth of the source's traction per way:
+The body makes room for itself: it puts the volume pi R^2 into the ground for each unit of its way,
+R being the radius of the shaft behind it. From afar that is a point source. With x = (r, z) seen
+from the source, z upward, d = |x|, and V the speed of the body, incompressible elastic ground has
+
+    v = V R^2 / 4 x / d^3                                          velocity
+
+which is harmonic, so that the mean stress stays. On the source's way from infinitely far below the
+ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
+
+    2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
+    q = 1 / (d (d - z)) = (1 + z / d) / r^2
+
+Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
+about that motion, per radian and for each component, A its area and t the growth of the source's
+traction per way, v the source's velocity over V:
 
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
@@ -17,26 +29,106 @@ volume of the body flow out between them, which costs pressure.
 """
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, check_array, check_nodes
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, check_array, check_nodes, check_number
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.boundaries.far_field import FarField
-from mpm_warp.parts.part import Setting
-from mpm_warp.parts.window.travelling_source import TravellingSource
+from mpm_warp.parts.boundaries import FarField, raise_springs
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class TravellingSource:
+    """The motion and the stress that a body going down leaves in elastic ground far from it.
+
+    Positions are those in a grid that travels with the body.
+
+    Attributes:
+        radius: of the shaft behind the body [m], > 0.
+        height: of the source in the grid [m].
+        shear_modulus: of the ground [Pa], > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    radius: float
+    height: float
+    shear_modulus: float
+
+    def __post_init__(self) -> None:
+        check_number("source: radius", self.radius, POSITIVE, unit="m")
+        check_number("source: height", self.height, unit="m")
+        check_number("source: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
+
+    def velocity(self, position: Floats) -> Floats:
+        """Velocity of the ground over that of the body, dimensionless, shape [..., 2].
+
+        Args:
+            position: (r, z) in the grid [m], not that of the source itself, shape [..., 2].
+        """
+        x, distance = self._seen_from_source(position)
+        flow: Floats = 0.25 * self.radius**2 * x / distance[..., None] ** 3
+        return flow
+
+    def stress_since(self, position: Floats, travel: float) -> Floats:
+        """Stress (rr, zz, rz, tt) that soil has got while the body went so far [Pa], [..., 4].
+
+        Args:
+            position: (r, z) in the grid where the soil is now [m], shape [..., 2]; off the axis
+                above the source.
+            travel: of the body [m], >= 0.
+        """
+        at_first = position - np.array([0.0, travel])
+        return self._stress(position) - self._stress(at_first)
+
+    def traction_rate(self, position: Floats) -> Floats:
+        """Growth of (stress rr, stress rz) of soil per way of the body [Pa/m], shape [..., 2].
+
+        Args:
+            position: (r, z) in the grid [m], shape [..., 2].
+        """
+        x, distance = self._seen_from_source(position)
+        r, z = x[..., 0], x[..., 1]
+        gradients = [distance**-3 - 3.0 * r**2 / distance**5, -3.0 * r * z / distance**5]
+        rate: Floats = self._scale * np.stack(gradients, axis=-1)
+        return rate
+
+    @property
+    def _scale(self) -> float:
+        """2 G R^2 / 4 [N]."""
+        return 0.5 * self.shear_modulus * self.radius**2
+
+    def _seen_from_source(self, position: Floats) -> tuple[Floats, Floats]:
+        x = position - np.array([0.0, self.height])
+        return x, np.linalg.norm(x, axis=-1)
+
+    def _stress(self, position: Floats) -> Floats:
+        x, distance = self._seen_from_source(position)
+        r, z = x[..., 0], x[..., 1]
+        # Each form of q has no cancellation on its side of the source.
+        below = z < 0.0
+        q = np.empty_like(z)
+        q[below] = 1.0 / (distance[below] * (distance[below] - z[below]))
+        q[~below] = (1.0 + z[~below] / distance[~below]) / r[~below] ** 2
+        lift = z / distance**3
+        stress: Floats = self._scale * np.stack([-(q + lift), lift, r / distance**3, q], axis=-1)
+        return stress
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SurroundingGround:
+class SurroundingGround(Part):
     """The elastic ground below, above and beside a window that travels with a body.
 
     Attributes:
@@ -58,6 +150,8 @@ class SurroundingGround:
         SceneError: a value is not allowed.
     """
 
+    needs = (Window,)
+    not_beside: ClassVar[Mapping[type[Part], str]] = {FarField: ""}
     source: TravellingSource
     ends: Integers
     free: Floats
@@ -106,53 +200,55 @@ class SurroundingGround:
             dashpot=far.dashpot,
         )
 
-    def check(self, setting: Setting) -> None:
+    def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
         for name, nodes in (("ends", self.ends), ("side", self.side)):
-            check_nodes(f"surroundings: {name}", nodes, setting.grid.node_count)
+            check_nodes(f"surroundings: {name}", nodes, scene.grid.node_count)
 
-    def stress(self, setting: Setting, position: Floats, travel: float) -> Floats:
+    def stress(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) of elastic ground when the body has gone so far [Pa], [..., 4].
 
         Args:
-            setting: the soil, and its stress before the body comes.
+            scene: the soil, and its stress before the body comes.
             position: (r, z) in the grid [m], shape [..., 2].
             travel: of the body [m], >= 0.
         """
-        own = self._stiffness_ratio(setting, position, travel)[..., None]
-        before = setting.stress_at_rest_at(_place(position, travel))
+        own = self._stiffness_ratio(scene, position, travel)[..., None]
+        before = scene.stress_at_rest_at(_place(position, travel))
         stress: Floats = before + own * self.source.stress_since(position, travel)
         return stress
 
-    def entering_spring(self, setting: Setting, travel: float) -> Floats:
+    def entering_spring(self, scene: Scene, travel: float) -> Floats:
         """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
         lowest = self.side_positions[:1]
-        stress = self.stress(setting, lowest, travel)
-        spring = self.spring[0] * self._stiffness_ratio(setting, lowest, travel)
+        stress = self.stress(scene, lowest, travel)
+        spring = self.spring[0] * self._stiffness_ratio(scene, lowest, travel)
         displacement: Floats = -(self.side_areas[0] * stress[0, [0, 2]]) / spring
         return displacement
 
-    def follow(self, run: Run, setting: Setting, travel: float) -> None:
-        """Springs and dashpots of the side as stiff as the soil that is beside them now."""
-        if setting.material.variation is None:
+    def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
+        """The layer has the velocity and the stress of the ground."""
+        speed = run.array("window.motion")[1]
+        run.assign("layer.velocity", speed * self.source.velocity(position))
+        run.assign("layer.stress", self.stress(scene, position, travel))
+
+    def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
+        """The springs rise with the soil beside them, and are as stiff as it is."""
+        if by_a_row:
+            raise_springs(run, lowest=self.entering_spring(scene, travel))
+        if scene.material.variation is None:
             return  # they are as at the start
-        own = self._stiffness_ratio(setting, self.side_positions, travel)[:, None]
+        own = self._stiffness_ratio(scene, self.side_positions, travel)[:, None]
         run.assign("far_field.spring", own * self.spring)
         run.assign("far_field.dashpot", np.sqrt(own) * self.dashpot)
 
-    def add_to(self, plan: Plan, setting: Setting) -> None:
-        """Add two launches, over the nodes of the side and of the ends.
-
-        Raises:
-            SceneError: the scene has no window.
-        """
-        if plan.find("window.motion") is None:
-            raise SceneError("surroundings: not without a window")
-        precision, nodes = plan.precision, (setting.grid.node_count,)
+    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+        """Add two launches, over the nodes of the side and of the ends."""
+        precision, nodes = plan.precision, (scene.grid.node_count,)
         side_flow = self.source.velocity(self.side_positions)
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
-        own = self._stiffness_ratio(setting, self.side_positions, 0.0)[:, None]
-        before = setting.stress_at_rest_at(self.side_positions)[:, [0, 2]]
+        own = self._stiffness_ratio(scene, self.side_positions, 0.0)[:, None]
+        before = scene.stress_at_rest_at(self.side_positions)[:, [0, 2]]
         at_rest = -(self.side_areas[:, None] * before) / (own * self.spring)
         plan.add_array("far_field.nodes", "int", self.side, nodes)
         plan.add_array("far_field.spring", "vec2", own * self.spring)
@@ -168,9 +264,9 @@ class SurroundingGround:
         plan.add_array("end.flow", "vec2", self._end_flow)
         plan.add_launch(_make_moving_ends(precision), len(self.ends))
 
-    def _stiffness_ratio(self, setting: Setting, position: Floats, travel: float) -> Floats:
+    def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
-        return setting.material.stiffness_ratio_at(_place(position, travel))
+        return scene.material.stiffness_ratio_at(_place(position, travel))
 
     @property
     def _end_flow(self) -> Floats:

@@ -1,6 +1,8 @@
-"""The surface of the ground in a window that goes down through it, until it is left behind above.
+"""Free surfaces: cells that soil fills in part.
 
-Cells are filled in part only near the surface. In those
+The stress of such a cell acts as far as it is filled (`mpm_warp.step.cell_stress`). The surface of
+the ground in a window that goes down through it is left behind above: it passes. Cells are filled
+in part only near it. In those
 
 - the stress acts as far as the cell is filled (`mpm_warp.step.cell_stress`),
 - a material point takes a share a of its velocity from the grid as it is, in every step:
@@ -24,16 +26,30 @@ import numpy as np
 
 from mpm_warp.arguments import POSITIVE, Range, check_number
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.part import Setting
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.run import Run
+from mpm_warp.scene import Part, Scene
 
 DEEP_FILLING = 0.5
 """Share of its volume from which on a cell far below the surface acts with all of its stress."""
 
 
+@dataclass(frozen=True)
+class FreeSurface(Part):
+    """A surface of the soil that passes through cells; their stress acts as far as they are filled.
+
+    No cell has a mass-matrix correction, which is that of full ones.
+    """
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add "cell.full_mass": from that mass on a cell acts with all of its stress."""
+        full = scene.material.density * scene.grid.cell_volumes
+        plan.add_array("cell.full_mass", "real", full)
+
+
 @dataclass(frozen=True, kw_only=True)
-class PassingSurface:
+class PassingSurface(FreeSurface):
     """A free surface that the soil carries up through the window.
 
     Attributes:
@@ -46,6 +62,7 @@ class PassingSurface:
         SceneError: a value is not allowed.
     """
 
+    needs = (Window,)
     level: float
     layer: float
     pic_fraction: float
@@ -56,30 +73,28 @@ class PassingSurface:
         allowed = Range(above=0.0, maximum=1.0)
         check_number("passing_surface: pic_fraction", self.pic_fraction, allowed)
 
-    def add_to(self, plan: Plan, setting: Setting) -> None:
-        """Add the array "cell.pic_fraction", and give "cell.full_mass" its values; no launch."""
-        plan.add_array("cell.pic_fraction", "real", self._pic_fraction(setting, 0.0))
-        full_mass = plan.arrays["cell.full_mass"].initial
-        assert full_mass is not None
-        full_mass[...] = self._full_mass(setting, 0.0)
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add the arrays "cell.pic_fraction" and "cell.full_mass"."""
+        plan.add_array("cell.pic_fraction", "real", self._pic_fraction(scene, 0.0))
+        plan.add_array("cell.full_mass", "real", self._full_mass(scene, 0.0))
 
-    def follow(self, run: Run, setting: Setting, travel: float) -> None:
+    def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         """The cells near the surface are others, higher in the grid."""
-        run.assign("cell.pic_fraction", self._pic_fraction(setting, travel))
-        run.assign("cell.full_mass", self._full_mass(setting, travel))
+        run.assign("cell.pic_fraction", self._pic_fraction(scene, travel))
+        run.assign("cell.full_mass", self._full_mass(scene, travel))
 
-    def _pic_fraction(self, setting: Setting, travel: float) -> Floats:
-        fraction: Floats = np.where(self._is_near(setting, travel), self.pic_fraction, 0.0)
+    def _pic_fraction(self, scene: Scene, travel: float) -> Floats:
+        fraction: Floats = np.where(self._is_near(scene, travel), self.pic_fraction, 0.0)
         return fraction
 
-    def _full_mass(self, setting: Setting, travel: float) -> Floats:
+    def _full_mass(self, scene: Scene, travel: float) -> Floats:
         """Mass from which on a cell acts with all of its stress [kg], per radian, [cell_count]."""
-        full = setting.material.density * setting.grid.cell_volumes
-        mass: Floats = np.where(self._is_near(setting, travel), full, DEEP_FILLING * full)
+        full = scene.material.density * scene.grid.cell_volumes
+        mass: Floats = np.where(self._is_near(scene, travel), full, DEEP_FILLING * full)
         return mass
 
-    def _is_near(self, setting: Setting, travel: float) -> Floats:
+    def _is_near(self, scene: Scene, travel: float) -> Floats:
         """Whether cells reach up into the layer below the surface, or are above it."""
-        grid = setting.grid
+        grid = scene.grid
         near_rows = grid.rows[1:] > self.level + travel - self.layer
         return np.repeat(near_rows, grid.column_count)

@@ -24,55 +24,69 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Grid
+from mpm_warp.errors import SceneError
 from mpm_warp.materials.elasticity import make_plastic_step
 from mpm_warp.materials.material import (
     Law,
-    Material,
     make_properties_of_point,
     make_state_of_point,
 )
 from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene
 
 OF_NODES, OF_CELLS, OF_POINTS = "balance.nodes", "balance.cells", "balance.points"
 """The arrays of work [J] per radian: of nodes (by the body, of it to the soil, by the ground,
 kinetic, least mass), of cells (viscous), of slots (plastic, elastic)."""
 
 
-def add_energy_balance(plan: Plan, grid: Grid, material: Material) -> None:
-    """Add the records to the audited step of a plan that is complete, with window and contact."""
-    precision, law = plan.precision, material.law(plan.precision)
-    slots = plan.arrays["particle.mass"].shape
-    plan.add_zeros("balance.by_stress", "vec2", grid.node_count)
-    plan.add_zeros("balance.by_ground", "vec2", grid.node_count)
-    plan.add_zeros("balance.specific_volume", "real", grid.cell_count)
-    plan.add_zeros(OF_NODES, "vec5", grid.node_count)
-    plan.add_zeros(OF_CELLS, "real", grid.cell_count)
-    plan.add_zeros(OF_POINTS, "vec2", slots)
-    by_stress, by_ground = (
-        plan.launch(_make_keep_velocity(precision), grid.node_count, kept=name)
-        for name in ("balance.by_stress", "balance.by_ground")
-    )
-    of_nodes = plan.launch(_make_work_of_nodes(precision), grid.node_count)
-    of_cells = plan.launch(_make_work_of_cells(plan.share_count, precision), grid.cell_count)
-    of_points = plan.launch(
-        _make_work_of_points(law, precision),
-        slots,
-        column_count=grid.column_count,
-        shear_modulus=material.shear_modulus,
-        bulk_modulus=material.bulk_modulus,
-        properties=material.launch_properties(law),
-        particle_state=plan.find("particle.state"),
-    )
-    # Cells still have the mass of their points, and the rates of the step before.
-    plan.audit_before("cell_stress", of_cells)
-    plan.audit_after("momentum", by_stress)
-    plan.audit_before("surface_contact", by_ground)
-    plan.audit_after("surface_contact", of_nodes)
-    # The rates of cells are known, and points still have the stress before the law.
-    plan.audit_before("grid_to_particles", of_points)
+class EnergyBalance(Part):
+    """Samples where the work of the body goes; the soil has a bulk viscosity then."""
+
+    needs = (MovingGrid, SurfaceContact, EnergyAudit)
+
+    def check(self, scene: Scene) -> None:
+        """Check that there is a bulk viscosity."""
+        if scene.bulk_viscosity is None:
+            raise SceneError("EnergyBalance: not without a bulk_viscosity")
+
+    def add_records(self, plan: Plan, scene: Scene) -> None:
+        """Add the records to the audited step."""
+        grid, material = scene.grid, scene.material
+        precision, law = plan.precision, material.law(plan.precision)
+        slots = plan.arrays["particle.mass"].shape
+        plan.add_zeros("balance.by_stress", "vec2", grid.node_count)
+        plan.add_zeros("balance.by_ground", "vec2", grid.node_count)
+        plan.add_zeros("balance.specific_volume", "real", grid.cell_count)
+        plan.add_zeros(OF_NODES, "vec5", grid.node_count)
+        plan.add_zeros(OF_CELLS, "real", grid.cell_count)
+        plan.add_zeros(OF_POINTS, "vec2", slots)
+        by_stress, by_ground = (
+            plan.launch(_make_keep_velocity(precision), grid.node_count, kept=name)
+            for name in ("balance.by_stress", "balance.by_ground")
+        )
+        of_nodes = plan.launch(_make_work_of_nodes(precision), grid.node_count)
+        of_cells = plan.launch(_make_work_of_cells(plan.share_count, precision), grid.cell_count)
+        of_points = plan.launch(
+            _make_work_of_points(law, precision),
+            slots,
+            column_count=grid.column_count,
+            shear_modulus=material.shear_modulus,
+            bulk_modulus=material.bulk_modulus,
+            properties=material.launch_properties(law),
+            particle_state=plan.find("particle.state"),
+        )
+        # Cells still have the mass of their points, and the rates of the step before.
+        plan.audit_before("cell_stress", of_cells)
+        plan.audit_after("momentum", by_stress)
+        plan.audit_before("surface_contact", by_ground)
+        plan.audit_after("surface_contact", of_nodes)
+        # The rates of cells are known, and points still have the stress before the law.
+        plan.audit_before("grid_to_particles", of_points)
 
 
 @functools.cache

@@ -1,0 +1,259 @@
+"""What the edges of a grid do to its nodes: held, moved along rays, an elastic far field.
+
+Held nodes rest relative to undisturbed soil, free being 0 or 1. Radial motion is along the ray n of
+a node; it keeps a flow as round as it began. Soil whose stress falls as it is strained would part
+from such a flow at the least disturbance: its strain gathers in bands (Rudnicki & Rice 1975, J.
+Mech. Phys. Solids 23:371-394). The far field has springs k and dashpots c, per radian, w the radial
+displacement of a node; the dashpots are implicit:
+
+    v <- free v                                                 held nodes
+    v <- (v . n) n                                              radial motion
+    m dv/dt = -k w - c v,    dw/dt = v_r                        far field
+"""
+
+import functools
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_nodes
+from mpm_warp.errors import SceneError
+from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.materials.material import Material
+from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
+from mpm_warp.precision import Precision
+from mpm_warp.scene import Part, Scene, refuse_together
+
+Booleans = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fixed(Part):
+    """Nodes that rest relative to undisturbed soil, in r, z or both.
+
+    Attributes:
+        nodes: flat indices, each once, shape [node_count].
+        free: 1 where the velocity component is free, 0 where it is held, shape [node_count, 2].
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    nodes: Integers
+    free: Floats
+
+    def __post_init__(self) -> None:
+        count = np.size(self.nodes)
+        check_array("fixed: free", self.free, (count, 2), Range(minimum=0.0, maximum=1.0))
+        between = self.free[(self.free != 0.0) & (self.free != 1.0)]
+        if between.size:
+            raise SceneError(f"fixed: free = {between[0]:g} must be 0 or 1")
+
+    def check(self, scene: Scene) -> None:
+        """Check that the grid has the nodes."""
+        check_nodes("fixed: nodes", self.nodes, scene.grid.node_count)
+
+    @classmethod
+    def axis(cls, grid: Grid) -> Self:
+        """No radial velocity on the axis."""
+        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        radial[grid.surface_radius == 0.0, 0] = True
+        return cls.where(radial=radial, vertical=np.zeros_like(radial))
+
+    @classmethod
+    def where(cls, *, radial: Booleans, vertical: Booleans) -> Self:
+        """Nodes held where a mask says so, one mask a component.
+
+        Args:
+            radial: where the radial velocity is held, shape [row_count + 1, column_count + 1].
+            vertical: the same for the vertical velocity.
+        """
+        free = np.where(np.stack([radial, vertical], axis=-1), 0.0, 1.0).reshape(-1, 2)
+        nodes = np.flatnonzero(free.min(axis=-1) == 0.0)
+        return cls(nodes=nodes, free=free[nodes])
+
+    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+        """Add the launch, over the held nodes."""
+        plan.add_array("fixed.nodes", "int", self.nodes, (scene.grid.node_count,))
+        plan.add_array("fixed.free", "vec2", self.free)
+        plan.add_launch(_make_fixed(plan.precision), len(self.nodes))
+
+
+@functools.cache
+def _make_fixed(precision: Precision) -> Any:
+    vec2, vec4 = precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.fixed.{precision.numpy_name}", enable_backward=False)
+    def fixed(
+        offset: int,
+        fixed_nodes: wp.array(dtype=int),
+        fixed_free: wp.array(dtype=vec2),
+        node_velocities: wp.array(dtype=vec4),
+    ):
+        k = offset + wp.tid()
+        node, free = fixed_nodes[k], fixed_free[k]
+        v = node_velocities[node]
+        node_velocities[node] = vec4(free[0] * v[0], free[1] * v[1], v[2], v[3])
+
+    return fixed
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialMotion(Part):
+    """All nodes of a polar grid move along their rays.
+
+    Raises:
+        SceneError: when a scene is made whose grid is not polar.
+    """
+
+    def check(self, scene: Scene) -> None:
+        """Check that the grid has rays."""
+        if not scene.grid.polar:
+            raise SceneError("radial motion: the grid is a Grid, must be a PolarGrid")
+
+    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+        """Add the launch, over nodes."""
+        grid = scene.grid
+        plan.add_array("ray.direction", "vec2", grid.surface_normals)
+        plan.add_launch(
+            _make_radial_motion(plan.precision), grid.node_count, column_count=grid.column_count
+        )
+
+
+@functools.cache
+def _make_radial_motion(precision: Precision) -> Any:
+    vec2, vec4 = precision.vec2, precision.vec4
+
+    @wp.kernel(module=f"mpm_warp.radial_motion.{precision.numpy_name}", enable_backward=False)
+    def radial_motion(
+        offset: int,
+        column_count: int,
+        ray_direction: wp.array(dtype=vec2),
+        node_velocities: wp.array(dtype=vec4),
+    ):
+        k = offset + wp.tid()
+        n = ray_direction[k / (column_count + 1)]
+        v = node_velocities[k]
+        along = wp.dot(vec2(v[0], v[1]), n)
+        node_velocities[k] = vec4(along * n[0], along * n[1], v[2], v[3])
+
+    return radial_motion
+
+
+QUIET_SPEED_RATIO = 3.3
+"""Speed of pressure waves over that of shear waves at a Poisson's ratio of 0.45."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FarField(Part):
+    """The infinite elastic medium beyond the outer radius of the grid.
+
+    Statically a spring of 2 G / r per area (the elastic cavity, u = p r / 2 G); for waves the quiet
+    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877). They resist flow
+    that never stops too, in proportion to c; so the speed of the pressure waves is taken as at most
+    `QUIET_SPEED_RATIO` times that of the shear waves. In clay that hardly changes its volume it is
+    more, and part of these waves comes back.
+
+    Attributes:
+        nodes: flat indices of the nodes on the side, from below to above, shape [node_count].
+        spring: stiffness of each node per radian [N/m], >= 0, shape [node_count].
+        dashpot: viscosity of each node along r and z per radian [N s/m], >= 0,
+            shape [node_count, 2].
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    nodes: Integers
+    spring: Floats
+    dashpot: Floats
+
+    def __post_init__(self) -> None:
+        count = np.size(self.nodes)
+        check_array("far_field: spring", self.spring, (count,), NOT_NEGATIVE)
+        check_array("far_field: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
+
+    def check(self, scene: Scene) -> None:
+        """Check that the grid has the nodes, and soil that is the same everywhere."""
+        check_nodes("far_field: nodes", self.nodes, scene.grid.node_count)
+        refuse_together(
+            "FarField",
+            scene.material.variation is not None,
+            "a material that varies; around a window give it a SurroundingGround",
+        )
+
+    @classmethod
+    def around(cls, grid: Grid, material: Material) -> Self:
+        """The medium around all of the grid's outer side."""
+        half_heights = 0.5 * np.diff(grid.rows)
+        heights = np.append(half_heights, 0.0) + np.insert(half_heights, 0, 0.0)
+        area = grid.outer_radius * heights
+        shear_speed = material.shear_wave_speed
+        quiet_speed = min(material.pressure_wave_speed, QUIET_SPEED_RATIO * shear_speed)
+        speeds = np.array([quiet_speed, shear_speed])
+        return cls(
+            nodes=grid.node(grid.column_count, np.arange(grid.row_count + 1)),
+            spring=2.0 * material.shear_modulus / grid.outer_radius * area,
+            dashpot=material.density * area[:, None] * speeds,
+        )
+
+    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+        """Add the launch, over the nodes of the side."""
+        count = len(self.nodes)
+        plan.add_array("far_field.nodes", "int", self.nodes, (scene.grid.node_count,))
+        plan.add_array("far_field.spring", "real", self.spring)
+        plan.add_array("far_field.dashpot", "vec2", self.dashpot)
+        plan.add_zeros("far_field.displacement", "real", count)
+        plan.add_launch(_make_far_field(plan.precision), count)
+
+    def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
+        """The springs belong to the soil beside them: they rise with it, and new ones are slack."""
+        if by_a_row:
+            raise_springs(run, lowest=0.0)
+
+
+def raise_springs(run: Run, *, lowest: Floats | float) -> None:
+    """Move the springs along the side up by a row, when the soil beside them has moved so.
+
+    Args:
+        run: with the array "far_field.displacement".
+        lowest: displacement of the spring that enters at the bottom [m].
+    """
+    springs = run.array("far_field.displacement").copy()
+    springs[1:] = springs[:-1]
+    springs[0] = lowest
+    run.assign("far_field.displacement", springs)
+
+
+@functools.cache
+def _make_far_field(precision: Precision) -> Any:
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+
+    @wp.kernel(module=f"mpm_warp.far_field.{precision.numpy_name}", enable_backward=False)
+    def far_field(
+        offset: int,
+        far_field_nodes: wp.array(dtype=int),
+        far_field_spring: wp.array(dtype=real),
+        far_field_dashpot: wp.array(dtype=vec2),
+        node_mass: wp.array(dtype=real),
+        time_step: real,
+        far_field_displacement: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
+    ):
+        k = offset + wp.tid()
+        node = far_field_nodes[k]
+        if node_mass[node] <= zero:
+            return
+        v, c, w = node_velocities[node], far_field_dashpot[k], far_field_displacement[k]
+        rate = time_step / node_mass[node]
+        v_r = (v[0] - rate * far_field_spring[k] * w) / (one + rate * c[0])
+        v_z = v[1] / (one + rate * c[1])
+        far_field_displacement[k] = w + time_step * v_r
+        node_velocities[node] = vec4(v_r, v_z, v[2], v[3])
+
+    return far_field

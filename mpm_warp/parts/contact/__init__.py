@@ -1,1 +1,0 @@
-"""Adhesion and friction on a rigid surface."""

@@ -1,1 +1,0 @@
-"""Loads on nodes and what resists their motion: weight, given forces, damping."""

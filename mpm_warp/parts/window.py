@@ -1,0 +1,345 @@
+"""The window: the grid travels with the penetrometer down through the soil.
+
+Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
+device so that a recorded step can be replayed as it is, in double precision whatever that of the
+run: a step moves it by a ten-millionth of its travel. Soil enters below and leaves above.
+
+Soil enters by layers. One that enters is a copy of the lowest layer as it was seeded, in all that
+particles carry, so that what a part or a material adds to the particles enters with them. Where the
+material varies, the layer has the properties of its depth. A part may give it more (`Part.enter`),
+and what depends on the travel follows (`Part.follow`).
+"""
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
+from mpm_warp.errors import WindowOverfull
+from mpm_warp.grid.fitted import Grid, Integers
+from mpm_warp.materials.material import PROPERTIES
+from mpm_warp.plan.launch import share_bounds
+from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.run import Run
+from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
+
+ROUNDING = 1e-6
+"""Share of a step that counts as rounding: no step beyond a distance is taken for it."""
+REMEDY = "where soil piles up finer cells, more spare slots or less travel"
+
+
+class MovingGrid(Part):
+    """A grid that moves through the soil; velocities stay those relative to undisturbed soil.
+
+    The array "window.motion" has (time [s], speed of the soil past the grid [m/s], travel [m]).
+    """
+
+    @property
+    def first_speed(self) -> float:
+        """The greatest speed, that after the first ramp [m/s]."""
+        raise NotImplementedError
+
+    def spare_fraction_in(self, grid: Grid) -> float:
+        """Empty slots at the start, over the number of particles that fill a grid."""
+        raise NotImplementedError
+
+    def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
+        """Put points into the empty slots, before parts add what points carry; none by default."""
+
+    def top(self, scene: Scene) -> float:
+        """Height above which particles leave the grid for good [m]."""
+        raise NotImplementedError
+
+    def check(self, scene: Scene) -> None:
+        """Check that the grid has rows that soil can rise through."""
+        refuse_together(type(self).__name__, scene.grid.polar, "a grid of rays")
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add the array of the motion, which stages and parts read."""
+        plan.add_zeros("window.motion", "double", 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Approach:
+    """The window hurries to where it matters, then falls to its final speed.
+
+    What the soil remembers of the way is its stress, which hardly depends on the speed; what it
+    owes to inertia is gone when the soil around has been replaced.
+
+    Attributes:
+        speed: of the grid on the way [m/s], above the final one.
+        travel: where it has fallen to the final speed [m], > `slowing_travel`.
+        slowing_travel: travel over which it falls, linearly [m], > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    speed: float
+    travel: float
+    slowing_travel: float
+
+    def __post_init__(self) -> None:
+        check_number("approach: speed", self.speed, POSITIVE, unit="m/s")
+        check_number("approach: slowing_travel", self.slowing_travel, POSITIVE, unit="m")
+        beyond = Range(above=self.slowing_travel)
+        check_number("approach: travel", self.travel, beyond, unit="m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Window(MovingGrid):
+    """The grid moves down through the soil; velocities stay those relative to undisturbed soil.
+
+    Whenever the grid has travelled by the height of a layer of particles, a layer of undisturbed
+    soil enters the lowest row, into the slots of particles that left above the highest.
+
+    Attributes:
+        speed: final speed of the grid [m/s], > 0.
+        ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
+        approach: a hurried start, or none.
+        spare_fraction: slots for particles beyond those of the full grid, over their number,
+            dimensionless, > 0.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    speed: float
+    ramp_travel: float
+    spare_fraction: float
+    approach: Approach | None = None
+
+    def __post_init__(self) -> None:
+        check_number("window: speed", self.speed, POSITIVE, unit="m/s")
+        check_number("window: ramp_travel", self.ramp_travel, POSITIVE, unit="m")
+        check_number("window: spare_fraction", self.spare_fraction, POSITIVE)
+        check_kind("window: approach", self.approach, (Approach, type(None)))
+        if self.approach is not None:
+            faster = Range(above=self.speed)
+            check_number("approach: speed", self.approach.speed, faster, unit="m/s")
+
+    @property
+    def first_speed(self) -> float:
+        """The speed after the ramp [m/s]."""
+        return self.speed if self.approach is None else self.approach.speed
+
+    @property
+    def ramp_time(self) -> float:
+        """Time until the speed after the ramp is reached [s]."""
+        return 2.0 * self.ramp_travel / self.first_speed
+
+    def time_to(self, travel: float) -> float:
+        """Time to a travel [m], >= 0, where the approach is longer than ramp and slowing [s]."""
+        if travel <= self.ramp_travel:
+            return self.ramp_time * math.sqrt(travel / self.ramp_travel)
+        if self.approach is None:
+            return self.ramp_time + (travel - self.ramp_travel) / self.speed
+        fast, slow, falling = self.approach.speed, self.speed, self.approach.slowing_travel
+        begin = self.approach.travel - falling
+        time = self.ramp_time + (min(travel, begin) - self.ramp_travel) / fast
+        fallen = min(1.0, max(0.0, travel - begin) / falling) * (fast - slow)
+        time += falling / (fast - slow) * math.log(fast / (fast - fallen))
+        return time + max(0.0, travel - self.approach.travel) / slow
+
+    def highest_speed_from(self, travel: float) -> float:
+        """The highest speed that the grid has beyond a travel [m], after the ramp [m/s]."""
+        if self.approach is None:
+            return self.speed
+        left = (self.approach.travel - travel) / self.approach.slowing_travel
+        return self.speed + min(1.0, max(0.0, left)) * (self.approach.speed - self.speed)
+
+    def spare_fraction_in(self, grid: Grid) -> float:
+        """Empty slots at the start, over the number of particles that fill a grid."""
+        return self.spare_fraction
+
+    def top(self, scene: Scene) -> float:
+        """Height above which particles leave the grid for good [m]."""
+        return height_of_leaving(scene)
+
+    def add_after_motion(self, plan: Plan, scene: Scene) -> None:
+        """Add the launch that moves it on, and what lets soil enter."""
+        approach = self.approach
+        plan.add_launch(
+            _make_advance_window(approach is not None),
+            1,
+            speed=self.first_speed,
+            ramp_time=self.ramp_time,
+            final_speed=self.speed,
+            approach_travel=0.0 if approach is None else approach.travel,
+            slowing_travel=0.0 if approach is None else approach.slowing_travel,
+        )
+        add_inflow(plan, scene)
+
+    def between_steps(self, run: Run, scene: Scene) -> BetweenSteps:
+        """What lets soil enter."""
+        return Inflow(run, scene, self)
+
+
+def height_of_leaving(scene: Scene) -> float:
+    """Height above which particles leave a grid that travels [m].
+
+    Half a layer stays above the top, else the mass of the nodes there could vanish.
+    """
+    rows = scene.grid.rows
+    return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / scene.particles_per_side)
+
+
+def add_inflow(plan: Plan, scene: Scene) -> None:
+    """Add what lets a layer enter, when the plan has all arrays of its particles.
+
+    Of every array "particle.x" the plan gets "layer.x", its values in a layer that enters, and the
+    launch "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
+    """
+    plan.remedy += f", or {REMEDY}"
+    cell = plan.arrays["particle.cell"].initial
+    assert cell is not None
+    slots = np.flatnonzero(cell[:, 1] == 0)
+    slots = slots[: len(slots) // scene.particles_per_side]
+    plan.add_zeros("layer.slots", "int", len(slots), (len(cell),))
+    for name in [name for name in plan.arrays if name.startswith("particle.")]:
+        field = plan.arrays[name]
+        of_layer = name.replace("particle.", "layer.")
+        if field.initial is None:
+            plan.add_zeros(of_layer, field.kind, len(slots))
+        else:
+            plan.add_array(of_layer, field.kind, field.initial[slots], field.counts)
+        plan.between_steps[name.replace("particle.", "enter.")] = plan.launch(
+            _make_enter(field.kind, field.dtype), len(slots), layer=of_layer, field=name
+        )
+
+
+class Inflow:
+    """Lets soil into a run whose scene has a window, layer by layer.
+
+    Args:
+        run: that has not travelled yet.
+        scene: that is run.
+        window: of the scene.
+    """
+
+    def __init__(self, run: Run, scene: Scene, window: Window) -> None:
+        plan, rows = run.plan, scene.grid.rows
+        self._run = run
+        self._scene = scene
+        self._window = window
+        self._launches = [
+            launch for name, launch in plan.between_steps.items() if name.startswith("enter.")
+        ]
+        self._share_bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
+        self._position = run.array("layer.position").copy()
+        self._position[:, 1] = rows[0]
+        self._layers_per_row = scene.particles_per_side
+        self._layer_height = float(rows[1] - rows[0]) / self._layers_per_row
+        self._layer_count = 0
+
+    @property
+    def travel(self) -> float:
+        """How far the window has moved down through the soil [m]."""
+        return float(self._run.array("window.motion")[2])
+
+    def steps_to(self, travel: float) -> int:
+        """Steps to a travel [m], at least 1; fewer than needed where the speed rises or falls."""
+        now = self.travel
+        per_step = self._window.highest_speed_from(now) * self._run.plan.time_step
+        return max(1, math.ceil((travel - now) / per_step - ROUNDING))
+
+    @property
+    def steps_ahead(self) -> int:
+        """Steps that can be taken before a layer may have to enter, at least 1."""
+        return self.steps_to(self._next_layer)
+
+    def act(self) -> None:
+        """Let a layer in, if the window has travelled far enough for it.
+
+        Raises:
+            WindowOverfull: no slots are left for it.
+        """
+        travel = self.travel
+        above_bottom = travel - self._next_layer
+        if above_bottom < 0.0:
+            return
+        run, scene = self._run, self._scene
+        free = np.flatnonzero(run.array("particle.cell")[:, 0] < 0)
+        if len(free) < len(self._position):
+            raise WindowOverfull(
+                f"after {travel:.4g} m of travel more soil has stayed in the window than it "
+                f"has slots for; {run.plan.remedy}"
+            )
+        position = self._position.copy()
+        position[:, 1] += position.dtype.type(above_bottom)
+        run.assign("layer.position", position)
+        run.assign("layer.slots", self._chosen(free))
+        if run.plan.find(PROPERTIES):
+            place = position - np.array([0.0, travel])
+            run.assign("layer.properties", scene.material.properties_at(place))
+        for part in scene.parts:
+            part.enter(run, scene, position, travel)
+        for launch in self._launches:
+            run.launch(launch)
+        self._layer_count += 1
+        by_a_row = self._layer_count % self._layers_per_row == 0
+        for part in scene.parts:
+            part.follow(run, scene, travel, by_a_row=by_a_row)
+
+    @property
+    def _next_layer(self) -> float:
+        """Travel at which the next layer enters [m]."""
+        return (self._layer_count + 0.5) * self._layer_height
+
+    def _chosen(self, free: Integers) -> Integers:
+        """As many of the free slots as a layer needs: those of the shares that have most."""
+        bounds = self._share_bounds
+        end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
+        left_in_share = end_of_share - np.arange(len(free))
+        return free[np.argsort(-left_in_share, kind="stable")[: len(self._position)]]
+
+
+@functools.cache
+def _make_advance_window(hurried: bool) -> Any:
+    """One step of the motion, the speed rising linearly in time; launched once.
+
+    Args:
+        hurried: whether it falls again at the end of an approach, linearly in travel.
+    """
+    zero, one = wp.constant(wp.float64(0.0)), wp.constant(wp.float64(1.0))
+    key = "hurried" if hurried else "steady"
+
+    @wp.kernel(module=f"mpm_warp.advance_window.{key}", enable_backward=False)
+    def advance_window(
+        time_step: wp.float64,
+        speed: wp.float64,
+        ramp_time: wp.float64,
+        final_speed: wp.float64,
+        approach_travel: wp.float64,
+        slowing_travel: wp.float64,
+        window_motion: wp.array(dtype=wp.float64),
+    ):
+        window_motion[2] += time_step * window_motion[1]
+        window_motion[0] += time_step
+        risen = speed * wp.min(window_motion[0] / ramp_time, one)
+        if wp.static(hurried):
+            left = wp.clamp((approach_travel - window_motion[2]) / slowing_travel, zero, one)
+            window_motion[1] = wp.min(risen, final_speed + left * (speed - final_speed))
+        else:
+            window_motion[1] = risen
+
+    return advance_window
+
+
+@functools.cache
+def _make_enter(kind: str, dtype: Any) -> Any:
+    """The kernel that writes the values of a layer into its slots; over the layer's particles."""
+    scalar = getattr(dtype, "_wp_scalar_type_", dtype).__name__
+
+    @wp.kernel(module=f"mpm_warp.enter.{kind}.{scalar}", enable_backward=False)
+    def enter(
+        layer_slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
+    ):
+        k = wp.tid()
+        field[layer_slots[k]] = layer[k]
+
+    return enter
