@@ -31,19 +31,18 @@ from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Part, Scene
+from mpm_warp.scenes.bars.stretched_bar import StretchedBar
 from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
 from mpm_warp.scenes.bearing.footings import CircularFooting, StripFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue import CatalogueScene
-from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
+from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
+from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.discovery import scene_class, scene_names
-from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
-from mpm_warp.scenes.elastic.columns import GravityColumn
-from mpm_warp.scenes.elastic.impact import StruckBar, StruckColumn
-from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
+from mpm_warp.scenes.elastic.gravity_column import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
 from mpm_warp.scenes.full_flow.cyclic.cyclic_ball import CyclicBall
@@ -51,9 +50,12 @@ from mpm_warp.scenes.full_flow.cyclic.cyclic_t_bar import CyclicTBar
 from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+from mpm_warp.scenes.impact.struck_bar import StruckBar
+from mpm_warp.scenes.impact.struck_column import StruckColumn
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.scenes.step_cost import StepCost
+from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots, soil_fields

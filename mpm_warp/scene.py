@@ -19,7 +19,6 @@ in the order of the tuple. A part that is not in the tuple has no kernel, no arr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Protocol, Self, TypeVar
 
@@ -71,7 +70,7 @@ class Part:
     """
 
     needs: ClassVar[tuple[type[Part], ...]] = ()
-    not_beside: ClassVar[Mapping[type[Part], str]] = {}
+    not_beside: ClassVar[tuple[tuple[type[Part], str], ...]] = ()
 
     def check(self, scene: Scene) -> None:
         """Check that the part fits grid and material; the other parts have been checked.
@@ -225,7 +224,7 @@ class Scene:
         for kind in part.needs:
             if self.find(kind) is None:
                 raise SceneError(f"{name}: not without a {kind.__name__}")
-        for kind, instead in part.not_beside.items():
+        for kind, instead in part.not_beside:
             remedy = f"; {instead}" if instead else ""
             refuse_together(name, self.find(kind), f"a {kind.__name__}{remedy}")
 

@@ -20,9 +20,8 @@ It comes back in the column that it left: what rests does not go sideways.
 
 import functools
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -34,7 +33,7 @@ from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import MovingGrid, height_of_leaving
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
-from mpm_warp.scene import Part, Scene, refuse_together
+from mpm_warp.scene import Scene, refuse_together
 
 RESTING_COLUMN = "particle.resting_column"
 """Column of cells in which a particle left the grid, -1 while it is in it; shape [slot_count]."""
@@ -54,9 +53,7 @@ class CyclicWindow(MovingGrid):
         SceneError: a value is not allowed.
     """
 
-    not_beside: ClassVar[Mapping[type[Part], str]] = {
-        FarField: "hold the nodes around the grid",
-    }
+    not_beside = ((FarField, "hold the nodes around the grid"),)
     speed: float
     ramp_travel: float
     stroke: float

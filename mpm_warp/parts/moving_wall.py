@@ -16,9 +16,9 @@ f and g the linear functions along either, P = integral of f' rho^2, Q of f rho,
 """
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -50,7 +50,7 @@ class MovingWall(Part):
         SceneError: a value is not allowed.
     """
 
-    not_beside: ClassVar[Mapping[type[Part], str]] = {MovingGrid: ""}
+    not_beside = ((MovingGrid, ""),)
     speed: float
     ramp_travel: float
 

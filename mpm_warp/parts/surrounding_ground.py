@@ -29,9 +29,8 @@ volume of the body flow out between them, which costs pressure.
 """
 
 import functools
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 import warp as wp
@@ -151,7 +150,7 @@ class SurroundingGround(Part):
     """
 
     needs = (Window,)
-    not_beside: ClassVar[Mapping[type[Part], str]] = {FarField: ""}
+    not_beside = ((FarField, ""),)
     source: TravellingSource
     ends: Integers
     free: Floats

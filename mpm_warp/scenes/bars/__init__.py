@@ -1,0 +1,1 @@
+"""A bar that is drawn out."""

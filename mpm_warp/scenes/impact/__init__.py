@@ -1,0 +1,1 @@
+"""A bar and a column of soil that strike a rigid wall."""

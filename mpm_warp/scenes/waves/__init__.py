@@ -1,0 +1,1 @@
+"""Waves along columns of soil."""
