@@ -21,8 +21,8 @@ from harness.archive.conventions import (
 from harness.errors import HarnessError
 from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor
 from harness.references.experience import HOLDS, Experience
-from harness.references.registry import cone_factor_reference, experience_entry, reference_ids
-from harness.study.own_references import OwnReference, stored_own_reference
+from harness.references.registry import cone_factor_reference, experience_entry
+from harness.study.own_references import OWN_LABEL, OwnReference, stored_own_reference
 from mpm_warp.parameters import did_you_mean
 
 
@@ -125,9 +125,9 @@ def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
 
 def _stored(dataset: xr.Dataset, name: str) -> ConeFactor:
     reference_id = name.removeprefix(f"{Role.REFERENCE}_")
-    if reference_id in reference_ids():
-        return cone_factor_reference(reference_id)
-    return stored_own_reference(reference_id, dataset[name].attrs)
+    if OWN_LABEL in dataset[name].attrs:
+        return stored_own_reference(reference_id, dataset[name].attrs)
+    return cone_factor_reference(reference_id)
 
 
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:

@@ -246,8 +246,12 @@ def result_table(dataset: xr.Dataset) -> str:
     of_cones = np.isin(scenes, scenes[np.isfinite(over_cases(dataset, COMPARED).astype(float))])
     if of_cones.all() or not of_cones.any():
         return cone_factor_table(dataset)
-    tables = cone_factor_table(_cases(dataset, of_cones)), _exact_table(_cases(dataset, ~of_cones))
-    return "\n\n".join(tables)
+    others = _cases(dataset, ~of_cones)
+    try:
+        of_others = _exact_table(others)
+    except NothingToCompareError as error:
+        of_others = f"{', '.join(dict.fromkeys(scenes_of(others)))}: {error}"
+    return f"{cone_factor_table(_cases(dataset, of_cones))}\n\n{of_others}"
 
 
 def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
-from harness.errors import HarnessError
+from harness.errors import HarnessError, in_one_line
 from harness.pictures.cases import cases_figure, shows_cases
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
@@ -50,7 +51,12 @@ class NothingToDrawError(HarnessError):
     """The dataset has no variable that a picture shows; the message is one line."""
 
 
-def draw(dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)) -> list[Path]:
+Rendered = TypeVar("Rendered")
+
+
+def draw(
+    dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)
+) -> tuple[list[Path], list[str]]:
     """Write the pictures of a study's result.
 
     Each file is written whole or not at all.
@@ -61,37 +67,57 @@ def draw(dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)) -> 
         forms: formats, of :data:`harness.pictures.drawing.plot_parts.FORMATS`.
 
     Returns:
-        Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result.
+        Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result;
+        and a line for each picture that could not be drawn.
 
     Raises:
-        NothingToDrawError: none is.
+        NothingToDrawError: none is meant for it.
         NotOwnFileError: a file is in the way that was not written by this program; then no
             picture is written.
         ArchiveError: a file cannot be written.
     """
-    shown = figures(dataset)
-    if not shown:
+    drawn, failed = rendered(dataset, lambda figure: {it: image(figure, it) for it in forms})
+    if not drawn and not failed:
         raise NothingToDrawError(
             "nothing to draw: the dataset has no headline that varies, no penetration_resistance, "
             "no error over settings of the method, and no map of its stability"
         )
     folder.mkdir(parents=True, exist_ok=True)
-    paths = {
-        folder / f"{dataset.attrs['study']}_{name}.{form}": (figure, form)
-        for name, figure in shown.items()
-        for form in forms
+    content = {
+        folder / f"{dataset.attrs['study']}_{name}.{form}": picture
+        for name, pictures in drawn.items()
+        for form, picture in pictures.items()
     }
-    for path in paths:
+    for path in content:
         check_replaceable(path)
-    for path, (figure, form) in paths.items():
-        write_own(image(figure, form), path)
-    return list(paths)
+    for path, picture in content.items():
+        write_own(picture, path)
+    return list(content), failed
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+def rendered(
+    dataset: xr.Dataset, render: Callable[[Figure], Rendered]
+) -> tuple[dict[str, Rendered], list[str]]:
     """The pictures that are meant for a study's result, by name; the main one first.
 
-    A failed case has no curve there.
+    A failed case has no curve there. A picture that fails, which is an error of this program, takes
+    nothing from the others.
+
+    Args:
+        dataset: result of a study.
+        render: what is made of a figure.
+
+    Returns:
+        What is made of each figure, and a line for each picture that failed.
     """
     sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
-    return {name: figure(sound) for name, (shows, figure) in PICTURES.items() if shows(sound)}
+    made, failed = {}, []
+    for name, (shows, figure) in PICTURES.items():
+        try:
+            if shows(sound):
+                made[name] = render(figure(sound))
+        except HarnessError:
+            raise
+        except Exception as error:
+            failed.append(f"the picture {name} could not be drawn: {in_one_line(error)}")
+    return made, failed

@@ -71,7 +71,7 @@ def problems_of(dataset: xr.Dataset) -> list[Problem]:
     found = []
     for (scene, *_), members in groups.items():
         cases, method = np.array(members), method_of(dataset, str(scene))
-        own = [name for name in varied if is_there(over_cases(dataset, name)[cases[0]])]
+        own = [name for name in varied if _has(dataset, name, scenes == scene)]
         different = {name: np.unique(columns[name].numbers[scenes == scene]) for name in own}
         settings = tuple(
             name
@@ -85,6 +85,11 @@ def problems_of(dataset: xr.Dataset) -> list[Problem]:
         }
         found.append(Problem(cases, str(scene), soil, settings))
     return [problem for problem in found if problem.settings]
+
+
+def _has(dataset: xr.Dataset, name: str, cases: np.ndarray) -> bool:
+    """Whether one of these cases has a value of a parameter; others may leave it to the scene."""
+    return any(map(is_there, over_cases(dataset, name)[cases].tolist()))
 
 
 def problem_names(problems: list[Problem]) -> list[str]:

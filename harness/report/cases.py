@@ -128,7 +128,8 @@ def _names(dataset: xr.Dataset) -> list[str]:
     return [
         str(name)
         for name in dict.fromkeys(wanted)
-        if name in dataset and dataset[name].ndim and set(dataset[name].dims) <= dims
+        # What is the same in all cases is listed elsewhere; a case alone has no dims.
+        if name in dataset and set(dataset[name].dims) <= dims and (dataset[name].ndim or not dims)
     ]
 
 

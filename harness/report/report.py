@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from matplotlib.figure import Figure
 
 from harness.archive.conventions import COMPLETED, over_cases, uncertainty_of
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
-from harness.pictures.pictures import figures
+from harness.pictures.pictures import rendered
 from harness.pictures.stability.outcomes import shows_stability
 from harness.pictures.stability.stability_map import stability_rows
 from harness.pictures.studied import Studied
@@ -56,6 +57,7 @@ class StudySection:
         summary: the outcome in a line.
         small: the main picture in small, None where there is none.
         pictures: all pictures.
+        failed: a line for each picture that could not be drawn.
         missed: tolerances that it misses.
         stability: the stability map in words, its heading first; empty where there is none.
         table: its cases.
@@ -70,6 +72,7 @@ class StudySection:
     summary: str
     small: Picture | None
     pictures: list[Picture]
+    failed: list[str]
     missed: list[str]
     stability: list[tuple[str, ...]]
     table: CaseTable
@@ -77,37 +80,43 @@ class StudySection:
     provenance: list[tuple[str, str]]
 
 
-def write_report(datasets: Sequence[xr.Dataset], path: Path) -> None:
+def write_report(datasets: Sequence[xr.Dataset], path: Path) -> list[str]:
     """Write the page, whole or not at all.
 
     Args:
         datasets: results of studies.
         path: the HTML file; an earlier page is replaced.
 
+    Returns:
+        A line for each picture that could not be drawn; the page is whole without it.
+
     Raises:
         NotOwnFileError: a file is in the way that was not written by this program.
         ArchiveError: it cannot be written.
     """
-    write_own(page(datasets).encode(), path)
+    text, failed = page(datasets)
+    write_own(text.encode(), path)
+    return failed
 
 
-def page(datasets: Sequence[xr.Dataset]) -> str:
-    """The page as text."""
+def page(datasets: Sequence[xr.Dataset]) -> tuple[str, list[str]]:
+    """The page as text, and a line for each picture that could not be drawn."""
     sections = [_section(dataset, place) for place, dataset in enumerate(datasets, start=1)]
-    return _PAGE.render(maker=MAKER, sections=sections, comparisons=comparisons(list(datasets)))
+    text = _PAGE.render(maker=MAKER, sections=sections, comparisons=comparisons(list(datasets)))
+    return text, [f"{it.study}: {line}" for it in sections for line in it.failed]
 
 
 def _section(dataset: xr.Dataset, place: int) -> StudySection:
-    drawn = figures(dataset)
-    main = next(iter(drawn), None)
+    drawn, failed = rendered(dataset, _in_two_sizes)
     return StudySection(
         anchor=f"study-{place}",
         title=str(dataset.attrs.get("title", dataset.attrs["study"])),
         study=str(dataset.attrs["study"]),
         scene=str(dataset.attrs["scene"]).replace(" ", ", "),
         summary=_summary(dataset),
-        small=None if main is None else _picture(main, image(drawn[main], dpi=SMALL_DPI)),
-        pictures=[_picture(name, image(it, dpi=PICTURE_DPI)) for name, it in drawn.items()],
+        small=next((_picture(name, small) for name, (small, _) in drawn.items()), None),
+        pictures=[_picture(name, large) for name, (_, large) in drawn.items()],
+        failed=failed,
         missed=misses(dataset),
         stability=stability_rows(dataset) if shows_stability(dataset) else [],
         table=case_table(dataset),
@@ -131,6 +140,11 @@ def _summary(dataset: xr.Dataset) -> str:
         unit = words.unit(dataset, studied.headline)
         told.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())
     return "; ".join(told)
+
+
+def _in_two_sizes(figure: Figure) -> tuple[bytes, bytes]:
+    """The images of a picture: that of the summary, and that of its own section."""
+    return image(figure, dpi=SMALL_DPI), image(figure, dpi=PICTURE_DPI)
 
 
 def _picture(name: str, png: bytes) -> Picture:

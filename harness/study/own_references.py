@@ -29,6 +29,8 @@ from mpm_warp.parameters import Value, nearest_name
 
 OWN_REFERENCES = "references"
 """Key of the table."""
+OWN_LABEL = "label"
+"""Key that every reference of a study's own has, in the study and in the file of a result."""
 REFERENCE_NAME = "[a-z][a-z0-9_]*"
 """What the name of a reference looks like, as a pattern."""
 SYMBOLS = {
@@ -70,7 +72,7 @@ class OwnReference(ConeFactor):
 
     def as_attributes(self) -> dict[str, str]:
         """What the file of a result keeps, beside what it keeps of those that ship."""
-        return {"label": self.label, "range": json.dumps(self.ranges)}
+        return {OWN_LABEL: self.label, "range": json.dumps(self.ranges)}
 
 
 def read_own_references(table: Table, known: Collection[str]) -> tuple[OwnReference, ...]:
@@ -92,7 +94,7 @@ def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReferen
     Raises:
         StudyError: the file is damaged there.
     """
-    keys = ("formula", "label", "source", *OPTIONAL)
+    keys = ("formula", OWN_LABEL, "source", *OPTIONAL)
     said = {key: attributes[key] for key in keys if key in attributes}
     try:
         ranges = json.loads(attributes.get("range", "{}"))

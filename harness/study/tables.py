@@ -16,6 +16,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
+LONGEST_TEXT = 1000
+"""Characters that a text may have; a title of more is a mistake, and would be printed whole."""
 
 
 class StudyError(HarnessError):
@@ -65,6 +67,9 @@ class Table:
         value = self.values[key]
         if not (isinstance(value, str) and value.strip() and value.isprintable()):
             raise self.refuse(key, "must be a text of one line")
+        if len(value) > LONGEST_TEXT:
+            problem = f"has {len(value)} characters; a text has at most {LONGEST_TEXT}"
+            raise self.refuse(key, problem)
         return value
 
     def word(self, key: str, choices: Sequence[str]) -> str:

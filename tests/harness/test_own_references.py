@@ -16,11 +16,11 @@ from harness.archive.study_files import read_study
 from harness.cli.main import main
 from harness.compare.compared import misses
 from harness.compare.result_table import result_table
-from harness.pictures.pictures import figures
 from harness.report.report import page
 from harness.run.collect_and_clean import collect_and_write
 from harness.study.description import study_text
 from harness.study.study import load_study
+from tests.harness.pictures.conftest import figures
 
 STUDY = """
 title = "t"
@@ -96,7 +96,7 @@ def test_the_picture_draws_it_within_its_range(computed: Callable[[str], xr.Data
 
 
 def test_the_page_lists_it(computed: Callable[[str], xr.Dataset]) -> None:
-    text = page([computed(STUDY)])
+    text, _ = page([computed(STUDY)])
     for told in ("Our &lt;laboratory&gt; 2026", "10 + alpha_c + apex_angle / 60", "measured"):
         assert f"<td>{told}</td>" in text
 

@@ -56,16 +56,25 @@ def list_misses(dataset: xr.Dataset) -> int:
     return INCOMPLETE if lines else DONE
 
 
-def show(dataset: xr.Dataset, folder: Path) -> None:
-    """Print the table and draw the pictures, as far as the scene has what they show."""
+def show(dataset: xr.Dataset, folder: Path) -> int:
+    """Print the table and draw the pictures, as far as the scene has what they show; exit code."""
     try:
         print(result_table(dataset))
     except NothingToCompareError as error:
         tell(str(error))
     try:
-        print(*draw(dataset, folder), sep="\n")
+        return _list_pictures(*draw(dataset, folder))
     except (NotOwnFileError, NothingToDrawError) as error:
         tell(str(error))
+    return DONE
+
+
+def _list_pictures(paths: list[Path], failed: list[str]) -> int:
+    """Print which pictures were written, and tell of those that failed; exit code."""
+    print(*paths, sep="\n" if paths else "")
+    for line in failed:
+        tell(line)
+    return INCOMPLETE if failed else DONE
 
 
 def plot(options: argparse.Namespace) -> int:
@@ -75,11 +84,10 @@ def plot(options: argparse.Namespace) -> int:
     prepare(folder)
     try:
         with working_on(options.file):
-            pictures = draw(dataset, folder, options.format)
+            drawn = draw(dataset, folder, options.format)
     except (NothingToCompareError, NothingToDrawError) as error:
         raise HarnessError(f"{options.file}: {error}") from None
-    print(*pictures, sep="\n")
-    return DONE
+    return _list_pictures(*drawn)
 
 
 def report(options: argparse.Namespace) -> int:
@@ -87,9 +95,8 @@ def report(options: argparse.Namespace) -> int:
     check_replaceable(options.out)  # before all is drawn
     datasets = [read_study(file) for file in options.file]
     with working_on(*options.file):
-        write_report(datasets, options.out)
-    print(options.out)
-    return DONE
+        failed = write_report(datasets, options.out)
+    return _list_pictures([options.out], failed)
 
 
 def show_recommendation(options: argparse.Namespace) -> int:

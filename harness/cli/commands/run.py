@@ -63,10 +63,10 @@ def run(options: argparse.Namespace) -> int:
         else on_cluster(study, options.dask)
     )
     dataset = run_study(study, options.out, runner, fresh=options.fresh)
-    show(dataset, options.out)
+    undrawn = show(dataset, options.out)
     print(study_file(options.out, study))
     incomplete = _list_incomplete(study, dataset)
-    return list_misses(dataset) or incomplete
+    return list_misses(dataset) or incomplete or undrawn
 
 
 def _check_uncertainty(study: Study) -> None:

@@ -57,7 +57,7 @@ def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
     write_study(tmp_path / "s.nc", dataset)
     read = read_study(tmp_path / "s.nc")
     assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
-    assert [path.name for path in draw(read, tmp_path)] == ["s_effects.png"]
+    assert [path.name for path in draw(read, tmp_path)[0]] == ["s_effects.png"]
 
 
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
@@ -67,7 +67,7 @@ def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     assert dataset["domain_radius"].dims == ("rigidity_index", "adhesion_factor")
     assert dataset["domain_radius"].sel(rigidity_index=100).values.tolist() == [60, 60]
     assert cone_factor_table(dataset)
-    assert draw(dataset, tmp_path)
+    assert draw(dataset, tmp_path)[0]
 
 
 OF_TWO_SCENES = {

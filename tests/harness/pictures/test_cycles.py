@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.lines import Line2D
 
 from harness.pictures.cycles import cycles_figure
-from harness.pictures.pictures import figures
+from tests.harness.pictures.conftest import figures
 
 STRENGTH = 20e3
 CYCLE = np.array([0.25, 0.75, 1.25, 1.75])

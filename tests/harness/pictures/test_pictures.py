@@ -25,11 +25,12 @@ from harness.cli.main import main
 from harness.pictures.drawing.caption import fixed
 from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image
 from harness.pictures.effects import effects_figure
-from harness.pictures.pictures import NothingToDrawError, draw, figures
+from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from harness.pictures.tornado import tornado_figure
 from mpm_warp import ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from mpm_warp.scenes.catalogue import CatalogueScene
+from tests.harness.pictures.conftest import figures
 
 from .conftest import MADE, drawn, random_cases, result
 
@@ -163,7 +164,7 @@ def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:
 
 def test_pictures_are_written_under_the_name_of_the_study(tmp_path: Path) -> None:
     folder = tmp_path / "pictures"
-    paths = draw(result({"adhesion_factor": [0.0, 1.0]}), folder)
+    paths, _ = draw(result({"adhesion_factor": [0.0, 1.0]}), folder)
     assert [path.name for path in paths] == ["demo_curve.png", "demo_resistance.png"]
     assert sorted(folder.iterdir()) == sorted(paths)
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
@@ -198,7 +199,7 @@ def test_a_picture_that_cannot_be_finished_leaves_the_earlier_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     dataset = result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance")
-    (earlier,) = draw(dataset, tmp_path)
+    (earlier,), _ = draw(dataset, tmp_path)
     before = earlier.read_bytes()
 
     def disk_full(descriptor: int) -> None:
@@ -278,3 +279,23 @@ def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None
         "$α$ = 0.5",
         "$α$ = 1",
     ]
+
+
+def test_a_picture_that_fails_takes_nothing_from_the_others(
+    two_soils: xr.Dataset,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def fails(dataset: xr.Dataset) -> Figure:
+        raise KeyError("ductility")
+
+    monkeypatch.setitem(PICTURES, "convergence", (PICTURES["convergence"][0], fails))
+    file = tmp_path / "made.nc"
+    write_study(file, two_soils)
+    for command in (["plot", str(file)], ["report", str(file), "-o", str(tmp_path / "page.html")]):
+        assert main(command) == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "the picture convergence could not be drawn: KeyError: 'ductility'" in line
+    assert (tmp_path / "made_work_precision.png").exists()
+    assert "KeyError" in (tmp_path / "page.html").read_text()

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 from matplotlib.container import ErrorbarContainer
 
-from harness.pictures.pictures import figures
 from harness.pictures.scenes import scenes_figure, shows_scenes
 from mpm_warp.results import labelled
+from tests.harness.pictures.conftest import figures
 
 CASE = ("case",)
 SCENES = ["cone_penetration", "cone_penetration", "t_bar_penetration", "t_bar_penetration"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from harness.pictures.pictures import figures
 from harness.pictures.sounding import sounding_figure
+from tests.harness.pictures.conftest import figures
 from tests.harness.pictures.test_joined_soundings import ONE, cut
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.pictures.pictures import figures
 from harness.pictures.work_precision import shows_work_precision, study_figure
+from tests.harness.pictures.conftest import figures
 
 
 def fronts(figure: Figure) -> list[list[list[float]]]:
@@ -85,3 +85,24 @@ def test_each_scene_of_several_has_its_own_front() -> None:
     figure = study_figure(dataset)
     assert fronts(figure) == [[[1, 0.1], [2, 0.01]], [[1.5, 0.5], [3, 0.3]]]
     assert told(figure) == ["thick cylinder", "cavity sphere"]
+
+
+def test_a_soil_that_gives_a_value_stands_beside_one_that_leaves_it_to_the_scene() -> None:
+    parameter = {"role": "parameter", "units": "1"}
+    dataset = xr.Dataset(
+        {
+            "error": ("case", [0.2, 0.02, 0.3, 0.03], {"role": "error"}),
+            "run_time": ("case", [1.0, 2.0, 1.1, 2.1]),
+            "status": ("case", ["completed"] * 4),
+        },
+        coords={
+            "step_count": ("case", [10, 100, 10, 100], parameter),
+            "ductility": ("case", [np.nan, np.nan, 2.0, 2.0], parameter),
+        },
+        attrs={"scene": "material_point", "design": "list"},
+    )
+    assert len(fronts(study_figure(dataset))) == 2
+    assert told(study_figure(dataset)) == [
+        r"$ξ_{\mathrm{95}}$ = derived",
+        r"$ξ_{\mathrm{95}}$ = 2",
+    ]

@@ -72,6 +72,10 @@ MALFORMED: dict[str, tuple[str | bytes, str]] = {
     "scene of wrong type": ('title = "t"\nscene = 1', "scene = 1: must be a text"),
     "no scene": ('title = "t"', "scene: is missing; known: "),
     "no title": (SCENE_ONLY, "title: is missing"),
+    "title without end": (
+        SCENE_ONLY + f'title = "{"a" * 900_000}"',
+        "has 900000 characters; a text has at most 1000",
+    ),
     "title of two lines": (SCENE_ONLY + 'title = "a\\nb"', "must be a text of one line"),
     "timing of wrong type": (GOOD + "[timing]\nrepeats = 2.0", "repeats = 2.0: must be an integer"),
     "truth for repeats": (GOOD + "[timing]\nrepeats = true", "must be an integer, 1 to 1000"),

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.pictures.pictures import figures
 from harness.pictures.stability.shares import shares
 from harness.pictures.stability.stability_map import stability_figure, stability_rows
 from harness.pictures.stability.strips import Strip, strips
+from tests.harness.pictures.conftest import figures
 
 BAD_VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
