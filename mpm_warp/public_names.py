@@ -31,9 +31,7 @@ from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Part, Scene
-from mpm_warp.scenes.bars.stretched_bar import StretchedBar
-from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
-from mpm_warp.scenes.bearing.footings import CircularFooting, StripFooting
+from mpm_warp.scenes.bearing.on_ground import CircularFooting, ConeBearing, StripFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue import CatalogueScene

@@ -16,7 +16,7 @@ from harness.run.run_study import on_this_machine, run_study
 from harness.study.study import load_study
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.bearing.footings import CircularFooting
+from mpm_warp.scenes.bearing.on_ground import CircularFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue import CatalogueScene

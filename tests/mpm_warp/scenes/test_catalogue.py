@@ -199,7 +199,7 @@ def test_packages_are_asked_for_scenes_once(monkeypatch: pytest.MonkeyPatch) -> 
         ("lost", "no_such_package:Scene", "cannot be loaded: ModuleNotFoundError: No module named"),
         ("lost", "mpm_warp:Nothing", "cannot be loaded: AttributeError"),
         ("lost", "mpm_warp.parameters:Parameter", "is not a CatalogueScene without abstract"),
-        ("lost", "mpm_warp.scenes.bearing.common:Bearing", "is not a CatalogueScene without"),
+        ("lost", "mpm_warp.scenes.bearing.bearing:Bearing", "is not a CatalogueScene without"),
     ],
 )
 def test_a_broken_entry_point_is_named_in_one_line(

@@ -14,7 +14,7 @@ from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.common import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.scenes.shared_parameters import ConeInGround
 
 OUTER_RADIUS = 6.0

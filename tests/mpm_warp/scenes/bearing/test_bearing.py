@@ -11,10 +11,14 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.bearing.common import RADIUS, STRENGTH
-from mpm_warp.scenes.bearing.cone_bearing import ConeBearing
-from mpm_warp.scenes.bearing.footings import CircularFooting, Footing, StripFooting
-from mpm_warp.scenes.bearing.on_ground import OnGround
+from mpm_warp.scenes.bearing.bearing import RADIUS, STRENGTH
+from mpm_warp.scenes.bearing.on_ground import (
+    CircularFooting,
+    ConeBearing,
+    Footing,
+    OnGround,
+    StripFooting,
+)
 
 pytestmark = pytest.mark.slow
 

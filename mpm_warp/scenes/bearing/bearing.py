@@ -1,4 +1,4 @@
-"""What the scenes of bearing capacity have in common: a rigid body pressed into the ground."""
+"""A rigid body pressed slowly into soil, to the load that it cannot exceed."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.sampling import follow, soil_scene
+from mpm_warp.results import curves, labelled
+from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.limit_load import PLATEAU_CHANGE, PLATEAU_SHARE, LoadSampler
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -32,6 +32,16 @@ POISSONS_RATIO = 0.45
 NO_PARTING = 100.0 * STRENGTH
 """In-situ stress above any that the soil can pull with: the body and the soil do not part."""
 SAMPLE_COUNT = 60
+PLATEAU_SHARE = 0.25
+"""The share of the displacement, at its end, over which the load has to stand still."""
+PLATEAU_CHANGE = 0.01
+"""What its linear fit may change there by, over its mean."""
+PLATEAU_IS = (
+    f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes there by at "
+    f"most {PLATEAU_CHANGE:.0%}; else not a number"
+)
+LEAST_SAMPLES = 3
+"""Samples that make a plateau, at least."""
 TIME_STEP_FRACTION = 0.85
 
 
@@ -145,12 +155,26 @@ class Bearing(CatalogueScene):
         Raises:
             UnfinishedRun: the load still changes at the end of the displacement.
         """
-        scene = soil_scene(simulation)
-        sampler = LoadSampler(simulation, length=RADIUS, load=lambda nodal: self.load(scene, nodal))
-        steps = sampler.steps(self.final_displacement, SAMPLE_COUNT)
-        recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
-        results = recorded.assign(sampler.curve.limit_beside(self.exact_load, self.exact_source))
-        if math.isnan(sampler.curve.limit):
+        scene, forces = soil_scene(simulation), ContactForces(simulation)
+        per_step = self.speed * simulation.plan.time_step
+
+        def sample() -> tuple[float, float]:
+            return simulation.step_count * per_step, self.load(scene, forces.take())
+
+        # There are fewer samples where there are fewer steps.
+        shares = np.arange(1, SAMPLE_COUNT + 1) / SAMPLE_COUNT
+        steps = np.rint(shares * self.final_displacement / per_step)
+        due: list[int] = np.unique(np.maximum(steps, 1.0)).astype(int).tolist()
+        recorded = follow(
+            simulation,
+            due,
+            simulation.advance_to_step,
+            [Samples(sample, load_curve)],
+            progress,
+        )
+        limit = plateau(recorded.displacement.values, recorded.resistance.values)
+        results = recorded.assign(self._limit_beside_exact(limit))
+        if math.isnan(limit):
             raise UnfinishedRun(
                 f"the load has no plateau: it changes by more than {PLATEAU_CHANGE:.0%} over the "
                 f"last {PLATEAU_SHARE:.0%} of displacement = {self.displacement:g}; try more "
@@ -158,3 +182,60 @@ class Bearing(CatalogueScene):
                 results,
             )
         return results
+
+    def _limit_beside_exact(self, limit: float) -> dict[str, xr.Variable]:
+        """The limit load over area and su, and the exact one with the error where one is known."""
+        computed = labelled(
+            role="headline",
+            bearing_capacity=(
+                limit,
+                "1",
+                "limit load over area and su",
+                PLATEAU_IS,
+            ),
+        )
+        exact = self.exact_load
+        if math.isnan(exact):
+            return computed
+        error = (
+            abs(limit / exact - 1),
+            "1",
+            "error of the limit load",
+            "relative error of the plateau",
+        )
+        return (
+            labelled(role="error", error=error)
+            | computed
+            | labelled(
+                bearing_capacity_exact=(
+                    exact,
+                    "1",
+                    "limit load over area and su, exact",
+                    self.exact_source,
+                ),
+            )
+        )
+
+
+def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
+    """Load over area and su against displacement.
+
+    Args:
+        reached: displacements at the samples [m], shape [sample_count].
+        load: means since the sample before, shape [sample_count].
+    """
+    # A mean over the steps since the sample before stands in their middle.
+    middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
+    axis = (middles / RADIUS, "1", "displacement over radius")
+    return curves("displacement", axis, resistance=(load, "1", "load over area and su"))
+
+
+def plateau(displacement: Floats, load: Floats) -> float:
+    """Mean load of the plateau that a curve ends in; not a number where there is none."""
+    last = displacement >= (1.0 - PLATEAU_SHARE) * displacement[-1]
+    displacement, load = displacement[last], load[last]
+    if len(load) < LEAST_SAMPLES:
+        return math.nan
+    slope = np.polyfit(displacement, load, 1)[0]
+    change = abs(slope) * (displacement[-1] - displacement[0])
+    return float(load.mean()) if change <= PLATEAU_CHANGE * abs(load.mean()) else math.nan
