@@ -35,12 +35,14 @@ from mpm_warp.scenes.bearing.on_ground import CircularFooting, ConeBearing, Stri
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue import CatalogueScene
-from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
-from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
+from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.discovery import scene_class, scene_names
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
+from mpm_warp.scenes.elastic.columns import GravityColumn
+from mpm_warp.scenes.elastic.impact import StruckBar, StruckColumn
+from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
 from mpm_warp.scenes.full_flow.cyclic.cyclic_ball import CyclicBall
@@ -48,12 +50,9 @@ from mpm_warp.scenes.full_flow.cyclic.cyclic_t_bar import CyclicTBar
 from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
 from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
-from mpm_warp.scenes.impact.struck_bar import StruckBar
-from mpm_warp.scenes.impact.struck_column import StruckColumn
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.scenes.step_cost import StepCost
-from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots, soil_fields

@@ -32,6 +32,30 @@ class Sampler(Protocol):
         """What has been recorded so far, as curves or scalars."""
 
 
+class Samples:
+    """Samples numbers of a run, a row each time, and makes curves of them.
+
+    Args:
+        take: gives the numbers of a sample, always as many.
+        curves: makes a dataset of the numbers, each an array over the samples.
+    """
+
+    def __init__(
+        self, take: Callable[[], Sequence[float]], curves: Callable[..., xr.Dataset]
+    ) -> None:
+        self._take = take
+        self._curves = curves
+        self._rows: list[Sequence[float]] = []
+
+    def sample(self) -> None:
+        """Take the numbers."""
+        self._rows.append(self._take())
+
+    def dataset(self) -> xr.Dataset:
+        """The curves; no variables where there is no sample."""
+        return self._curves(*np.array(self._rows).T) if self._rows else xr.Dataset()
+
+
 def never() -> bool:
     """Of a run that goes on to its last moment."""
     return False

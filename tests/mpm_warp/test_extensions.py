@@ -25,7 +25,7 @@ from mpm_warp.results import variable
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 

@@ -176,7 +176,7 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
 
 DEADLY = """
 import os, signal
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 GravityColumn.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
 """
 

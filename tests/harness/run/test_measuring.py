@@ -22,7 +22,7 @@ from harness.study.cases import Case
 from mpm_warp.parameters import Value
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 
 pytestmark = pytest.mark.slow
 

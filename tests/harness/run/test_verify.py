@@ -12,7 +12,7 @@ import xarray as xr
 from harness.cli.main import main
 from harness.run.verify import Check, Verified, as_dataset, checks_of, table_rows, verify
 from mpm_warp.scenes import Verification
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 
 pytestmark = pytest.mark.slow
 

@@ -24,7 +24,7 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow

@@ -20,7 +20,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.simulation import Simulation
 

@@ -10,7 +10,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.plan.launch import OFFSET, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 
 CONE = ConePenetration(cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4)

@@ -17,7 +17,7 @@ from mpm_warp.parameters import Value, parameter, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
 from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow

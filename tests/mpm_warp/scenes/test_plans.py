@@ -6,8 +6,8 @@ import pytest
 
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
-from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
+from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
+from mpm_warp.scenes.elastic.columns import GravityColumn
 
 STEP = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
 

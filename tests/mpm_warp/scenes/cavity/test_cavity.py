@@ -11,8 +11,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.boundaries import RadialMotion
-from mpm_warp.scenes.cavity.cavity_cylinder import CavityCylinder
-from mpm_warp.scenes.cavity.cavity_sphere import CavitySphere
+from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
@@ -30,7 +29,7 @@ RADII = np.array([1.01, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0])
 def test_closed_form_has_its_tabulated_values(
     rigidity_index: float, pressures: list[float]
 ) -> None:
-    computed = CavityCylinder(rigidity_index=rigidity_index).exact(RADII)
+    computed = CavityCylinder(rigidity_index=rigidity_index).exact.pressure(RADII)
     np.testing.assert_allclose(computed, pressures, atol=5e-4)  # given to three decimals
 
 
@@ -93,7 +92,7 @@ def test_closed_form_of_the_pore_pressure(
     index, su = 100.0, 1e3
     plastic = (index * (1.0 - expansion**-m)) ** (1.0 / m)
     distance = np.linspace(1.0, 2.0 * plastic, 50)
-    pressure = scene(rigidity_index=index).exact_pore_pressure(distance, expansion=expansion)
+    pressure = scene(rigidity_index=index).exact.pore_pressure(distance, expansion=expansion)
     inside = distance < plastic
     # What a0 takes from the logarithm, and the first term of a strain that is not small.
     full = k * su * (math.log(index) - m * np.log(distance[inside]))
@@ -107,9 +106,9 @@ def test_pore_pressure_is_that_of_the_exact_stress_around_a_cavity() -> None:
     for scene in (CavityCylinder(expansion=2.0), CavitySphere(expansion=2.0)):
         m, r = scene.exponent, np.linspace(1.0, 20.0, 40_001)
         local = r / (r**m - 1.0 + 2.0**-m) ** (1.0 / m)
-        radial = scene.exact(local)
+        radial = scene.exact.pressure(local)
         mean = radial + r / m * np.gradient(radial, r)
-        computed = scene.exact_pore_pressure(r, expansion=2.0) / 1e3
+        computed = scene.exact.pore_pressure(r, expansion=2.0) / 1e3
         # Of second order in the steps, but for the jump of the slope at the yield surface.
         assert np.median(np.abs(computed - mean)) < 1e-6
         assert np.abs(computed - mean)[1:-1].max() < 2e-3
@@ -147,8 +146,8 @@ def test_the_vertical_stress_counts_where_soil_is_not_of_tresca() -> None:
 
 def test_around_a_sphere_von_mises_yields_at_less_than_tresca() -> None:
     """As soil of Tresca with sqrt(3)/2 of the strength, and of that rigidity index."""
-    von_mises = CavitySphere(rigidity_index=100.0, material="von_mises").exact(RADII)
-    weaker = CavitySphere(rigidity_index=100.0 / math.sqrt(0.75)).exact(RADII)
+    von_mises = CavitySphere(rigidity_index=100.0, material="von_mises").exact.pressure(RADII)
+    weaker = CavitySphere(rigidity_index=100.0 / math.sqrt(0.75)).exact.pressure(RADII)
     np.testing.assert_allclose(von_mises, math.sqrt(0.75) * weaker, rtol=1e-12)
 
 
@@ -228,9 +227,9 @@ def test_pore_pressure_is_that_of_the_exact_stress_where_the_strength_changes(
     cavity = scene(expansion=2.0, **changing)
     m, far = cavity.exponent, 30.0
     r = np.geomspace(1.0, far, 201)
-    mean = cavity.exact_pore_pressure(r, expansion=2.0)
+    mean = cavity.exact.pore_pressure(r, expansion=2.0)
     added_up = float(np.trapezoid(mean * m * r ** (m - 1), r))
-    at_wall = 1e3 * float(cavity.exact(np.array([2.0]))[0])
+    at_wall = 1e3 * float(cavity.exact.pressure(np.array([2.0]))[0])
     # Far away the soil is elastic: p = k G (1 - (a0/a)^m) (a/r)^m.
     beyond = cavity.factor * 1e5 * (1.0 - 2.0**-m)
     assert at_wall + added_up == pytest.approx(beyond, rel=1e-3)

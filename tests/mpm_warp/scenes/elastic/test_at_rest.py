@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 import xarray as xr
 
-from mpm_warp.scenes.elastic.gravity_column import GravityColumn
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 
 pytestmark = pytest.mark.slow

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.waves.curves import PERIOD
-from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
-from mpm_warp.scenes.waves.transfer import step_matrix, wave_factor
+from mpm_warp.scenes.elastic.column_wave import PERIOD, ElasticColumnWave
+from mpm_warp.scenes.elastic.wave_decay import step_matrix, wave_factor
 from mpm_warp.simulation import Simulation
 
 CELLS = 5

@@ -17,7 +17,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import Samples, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
 from mpm_warp.simulation import Simulation
@@ -146,8 +146,19 @@ class StretchedBar(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Draw the bar out."""
         moments = [self.duration * sample / SAMPLE_COUNT for sample in range(1, SAMPLE_COUNT + 1)]
-        sampler = MiddleHalf(simulation, self)
-        recorded = follow(simulation, moments, simulation.advance_to, [sampler], progress)
+        at_rest = self.lattice
+        middle = np.abs(at_rest) < 0.25 * LENGTH
+        rows = (POINTS_PER_CELL, len(at_rest))
+
+        def middle_half() -> tuple[float, ...]:
+            """Time, stretch, least and greatest stress in the middle half, far from the ends."""
+            along = simulation.array("particle.position")[:, 0].reshape(rows).mean(axis=0)
+            stress = simulation.array("particle.stress")[:, 0].reshape(rows)[:, middle]
+            stretch = np.polyfit(at_rest[middle], along[middle], 1)[0]
+            return simulation.time, stretch, stress.min(), stress.max()
+
+        samples = Samples(middle_half, self._curves)
+        recorded = follow(simulation, moments, simulation.advance_to, [samples], progress)
         last = recorded.isel(progress=-1)
         at_end = np.array([last.stress_least, last.stress_greatest]) / float(
             last.stress_greatest_exact
@@ -162,44 +173,13 @@ class StretchedBar(CatalogueScene):
             | labelled(role="error", stress_error=(np.abs(at_end - 1.0).max(), "1", stress_meaning))
         )
 
-    @property
-    def lattice(self) -> Floats:
-        """Coordinates of the points along the bar at rest, from its middle [m]."""
-        return LENGTH * _middles(round(POINTS_PER_CELL * self.cell_count * self.stretch))
-
-
-class MiddleHalf:
-    """Samples stretch and stress in the middle half of the bar, far from its ends.
-
-    Args:
-        simulation: a run of the bar.
-        bar: what is drawn.
-    """
-
-    def __init__(self, simulation: Simulation, bar: StretchedBar) -> None:
-        self._simulation = simulation
-        self._bar = bar
-        self._samples: list[tuple[float, ...]] = []
-
-    def sample(self) -> None:
-        """Add time, stretch, least and greatest stress."""
-        at_rest = self._bar.lattice
-        middle = np.abs(at_rest) < 0.25 * LENGTH
-        rows = (POINTS_PER_CELL, len(at_rest))
-        along = self._simulation.array("particle.position")[:, 0].reshape(rows).mean(axis=0)
-        stress = self._simulation.array("particle.stress")[:, 0].reshape(rows)[:, middle]
-        stretch = np.polyfit(at_rest[middle], along[middle], 1)[0]
-        time = self._simulation.time
-        self._samples.append((time, float(stretch), float(stress.min()), float(stress.max())))
-
-    def dataset(self) -> xr.Dataset:
-        """Stretch and stress so far, and the closed form."""
-        times, stretch, least, greatest = np.array(self._samples).reshape(-1, 4).T
+    def _curves(self, time: Floats, stretch: Floats, least: Floats, greatest: Floats) -> xr.Dataset:
+        """Stretch and stress of the middle half, and the closed form."""
         return curves(
             "progress",
-            (np.arange(1, len(times) + 1) / SAMPLE_COUNT, "1", "time over duration"),
+            (np.arange(1, len(time) + 1) / SAMPLE_COUNT, "1", "time over duration"),
             stretch=(stretch, "1", "stretch of the middle half"),
-            stretch_exact=(self._bar.stretch_at(times), "1", "stretch, closed form"),
+            stretch_exact=(self.stretch_at(time), "1", "stretch, closed form"),
             stress_least=(least, "Pa", "least stress of the middle half"),
             stress_greatest=(greatest, "Pa", "greatest stress of the middle half"),
             stress_greatest_exact=(
@@ -208,6 +188,11 @@ class MiddleHalf:
                 "elastic stress at the stretch, closed form",
             ),
         )
+
+    @property
+    def lattice(self) -> Floats:
+        """Coordinates of the points along the bar at rest, from its middle [m]."""
+        return LENGTH * _middles(round(POINTS_PER_CELL * self.cell_count * self.stretch))
 
 
 def _middles(count: int) -> Floats:

@@ -12,8 +12,8 @@ from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.batched_plan import batch_key
 from mpm_warp.plan.time_step import SLACK
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.bars import stretched_bar
-from mpm_warp.scenes.bars.stretched_bar import StretchedBar
+from mpm_warp.scenes.elastic import stretched_bar
+from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 
 pytestmark = pytest.mark.slow
 

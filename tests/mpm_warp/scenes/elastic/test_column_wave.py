@@ -9,9 +9,8 @@ from collections.abc import Callable
 import pytest
 import xarray as xr
 
-from mpm_warp.scenes.waves.curves import PERIOD
-from mpm_warp.scenes.waves.elastic_column_wave import ElasticColumnWave
-from mpm_warp.scenes.waves.transfer import wave_factor
+from mpm_warp.scenes.elastic.column_wave import PERIOD, ElasticColumnWave
+from mpm_warp.scenes.elastic.wave_decay import wave_factor
 
 pytestmark = pytest.mark.slow
 

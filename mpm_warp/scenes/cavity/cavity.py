@@ -1,9 +1,10 @@
-"""What the scenes of expanding cavities have in common: a wall that moves, and its pressure."""
+"""A cavity that expands in undrained clay: its wall moves, its pressure beside the exact one."""
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,18 +13,15 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.spacing import graded
-from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.results import variable
-from mpm_warp.sampling import follow, soil_scene
+from mpm_warp.results import curves, variable
+from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, follow, soil_scene
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cavity.changing_strength import ChangingStrengthCavity
-from mpm_warp.scenes.cavity.pore_pressure import pore_pressure_profile
-from mpm_warp.scenes.cavity.pressure_curve import PressureCurve
+from mpm_warp.scenes.cavity.exact import ExactCavity
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -39,15 +37,11 @@ TIME_STEP_FRACTION = 0.85
 class Cavity(ClayScene):
     """A cavity in clay whose wall moves, the grid following it.
 
-    Incompressible soil with strains of any size: with a the radius, a0 that at the start,
-    e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm, (p - p0)/su = k Ir Li2(e) while
-    e <= x, then k (Ir Li2(x) + ln(e/x)); m = 2 and k = 1 for the cylinder, m = 3 and k = 4/3 for
-    the sphere. Soil of von Mises, with sqrt(J2) = su, yields like that of Tresca in the plane
-    strain around a cylinder, and around a sphere like one with sqrt(3)/2 su. The soil here is
-    slightly compressible (Poisson's ratio 0.495), which lowers the limit by
-    ln(2 (1 + nu) / (5 - 4 nu)) = -0.0100 and 4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 (Hill 1950);
-    nothing is corrected for that. Where the strength changes, the pressure is an integral over the
-    strain (`strength_law`).
+    The exact pressures are those of incompressible clay with strains of any size (`ExactCavity`).
+    Soil of von Mises, with sqrt(J2) = su, yields like that of Tresca in the plane strain around a
+    cylinder, and around a sphere like one with sqrt(3)/2 su. The soil here is slightly compressible
+    (Poisson's ratio 0.495), which lowers the limit by ln(2 (1 + nu) / (5 - 4 nu)) = -0.0100 and
+    4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 (Hill 1950); nothing is corrected for that.
     """
 
     method: ClassVar[tuple[str, ...]] = ("cells_per_radius", "particles_per_cell", "speed_ratio")
@@ -159,91 +153,40 @@ class Cavity(ClayScene):
         """Stress (rr, zz, rz, tt) of the soil before, over that across the wall [Pa], shape [4]."""
         return np.zeros(4)
 
-    def exact(self, expansion: Floats) -> Floats:
-        """Excess cavity pressure over strength at radii over the initial one, both of shape [n]."""
-        if self._changing is not None:
-            return self._changing.pressure(expansion) / STRENGTH
-        index = self.rigidity_index / self._strength
-        strain = 1.0 - expansion ** -float(self.exponent)
-        yielding = -math.expm1(-1.0 / index)
-        elastic = index * _dilogarithm(np.minimum(strain, yielding))
-        pressure: Floats = elastic + np.log(np.maximum(strain / yielding, 1.0))
-        return self.factor * self._strength * pressure
-
-    def exact_pore_pressure(self, distance: Floats, *, expansion: float) -> Floats:
-        """Excess pore pressure at distances from the middle [Pa], shape [n].
-
-        Soil at a distance r that was at r0 bears the radial stress of a cavity that has expanded
-        from r0 to r, p say; r^m - r0^m is the same everywhere. The mean stress is less than that by
-        k times the shear stress, G m ln(r/r0) up to the strength. So in the plastic zone around a
-        cavity that has expanded far, (p - p0)/su = k (ln Ir - m ln(r/a)).
-
-        Args:
-            distance: over the radius a of the cavity, >= 1, shape [n].
-            expansion: a/a0, > 1.
-        """
-        if self._changing is not None:
-            return self._changing.pore_pressure(distance, expansion=expansion)
-        m, index = self.exponent, self.rigidity_index / self._strength
-        local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
-        shear = np.minimum(index * m * np.log(local), 1.0)
-        pressure: Floats = self.exact(local) - self.factor * self._strength * shear
-        return STRENGTH * pressure
-
     @property
-    def limit(self) -> float:
-        """Excess pressure over strength that no expansion exceeds, or that at the end."""
-        if self._changing is not None:
-            return float(self.exact(np.array([self.expansion]))[0])
-        return self.factor * self._strength * (1.0 + math.log(self.rigidity_index / self._strength))
-
-    @property
-    def _strength(self) -> float:
-        """Half the difference of the stresses along and across the wall at yield, over su."""
-        return self.von_mises_strength if self.material == "von_mises" else 1.0
-
-    @property
-    def _changing(self) -> ChangingStrengthCavity | None:
-        """The exact pressures where the strength changes, or none."""
-        clay = self.clay
-        if not isinstance(clay, EinavRandolph):
-            return None
-        return ChangingStrengthCavity(
-            clay=clay,
+    def exact(self) -> ExactCavity:
+        """The exact pressures."""
+        return ExactCavity(
+            clay=self.clay,
+            rigidity_index=self.rigidity_index,
             wall=self.wall,
             radius=RADIUS,
             exponent=self.exponent,
             factor=self.factor,
-            strength_share=self._strength,
+            strength_share=self.von_mises_strength if self.material == "von_mises" else 1.0,
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
-        duration = self.duration(soil_scene(simulation)[MovingWall])
-        grid = soil_scene(simulation).grid
-        curve = PressureCurve(
-            simulation,
-            radius=RADIUS,
-            strength=STRENGTH,
-            wall_area=lambda radius: self.wall_area(grid, radius),
-            exact=self.exact,
-        )
+        grid, exact, wall_area = soil_scene(simulation).grid, self.exact, self.wall_area
+        curve = PressureCurve(simulation, exact, lambda radius: wall_area(grid, radius))
+        duration = self.duration(self.wall)
         moments = [duration * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
         error = variable(
-            float(np.abs(difference.values).max()) / self.limit,
+            float(np.abs(difference.values).max()) / exact.limit(self.expansion),
             unit="1",
             meaning="error of the cavity pressure",
             description="greatest difference over the whole curve, over the limit pressure, "
             "or the exact one at the end where the strength changes",
             role="headline",
         )
-        shape = self.shape(grid, curve.on_rows)
-        profile = pore_pressure_profile(
-            simulation, radius_at_start=RADIUS, exact=self.exact_pore_pressure
+        return (
+            recorded.assign(error=error)
+            .assign(self.shape(grid, curve.on_rows))
+            .merge(pore_pressure_profile(simulation, exact))
         )
-        return recorded.assign(error=error).assign(shape).merge(profile)
 
     def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
         """How well the cavity keeps its shape, from the forces on the wall's nodes at the end.
@@ -255,8 +198,90 @@ class Cavity(ClayScene):
         return {}
 
 
-def _dilogarithm(x: Floats) -> Floats:
-    """Li2(x) by its series, for 0 <= x <= 0.1: twelve terms are exact to rounding."""
-    powers = np.arange(1, 13)
-    series: Floats = np.sum(np.asarray(x)[..., None] ** powers / powers**2, axis=-1)
-    return series
+class PressureCurve:
+    """Samples the pressure in a cavity: means over the time since the sample before.
+
+    Args:
+        simulation: a run of a cavity.
+        exact: its exact pressures.
+        wall_area: area of the wall per radian [m2] when the cavity has a radius [m].
+
+    Attributes:
+        on_rows: normal forces on the wall by row of nodes in the last sample [N].
+    """
+
+    def __init__(
+        self, simulation: Simulation, exact: ExactCavity, wall_area: Callable[[float], float]
+    ) -> None:
+        self._simulation = simulation
+        self._exact = exact
+        self._wall_area = wall_area
+        self._radius = exact.radius
+        self._sampled_at = simulation.time
+        self._expansion: list[float] = []
+        self._pressure: list[float] = []
+        self.on_rows = np.zeros(soil_scene(simulation).grid.row_count + 1)
+
+    def sample(self) -> None:
+        """Record the radius and the mean pressure since the sample before."""
+        simulation = self._simulation
+        if simulation.time == self._sampled_at:
+            return  # one step may go past several samples
+        radius = float(simulation.array("wall.motion")[0, 2])
+        self.on_rows = simulation.array("wall.impulse") / (simulation.time - self._sampled_at)
+        simulation.assign("wall.impulse", 0.0)
+        middle = 0.5 * (self._radius + radius)
+        self._expansion.append(middle / self._exact.radius)
+        self._pressure.append(self.on_rows.sum() / self._wall_area(middle) / STRENGTH)
+        self._radius, self._sampled_at = radius, simulation.time
+
+    def dataset(self) -> xr.Dataset:
+        """Pressure over su against radius over that at the start, computed and exact."""
+        expansion = np.array(self._expansion)
+        return curves(
+            "expansion",
+            (expansion, "1", "radius of the cavity over that at the start"),
+            cavity_pressure=(np.array(self._pressure), "1", "excess cavity pressure over su"),
+            cavity_pressure_exact=(
+                self._exact.pressure(expansion),
+                "1",
+                "excess cavity pressure over su, exact",
+            ),
+        )
+
+
+def pore_pressure_profile(simulation: Simulation, exact: ExactCavity) -> xr.Dataset:
+    """Excess pore pressure over the distance from the middle, computed and exact, and its error.
+
+    Args:
+        simulation: of a cavity, at its end.
+        exact: its exact pressures.
+    """
+    grid = soil_scene(simulation).grid
+    radius = float(simulation.array("wall.motion")[0, 2])
+    middles = 0.5 * (grid.columns[:-1] + grid.columns[1:])
+    distance = 1.0 + (grid.outer_radius / radius - 1.0) * middles
+    by_rows = excess_pore_pressure(simulation).reshape(grid.row_count, grid.column_count)
+    volumes = simulation.array("cell.volume").reshape(by_rows.shape)
+    pressure = np.average(by_rows, axis=0, weights=volumes)
+    expected = exact.pore_pressure(distance, expansion=radius / exact.radius)
+    profile = curves(
+        "distance",
+        (distance, "1", "distance from the middle over the radius of the cavity"),
+        excess_pore_pressure=(
+            pressure,
+            "Pa",
+            "excess pore pressure",
+            f"mean over each column of cells at the end; {PORE_PRESSURE_IS}",
+        ),
+        excess_pore_pressure_exact=(expected, "Pa", "excess pore pressure, exact"),
+    )
+    error = variable(
+        np.abs(pressure - expected).max() / expected.max(),
+        unit="1",
+        meaning="error of the excess pore pressure",
+        description="greatest difference over the whole profile, over the exact one in the "
+        "innermost cell",
+        role="error",
+    )
+    return profile.assign(pore_pressure_error=error)

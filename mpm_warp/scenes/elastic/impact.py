@@ -1,11 +1,11 @@
-"""A bar or column that strikes a rigid wall: the exact shock, and a run compared with it."""
+"""A bar and a column that strike a rigid wall: the exact shock, and runs compared with it."""
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -13,17 +13,40 @@ import numpy as np
 import scipy  # loads what finds roots where it is first used: no other scene waits for it
 import xarray as xr
 
+from mpm_warp.bodies.body import InterfaceFrame
+from mpm_warp.bodies.contact import BodyContact
+from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter
+from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow
+from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.elastic.columns import Column, confined
+from mpm_warp.scenes.run_size import (
+    BODY_CELL_BYTES,
+    BODY_PARTICLE_BYTES,
+    RunSize,
+    shortest_crossing,
+    size_in_grid,
+)
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
 """Length before the impact [m]."""
 TRAVEL = 0.75
 """Part of the bar that the shock has passed at the end; its speed is that over the second half."""
+DAMPING = 0.5
+"""Of the bar: retardation time over the time in which a wave crosses a cell, which makes a shock
+some cells wide."""
+POINTS_PER_CELL = 2
+"""Material points of the bar along and across a cell."""
+POISSONS_RATIO = 0.3
+"""Of the column."""
+BULK_VISCOSITY = 1.0
+"""Of the column: it spreads a shock over some cells."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +119,9 @@ class Impact(CatalogueScene):
     """Modulus of uniaxial strain [Pa]."""
     density: ClassVar[float]
     """Density before the impact [kg/m3]."""
+    time_step_fraction: ClassVar[float]
+    """Time step over the critical one, small: a shock strains what it passes by half, and each step
+    is accurate for small strain."""
 
     speed_ratio: float = parameter(
         0.5, unit="1", meaning="speed of the impact over that of waves", above=0, maximum=0.9
@@ -173,7 +199,6 @@ class ShockFront:
         passed = heights < shock.front_speed * self._simulation.time
         exact_stress = np.where(passed, shock.stress, 0.0)
         exact_velocity = np.where(passed, 0.0, -shock.speed)
-
         return curves(
             "place",
             (heights, "m", "place in the unstrained bar"),
@@ -196,10 +221,9 @@ class ShockFront:
         of_stress = abs(stress.mean() / shock.stress - 1.0)
         of_velocity = abs(velocity.mean()) / shock.speed
         greatest = max(of_speed, of_stress, of_velocity)
-        meaning = "greatest error of the shock's speed, stress and velocity"
         scatter = stress.std() / abs(shock.stress)
-        return {
-            **labelled(
+        return (
+            labelled(
                 role="error",
                 front_speed_error=(of_speed, "1", "error of its speed"),
                 stress_error=(of_stress, "1", "error of the mean stress behind it"),
@@ -208,16 +232,125 @@ class ShockFront:
                     "1",
                     "mean velocity behind it over that of the impact",
                 ),
-            ),
-            **labelled(role="headline", error=(greatest, "1", meaning)),
-            **labelled(
+            )
+            | labelled(
+                role="headline",
+                error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
+            )
+            | labelled(
                 stress_scatter=(
                     scatter,
                     "1",
                     "standard deviation of the stress behind the shock over its mean",
                 )
-            ),
-        }
+            )
+        )
 
     def _along_bar(self, name: str) -> Floats:
         return self._sections.means(self._simulation.array(f"particle.{name}")[:, 1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class StruckBar(Impact):
+    """A body, a bar of Poisson's ratio 0 and a cell thick, comes to rest on another, rigid one."""
+
+    summary: ClassVar[str] = "bar that strikes a wall at half its wave speed; shock relations"
+    version: ClassVar[int] = 2
+    modulus: ClassVar[float] = 2e6
+    density: ClassVar[float] = 1000.0
+    time_step_fraction: ClassVar[float] = 0.1
+
+    def run_size(self) -> RunSize:
+        """Cells around bar and wall, their points, and the steps until the shock has passed."""
+        crossings = self.duration * self.wave_speed / self.cell_size
+        return RunSize(
+            cell_count=10 * (self.cell_count + 10),
+            particle_count=POINTS_PER_CELL**2 * (self.cell_count + 15),
+            step_count=crossings / self.time_step_fraction,
+            bytes_per_cell=BODY_CELL_BYTES,
+            bytes_per_particle=BODY_PARTICLE_BYTES,
+        )
+
+    def build(self) -> BodyScene:
+        """The bar is body 0, the wall body 1."""
+        cell = self.cell_size
+        spacing = cell / POINTS_PER_CELL
+        frame = InterfaceFrame(angle=0.0)
+        material = LinearElastic(
+            shear_modulus=0.5 * self.modulus, poissons_ratio=0.0, density=self.density
+        )
+        bar = frame.body((0.0, cell), (0.0, LENGTH), spacing, material)
+        wall = frame.body((-2.0 * cell, 3.0 * cell), (-3.0 * cell, 0.0), spacing, material)
+        bodies = (
+            replace(bar, retardation_time=DAMPING * cell / self.wave_speed),
+            replace(wall, held=np.ones(wall.particle_count, dtype=bool)),
+        )
+        return BodyScene(
+            grid=frame.grid_around(bodies, travel=0.0, cell_size=cell, offset=0.0),
+            bodies=bodies,
+            contacts=(BodyContact(body=0, base=1),),
+            time_step_fraction=self.time_step_fraction,
+        )
+
+    def sections(self, simulation: Simulation) -> Sections:
+        """Rows of points across the bar."""
+        count = POINTS_PER_CELL * self.cell_count
+        point_count = POINTS_PER_CELL * count
+
+        def means(values: Floats) -> Floats:
+            means: Floats = values[:point_count].reshape(-1, POINTS_PER_CELL).mean(axis=1)
+            return means
+
+        return Sections(
+            heights=LENGTH * (np.arange(count) + 0.5) / count,
+            point_count=point_count,
+            means=means,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StruckColumn(Impact):
+    """Soil that falls on its base all at once; its top leaves cells behind as it comes down."""
+
+    summary: ClassVar[str] = "column that strikes its base at half its wave speed; shock relations"
+    version: ClassVar[int] = 3
+    modulus: ClassVar[float] = 1e7
+    density: ClassVar[float] = 1700.0
+    time_step_fraction: ClassVar[float] = 0.2
+
+    @property
+    def column(self) -> Column:
+        """The column before the impact."""
+        return Column(height=LENGTH, cell_count=self.cell_count)
+
+    def run_size(self) -> RunSize:
+        """Cells of the column, and about the steps until the shock has passed it."""
+        grid = self.column.grid
+        crossings = self.duration * self.wave_speed / shortest_crossing(grid)
+        return size_in_grid(
+            grid, particles_per_cell=4, step_count=crossings / self.time_step_fraction
+        )
+
+    def build(self) -> Scene:
+        """Soil in the column, which can move along its height alone."""
+        return Scene(
+            grid=self.column.grid,
+            material=confined(self.modulus, POISSONS_RATIO, self.density),
+            particles_per_side=2,
+            time_step_fraction=self.time_step_fraction,
+            bulk_viscosity=BULK_VISCOSITY,
+            parts=(self.column.fixed, FreeSurface()),
+        )
+
+    def sections(self, simulation: Simulation) -> Sections:
+        """Points at each height; their means are weighted by mass."""
+        column, mass = self.column, simulation.array("particle.mass").copy()
+
+        def means(values: Floats) -> Floats:
+            return column.mean_over_sections(values, mass)
+
+        return Sections(
+            heights=means(simulation.array("particle.position")[:, 1]),
+            point_count=len(mass),
+            means=means,
+        )

@@ -1,25 +1,26 @@
-"""A confined column that settles under its own weight."""
+"""A column of soil that moves along its height alone; one that settles under its own weight."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.forces import Damping, Gravity
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
-from mpm_warp.scenes.waves.column import Column
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
@@ -28,6 +29,67 @@ DENSITY = 1700.0
 PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
 TIME_STEP_FRACTION = 0.85
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Column:
+    """A column of square cells on a fixed base, from z = 0 up.
+
+    Attributes:
+        height: height [m], > 0.
+        cell_count: cells along the height, >= 1.
+    """
+
+    height: float
+    cell_count: int
+
+    @cached_property
+    def grid(self) -> Grid:
+        """One cell from the axis outward."""
+        return Grid(
+            columns=np.array([0.0, 1.0]),
+            rows=np.linspace(0.0, self.height, self.cell_count + 1),
+            surface_radius=np.zeros(self.cell_count + 1),
+            fitted_radius=self.height / self.cell_count,
+        )
+
+    @property
+    def fixed(self) -> Fixed:
+        """No radial velocity anywhere, none at all at the base."""
+        vertical = np.zeros((self.cell_count + 1, 2), dtype=bool)
+        vertical[0] = True
+        return Fixed.where(radial=np.ones_like(vertical), vertical=vertical)
+
+    def pressure_on_top(self, pressure: float) -> NodalLoad:
+        """A uniform pressure [Pa] on the top, downward."""
+        top = self.grid.outer_radius
+        # Integrals of N r over the radius, for the node on the axis and the one outside.
+        areas = top**2 * np.array([1.0 / 6.0, 1.0 / 3.0])
+        return NodalLoad(
+            nodes=self.grid.node(np.arange(2), np.array([self.cell_count] * 2)),
+            forces=np.outer(areas, [0.0, -pressure]),
+        )
+
+    def mean_over_sections(self, values: Floats, mass: Floats) -> Floats:
+        """Means over the particles at each height, weighted by mass, from the base up.
+
+        Args:
+            values: of the particles as they were seeded, shape [particle_count].
+            mass: their masses [kg], shape [particle_count].
+        """
+        across = round((len(mass) / self.cell_count) ** 0.5)
+        weights = mass.reshape(-1, across)
+        means: Floats = (values.reshape(weights.shape) * weights).sum(axis=1) / weights.sum(axis=1)
+        return means
+
+
+def confined(modulus: float, poissons_ratio: float, density: float) -> LinearElastic:
+    """An elastic material of a modulus in uniaxial strain [Pa], and a density [kg/m3]."""
+    return LinearElastic(
+        shear_modulus=modulus * (1 - 2 * poissons_ratio) / (2 * (1 - poissons_ratio)),
+        poissons_ratio=poissons_ratio,
+        density=density,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,13 +117,8 @@ class GravityColumn(CatalogueScene):
     @property
     def material(self) -> LinearElastic:
         """The soil."""
-        constrained_modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
-        nu = self.poissons_ratio
-        return LinearElastic(
-            shear_modulus=constrained_modulus * (1 - 2 * nu) / (2 * (1 - nu)),
-            poissons_ratio=nu,
-            density=DENSITY,
-        )
+        modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
+        return confined(modulus, self.poissons_ratio, DENSITY)
 
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps until it is at rest."""

@@ -6,9 +6,7 @@ import math
 
 import pytest
 
-from mpm_warp.scenes.impact.impact import TRAVEL, Impact, Shock
-from mpm_warp.scenes.impact.struck_bar import StruckBar
-from mpm_warp.scenes.impact.struck_column import StruckColumn
+from mpm_warp.scenes.elastic.impact import TRAVEL, Impact, Shock, StruckBar, StruckColumn
 
 pytestmark = pytest.mark.slow
 

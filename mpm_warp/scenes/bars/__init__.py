@@ -1,1 +1,0 @@
-"""A bar that is drawn out."""

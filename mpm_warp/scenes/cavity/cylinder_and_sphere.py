@@ -1,0 +1,206 @@
+"""Expansion of a cylindrical and of a spherical cavity in undrained clay, at large strain."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.material import Material
+from mpm_warp.parameters import Value, redefined
+from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
+from mpm_warp.results import variable
+from mpm_warp.scene import Part
+from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.cavity.cavity import RADIUS, STRENGTH, Cavity
+from mpm_warp.scenes.shared_parameters import ConeInGround
+
+LARGEST_PORE_PRESSURE_ERROR = 0.02
+"""Of the profile of excess pore pressure, over that at the wall."""
+SOILS: tuple[dict[str, Value], ...] = (
+    {"rigidity_index": 50.0, "material": "tresca"},
+    {"rigidity_index": 500.0, "material": "tresca"},
+    {"rigidity_index": 50.0, "material": "von_mises"},
+)
+"""Soft and stiff soil, and soil of von Mises."""
+SOON: dict[str, Value] = {"remoulded_strength_ratio": 0.2, "ductility": 1.0}
+LATE: dict[str, Value] = {"remoulded_strength_ratio": 0.2, "ductility": 10.0}
+HURRIED: dict[str, Value] = {"rate_factor": 0.1, "reference_strain_rate": 0.01}
+"""Clay that softens, sooner and later, and clay with a rate effect."""
+LARGEST_ERROR_OF_CHANGING_CLAY = 0.01
+"""Of the pressure over the whole curve, over the exact one at the end."""
+
+
+def verifications(
+    largest_error: float, resolutions: tuple[int, ...], *changing: Mapping[str, Value]
+) -> tuple[Verification, ...]:
+    """Perfectly plastic soils, and clays whose strength changes, at two resolutions.
+
+    Args:
+        largest_error: bound of the finer one's in perfectly plastic soils.
+        resolutions: cells per radius, rising.
+        changing: parameters of the clays.
+    """
+    bounds = (
+        *((soil, largest_error) for soil in SOILS),
+        *((clay, LARGEST_ERROR_OF_CHANGING_CLAY) for clay in changing),
+    )
+    return tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=resolutions,
+            bounds={"error": bound, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
+            settings=settings,
+        )
+        for settings, bound in bounds
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CavityCylinder(Cavity):
+    """One row of cells between smooth ends, around a cylinder whose wall moves outward.
+
+    The axis is vertical. The pressure is that over the horizontal stress before. While the vertical
+    stress stays between the others it does not matter to soil of Tresca, which is so for any stress
+    anisotropy that is allowed.
+    """
+
+    summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
+    version: ClassVar[int] = 6
+    verifications: ClassVar[tuple[Verification, ...]] = verifications(
+        0.015, (4, 8), HURRIED, LATE, SOON
+    )
+    exponent: ClassVar[int] = 2
+    factor: ClassVar[float] = 1.0
+    von_mises_strength: ClassVar[float] = 1.0
+
+    stress_anisotropy: float = redefined(
+        ConeInGround,
+        "stress_anisotropy",
+        meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
+        "over 2 su; of Tresca soil alone",
+        above=None,
+        below=None,
+        minimum=-0.5,
+        maximum=0.5,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, value, known in (
+            ("material", self.material, "tresca"),
+            ("remoulded_strength_ratio", self.remoulded_strength_ratio, 1.0),
+        ):
+            if self.stress_anisotropy != 0.0 and value != known:
+                raise ParameterError(
+                    "stress_anisotropy",
+                    f"stress_anisotropy = {self.stress_anisotropy:g} must be 0 where {name} is "
+                    f"{value}: there is no exact pressure",
+                )
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """See `Cavity`: the vertical stress differs from the horizontal one."""
+        over_horizontal = 2.0 * self.stress_anisotropy * STRENGTH
+        return np.array([0.0, -over_horizontal, 0.0, 0.0])
+
+    def grid(self) -> Grid:
+        """One row of cells, to twice the radius of the plastic zone."""
+        # Beyond the plastic zone, so that the far field is elastic as it takes it to be.
+        outer = 2.0 * self.plastic_radius
+        return Grid(
+            columns=self.columns(outer),
+            rows=np.array([0.0, self.cell_size]),
+            surface_radius=np.full(2, RADIUS),
+            fitted_radius=outer,
+        )
+
+    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
+        """Nothing moves along the axis; around the grid is the elastic medium, as springs."""
+        vertical = np.ones((2, len(grid.columns)), dtype=bool)
+        fixed = Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
+        far_field = FarField.around(grid, material)
+        # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
+        return fixed, dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
+
+    def wall_area(self, grid: Grid, radius: float) -> float:
+        """Area of the wall per radian [m2] when the cavity has a radius [m]."""
+        return radius * float(grid.rows[-1] - grid.rows[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class CavitySphere(Cavity):
+    """A quarter of the half plane, from the axis to the equator, on rays.
+
+    The grid ends, without traction, at six times the radius of the plastic zone: what is missing
+    beyond lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
+
+    Where the clay softens, soil moves along the rays alone, as the exact pressure takes it to: a
+    free flow of Tresca soil parts from that and bears less.
+    """
+
+    summary: ClassVar[str] = "pressure of an expanding spherical cavity in undrained clay"
+    version: ClassVar[int] = 6
+    verifications: ClassVar[tuple[Verification, ...]] = verifications(
+        0.02, (4, 6), HURRIED, LATE, SOON
+    )
+    exponent: ClassVar[int] = 3
+    factor: ClassVar[float] = 4.0 / 3.0
+    von_mises_strength: ClassVar[float] = math.sqrt(0.75)
+
+    def grid(self) -> PolarGrid:
+        """Rays from the axis to the equator, to six times the radius of the plastic zone."""
+        outer = 6.0 * self.plastic_radius
+        row_count = max(2, round(0.5 * math.pi * self.cells_per_radius))
+        return PolarGrid(
+            columns=self.columns(outer),
+            rows=np.linspace(0.0, 0.5 * math.pi, row_count + 1),
+            surface_radius=np.full(row_count + 1, RADIUS),
+            fitted_radius=outer,
+        )
+
+    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
+        """Nothing moves across the axis or the equator; the grid ends without traction.
+
+        Where the clay softens it moves along rays, which keeps the flow as round as the exact one.
+        """
+        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        vertical = radial.copy()
+        radial[0] = True
+        vertical[-1] = True
+        fixed = Fixed.where(radial=radial, vertical=vertical)
+        return (RadialMotion(), fixed) if self.remoulded_strength_ratio < 1.0 else (fixed,)
+
+    def wall_area(self, grid: Grid, radius: float) -> float:
+        """Area of the wall per radian [m2] when the cavity has a radius [m].
+
+        It is what the normal forces of the nodes act on: r^2 less 0.6 % at 4 cells.
+        """
+        return float(_wall_areas(grid).sum()) * (radius / RADIUS) ** 2
+
+    def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
+        """How uneven the pressure over the wall is at the end."""
+        pressure = on_rows / _wall_areas(grid)
+        return {
+            "departure": variable(
+                float(np.ptp(pressure) / pressure.mean()),
+                unit="1",
+                meaning="departure from a sphere",
+                description="range of the pressure over the wall at the end, over its mean",
+            )
+        }
+
+
+def _wall_areas(grid: Grid) -> Floats:
+    """Of the wall's nodes at the start, along their normals [m2 per radian], [row_count + 1]."""
+    assert isinstance(grid, PolarGrid)
+    areas: Floats = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
+    return areas

@@ -1,0 +1,165 @@
+"""Exact pressures around a cavity that expands in incompressible clay of any strength law.
+
+No change of volume fixes the shear strain gamma = m ln(r/r0) of each point, r0 the place where it
+was, a and a0 the radii of the cavity. With tau(gamma) half the difference of the stresses along and
+across the radius, equilibrium gives
+
+    p - p0 = k int_0^(m ln(a/a0)) tau(gamma) dgamma / (e^gamma - 1)
+
+with m = 2, k = 1 for the cylinder and m = 3, k = 4/3 for the sphere. The strain rate at a point is
+m (da/dt)/a (1 - e^-gamma) / (1 - (a0/a)^m). In perfectly plastic clay of strength su, with
+e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm,
+
+    (p - p0)/su = k Ir Li2(e) while e <= x, then k (Ir Li2(x) + ln(e/x))
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # loads special functions where they are first used: no other scene waits for them
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.scenes.monotonic_shear import shear_stress
+
+SMALLEST, LARGEST = 1e-9, 60.0
+"""Strains between which the integral is worked out: tau rises linearly below, e^-60 is left."""
+PANELS, POINTS = 4000, 3
+"""Panels, even in the logarithm of the strain, and Gauss points in each: 3e-6 of tau where its
+slope jumps, rounding elsewhere."""
+
+
+def cavity_pressure(
+    shear_stress: Callable[[Floats], Floats], *, strain: float, factor: float
+) -> float:
+    """Excess pressure p - p0 of a cavity, in the unit of the shear stress.
+
+    Args:
+        shear_stress: tau at shear strains, both of shape [n]; linear in the smallest ones.
+        strain: gamma = m ln(a/a0) at the wall, > 1e-9; infinite for the limit.
+        factor: k, 1 for the cylinder and 4/3 for the sphere.
+    """
+    ends = np.linspace(math.log(SMALLEST), math.log(min(strain, LARGEST)), PANELS + 1)
+    points, weights = np.polynomial.legendre.leggauss(POINTS)
+    width = np.diff(ends)[:, None]
+    gamma = np.exp(ends[:-1, None] + 0.5 * width * (1.0 + points)).ravel()
+    weight = (0.5 * width * weights).ravel()
+    linear = float(shear_stress(np.array([SMALLEST]))[0])
+    return factor * (linear + float(weight @ (shear_stress(gamma) * gamma / np.expm1(gamma))))
+
+
+def strain_rate(strain: Floats, *, exponent: int, growth_rate: float, expansion: float) -> Floats:
+    """Shear strain rate around a cavity [1/s], at points of some shear strain, shape [n].
+
+    Args:
+        strain: m ln(r/r0) of the points, shape [n].
+        exponent: m, 2 for the cylinder and 3 for the sphere.
+        growth_rate: (da/dt)/a of the cavity [1/s].
+        expansion: a/a0, > 1; infinite far from the start.
+    """
+    rate: Floats = exponent * growth_rate * np.expm1(-strain) / (expansion ** -float(exponent) - 1)
+    return rate
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExactCavity:
+    """The exact pressures of a cavity.
+
+    Attributes:
+        clay: the clay.
+        rigidity_index: G/su of the clay.
+        wall: how the wall moves, in the time of the run.
+        radius: of the cavity at the start [m].
+        exponent: m, 2 for the cylinder and 3 for the sphere.
+        factor: k, 1 for the cylinder and 4/3 for the sphere.
+        strength_share: half the difference of the stresses along and across the wall at yield, over
+            the strength: 1 but for von Mises around a sphere.
+    """
+
+    clay: PerfectlyPlastic
+    rigidity_index: float
+    wall: MovingWall
+    radius: float
+    exponent: int
+    factor: float
+    strength_share: float
+
+    def pressure(self, expansion: Floats) -> Floats:
+        """Excess pressure in the cavity over su at radii over the initial one, both [n]."""
+        if self._changes:
+            strains = self.exponent * np.log(expansion)
+            parts = zip(strains.tolist(), expansion.tolist(), strict=True)
+            stresses = np.array([self._radial_stress(strain, at) for strain, at in parts])
+            return stresses / self.clay.strength
+        index = self._index
+        strain = 1.0 - expansion ** -float(self.exponent)
+        yielding = -math.expm1(-1.0 / index)
+        elastic = index * scipy.special.spence(1.0 - np.minimum(strain, yielding))
+        pressure: Floats = elastic + np.log(np.maximum(strain / yielding, 1.0))
+        return self.factor * self.strength_share * pressure
+
+    def pore_pressure(self, distance: Floats, *, expansion: float) -> Floats:
+        """Excess pore pressure at distances from the middle [Pa], shape [n].
+
+        Soil at a distance r that was at r0 bears the radial stress of a cavity that has expanded
+        from r0 to r; r^m - r0^m is the same everywhere. The mean stress is less than that by k
+        times the shear stress. So in the plastic zone around a cavity that has expanded far in
+        perfectly plastic clay, (p - p0)/su = k (ln Ir - m ln(r/a)).
+
+        Args:
+            distance: over the radius a of the cavity, >= 1, shape [n].
+            expansion: a/a0, > 1.
+        """
+        m = self.exponent
+        if self._changes:
+            rest = distance**m - 1.0 + expansion ** -float(m)
+            strains = np.log(distance**m / rest)
+            radial = np.array([self._radial_stress(it, expansion) for it in strains.tolist()])
+            mean: Floats = radial - self.factor * self._shear_stress(strains, expansion)
+            return mean
+        local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
+        shear = np.minimum(self._index * m * np.log(local), 1.0)
+        pressure: Floats = self.pressure(local) - self.factor * self.strength_share * shear
+        return self.clay.strength * pressure
+
+    def limit(self, expansion: float) -> float:
+        """Excess pressure over su that none exceeds; at the end where the strength changes."""
+        if self._changes:
+            return float(self.pressure(np.array([expansion]))[0])
+        return self.factor * self.strength_share * (1.0 + math.log(self._index))
+
+    @property
+    def _changes(self) -> bool:
+        """Whether strain or its rate changes the strength of the clay."""
+        return isinstance(self.clay, EinavRandolph)
+
+    @property
+    def _index(self) -> float:
+        """G over half the difference of the stresses at yield."""
+        return self.rigidity_index / self.strength_share
+
+    def _radial_stress(self, strain: float, expansion: float) -> float:
+        """Excess of the stress along the radius where the shear strain is `strain` [Pa]."""
+        return cavity_pressure(
+            lambda strains: self._shear_stress(strains, expansion),
+            strain=strain,
+            factor=self.factor,
+        )
+
+    def _shear_stress(self, strain: Floats, expansion: float) -> Floats:
+        """Half the difference of the stresses along and across the radius [Pa], shape [n]."""
+        # The speed of the wall rises with the root of the way (MovingWall).
+        travel = (expansion - 1.0) * self.radius
+        speed = self.wall.speed * min(1.0, math.sqrt(travel / self.wall.ramp_travel))
+        growth_rate = speed / (expansion * self.radius)
+        rate = strain_rate(
+            strain, exponent=self.exponent, growth_rate=growth_rate, expansion=expansion
+        )
+        share = self.strength_share
+        return share * shear_stress(self.clay, strain / share, rate / share)

@@ -1,1 +1,0 @@
-"""A bar and a column of soil that strike a rigid wall."""

@@ -1,1 +1,0 @@
-"""Waves along columns of soil."""
