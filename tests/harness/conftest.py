@@ -32,6 +32,11 @@ SMALL = """
     adhesion_factor = [0, 0.5, 1]
 """
 
+DONE = xr.Dataset(
+    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
+)
+"""What a case has at the least that has completed: a headline."""
+
 
 @pytest.fixture
 def small_file(tmp_path: Path) -> Path:

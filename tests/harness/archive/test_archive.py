@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, parameter_names, varied_names, with_role
+from harness.archive.structure import malformed, outline
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
@@ -83,18 +84,6 @@ def test_a_case_that_has_not_run_is_none(folder: Path, small: Study) -> None:
     assert case_files.read_case(folder, small.cases[0]) is None
 
 
-@pytest.mark.parametrize("damage", ["empty", "truncated", "random"])
-def test_a_damaged_case_is_named(folder: Path, small: Study, damage: str) -> None:
-    case = small.cases[0]
-    complete(folder, [case])
-    path = case_files.case_file(folder, case)
-    content = path.read_bytes()
-    noise = np.random.default_rng(1).bytes(len(content))
-    path.write_bytes({"empty": b"", "truncated": content[:-3000], "random": noise}[damage])
-    with pytest.raises(ArchiveError, match=case.key):
-        case_files.read_case(folder, case)
-
-
 def test_the_file_of_another_case_is_refused(folder: Path, small: Study) -> None:
     one, other, _ = small.cases
     complete(folder, [one])
@@ -121,12 +110,6 @@ def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
         netcdf_files.write_netcdf(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
     assert path.read_bytes() == content
     assert list(folder.iterdir()) == [path]
-
-
-def test_a_file_cannot_be_made_where_a_file_is(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    with pytest.raises(ArchiveError, match="cannot be made"):
-        prepare(tmp_path / "file" / "cases")
 
 
 def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_file: Path) -> None:
@@ -161,16 +144,6 @@ def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> No
     assert resistance.penetration.values.tolist() == [0.1, 0.2, 0.3]
     expected = [[0.1 / 3, 0.2 / 3, np.nan], [0.1 / 3, 0.2 / 3, 0.3 / 3], [np.nan, np.nan, 0.3 / 3]]
     np.testing.assert_array_equal(resistance.values, np.array(expected))
-
-
-def test_a_case_that_failed_is_not_a_number_and_says_why(folder: Path, small: Study) -> None:
-    cases = small.cases
-    complete(folder, cases[:1])
-    case_files.write_case(folder, cases[1], xr.Dataset(), "diverged", "too fast")
-    dataset = archive.collect(small, folder)
-    assert dataset.status.values.tolist() == ["completed", "diverged", "missing"]
-    assert dataset.message.values.tolist() == ["", "too fast", ""]
-    assert np.isnan(dataset.cone_factor.values).tolist() == [False, True, True]
 
 
 def test_a_study_of_which_nothing_completed_still_says_so(folder: Path, small: Study) -> None:
@@ -256,3 +229,70 @@ def test_a_result_from_before_roles_is_told_which_variables_are_parameters(
     assert parameter_names(read)["penetration"] == "penetration_parameter"
     assert with_role(read, "measured") == ["run_time"]
     assert with_role(read, "headline") == []
+
+
+Change = Callable[[xr.Dataset], xr.Dataset]
+
+
+def with_attribute(name: str, key: str, value: object) -> Change:
+    def change(dataset: xr.Dataset) -> xr.Dataset:
+        dataset[name].attrs[key] = value
+        return dataset
+
+    return change
+
+
+FAULTS: list[tuple[str, Change]] = [
+    ("there is no case", lambda dataset: dataset.isel(adhesion_factor=slice(0, 0))),
+    (
+        "adhesion_factor has a value twice",
+        lambda dataset: dataset.isel(adhesion_factor=[0, 0, 1]),
+    ),
+    ("status is no text", lambda dataset: dataset.assign(status=dataset.cone_factor)),
+    (
+        "cone_factor is no number",
+        lambda dataset: dataset.assign(cone_factor=dataset.status.assign_attrs(units="1")),
+    ),
+    (
+        "precision is no number",
+        lambda dataset: dataset.assign(
+            precision=dataset.precision.assign_attrs(role="error", units="1")
+        ),
+    ),
+    ("the role of cone_factor is unknown", with_attribute("cone_factor", "role", "guess")),
+    ("long_name of cone_factor is no text", with_attribute("cone_factor", "long_name", 7)),
+    ("limit of cone_factor is no number", with_attribute("cone_factor", "limit", "much")),
+    (
+        "penetration_resistance has a dim without a coordinate",
+        lambda dataset: dataset.drop_vars("penetration"),
+    ),
+    (
+        "penetration_resistance has more than one value a case",
+        with_attribute("penetration_resistance", "role", "headline"),
+    ),
+]
+
+
+@pytest.fixture
+def collected(tmp_path: Path, small: Study) -> xr.Dataset:
+    folder = case_files.case_folder(tmp_path, small)
+    archive_result = xr.Dataset(
+        {
+            "cone_factor": ((), 10.0, {"units": "1", "role": "headline"}),
+            "penetration_resistance": ("penetration", [1.0, 2.0], {"units": "Pa"}),
+        },
+        {"penetration": ("penetration", [0.1, 0.2], {"units": "1"})},
+    )
+    folder.mkdir(parents=True)
+    for case in small.cases:
+        case_files.write_case(folder, case, archive_result, COMPLETED)
+    return archive.collect(small, folder)
+
+
+def test_what_is_collected_is_well_formed(collected: xr.Dataset) -> None:
+    assert malformed(outline(collected)) is None
+
+
+@pytest.mark.parametrize(("fault", "change"), FAULTS, ids=[fault for fault, _ in FAULTS])
+def test_a_fault_is_told_in_words(collected: xr.Dataset, fault: str, change: Change) -> None:
+    assert malformed(outline(change(collected))) == fault

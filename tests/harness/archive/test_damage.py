@@ -27,11 +27,7 @@ from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import run_case
 from harness.study.study import Study, load_study
-
-DONE = xr.Dataset(
-    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
-)
-"""What a case has at the least that has completed: a headline."""
+from tests.harness.conftest import DONE
 
 STUDIES = {
     "cone_penetration": (

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files, netcdf_files, provenance, study_files
+from harness.archive import case_files, provenance, study_files
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.compare.differences import differing
@@ -142,48 +142,6 @@ def test_a_folder_that_is_read_only_is_one_line(
     folder.chmod(0o755)
     assert (code, told) == (2, [f"harness: {folder}: cannot be written to: Permission denied"])
     assert len(completed(out, small)) == 1
-
-
-def truncated(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def random(path: Path) -> None:
-    path.write_bytes(os.urandom(path.stat().st_size))
-
-
-def older(path: Path) -> None:
-    result = netcdf_files.read_netcdf(path)
-    netcdf_files.write_netcdf(result.assign_attrs(format_version=0), path)
-
-
-@pytest.mark.parametrize(
-    ("damage", "reason"),
-    [
-        (truncated, "cannot be read: "),
-        (random, "cannot be read: "),
-        (older, "has format version 0, where 1 can be read"),
-    ],
-)
-def test_a_case_file_of_no_use_is_named_and_the_case_run_again(
-    damage: Callable[[Path], None],
-    reason: str,
-    small_file: Path,
-    tmp_path: Path,
-    small: Study,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    out = tmp_path / "out"
-    assert main(arguments(small_file, out)) == 0
-    path = case_files.case_file(case_files.case_folder(out, small), small.cases[1])
-    damage(path)
-    capsys.readouterr()
-    assert main(arguments(small_file, out)) == 0
-    told = capsys.readouterr().err
-    assert f"{path}: {reason}" in told
-    assert "; the case is run again" in told
-    assert "3 cases, 2 done already" in told
-    assert len(completed(out, small)) == 3
 
 
 def test_a_clock_set_back_changes_nothing_but_the_times_that_are_kept(

@@ -18,13 +18,9 @@ from harness.cli.main import main
 from harness.run.measuring import case_time
 from harness.study.cases import Case
 from harness.study.study import Study
+from tests.harness.conftest import DONE
 
 pytestmark = pytest.mark.slow
-
-DONE = xr.Dataset(
-    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
-)
-"""What a case has at the least that has completed: a headline."""
 
 
 @pytest.fixture

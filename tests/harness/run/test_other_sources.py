@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
@@ -15,11 +14,7 @@ from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import read_study
 from harness.cli.main import main
 from harness.study.study import Study
-
-DONE = xr.Dataset(
-    {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
-)
-"""What a case has at the least that has completed: a headline."""
+from tests.harness.conftest import DONE
 
 OTHERS = (
     "harness: small: 2 of 3 results computed by other sources of the simulator, of the same "

@@ -41,31 +41,9 @@ def wrong_type(source: random.Random) -> Broken:
     return HEAD + f"[fixed]\n{source.choice(NUMBERS).name} = {source.choice(WRONG)}"
 
 
-def wrong_range(source: random.Random) -> Broken:
-    value = source.choice([-1, -1e-300, -1e30, -1e299, 1e301]) * source.uniform(1, 9)
-    return HEAD + f"[vary]\n{source.choice(NUMBERS).name} = [{value!r}]"
-
-
-def wrong_table(source: random.Random) -> Broken:
-    key = source.choice(["fixed", "vary", "derived", "compare", "timing", "scenes"])
-    return f"{key} = {source.choice(['1', '[]', 'true', '[1]'])}\n{HEAD}"
-
-
 def wrong_key(source: random.Random) -> Broken:
     table = source.choice(["", "[fixed]\n", "[vary]\n", "[derived]\n", "[compare]\n", "[timing]\n"])
     return HEAD + table + f"{_basic(_text(source))} = 1"
-
-
-def misspelt(source: random.Random) -> Broken:
-    name = source.choice(KNOWN).name
-    place = source.randrange(len(name))
-    return HEAD + f"[fixed]\n{name[:place] + 'q' + name[place:]} = 1"
-
-
-def wrong_range_table(source: random.Random) -> Broken:
-    name = source.choice([it for it in KNOWN if it.choices is None]).name
-    keys = source.sample(["from", "to", "cont", "spacing"], source.randint(1, 4))
-    return HEAD + f"[vary]\n{name} = {{ {', '.join(f'{key} = 0' for key in keys)} }}"
 
 
 def wrong_design(source: random.Random) -> Broken:
@@ -119,22 +97,6 @@ def dotted(source: random.Random) -> Broken:
     return HEAD + "fixed.density" + ".a" * source.randint(1, 3000) + " = 1"
 
 
-def twice(source: random.Random) -> Broken:
-    name = source.choice(NUMBERS).name
-    return HEAD + source.choice(
-        [
-            f"[fixed]\n{name} = 1\n{name} = 1",
-            "[fixed]\n[fixed]",
-            'title = "t"',
-            "fixed.a=1\nfixed=1",
-        ]
-    )
-
-
-def large(source: random.Random) -> Broken:
-    return HEAD + source.choice(["#", "a", "\n", "["]) * source.choice([1_000_001, 10_000_000])
-
-
 def long_numbers(source: random.Random) -> Broken:
     digits = source.randint(400, 40_000)
     number = source.choice(["1" * digits, "0x" + "f" * digits, "-" + "9" * digits, "1e" + "9" * 99])
@@ -150,46 +112,18 @@ def truncated(source: random.Random) -> Broken:
     return whole[: -source.randint(1, 4)]
 
 
-def wrong_title(source: random.Random) -> Broken:
-    titles = ["1", '""', '"a\\nb"', '"\\u202e"', "[]", '"\\u0000"', "{}", '"\\u001b[31m"']
-    return f'scene = "cone_penetration"\ntitle = {source.choice(titles)}'
-
-
-def wrong_reference(source: random.Random) -> Broken:
-    return HEAD + f"[compare]\nreferences = [{source.choice([_basic(_text(source)), *WRONG])}]"
-
-
-def wrong_timing(source: random.Random) -> Broken:
-    return HEAD + f"[timing]\nrepeats = {source.choice([*WRONG, '0', '-1', '1001', '1.5'])}"
-
-
-def too_many(source: random.Random) -> Broken:
-    span = f"{{ from = 1, to = 2, count = {source.choice([400, 100_001, 2**62])} }}"
-    return HEAD + f"[vary]\ndensity = {span}\ncone_radius = {span}\n"
-
-
 BREAKERS: tuple[Breaker, ...] = (
     wrong_type,
-    wrong_range,
-    wrong_table,
     wrong_key,
-    misspelt,
-    wrong_range_table,
     wrong_design,
     wrong_expression,
     wrong_base,
     wrong_scene,
     nested,
     dotted,
-    twice,
-    large,
     long_numbers,
     noise,
     truncated,
-    wrong_title,
-    wrong_reference,
-    wrong_timing,
-    too_many,
 )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import random
 import re
 import signal
 import subprocess
@@ -15,8 +17,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import study_files
+from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
+from harness.compare.differences import differing
+from harness.study.study import Study, load_study
 
 pytestmark = pytest.mark.slow
 
@@ -144,3 +148,134 @@ def test_workers_end_with_a_parent_that_was_killed(
         process.kill()
     wait_for_end(process.pid)
     assert statuses_left(out) == [COMPLETED]
+
+
+LONGEST_RUN = 600
+"""Seconds after which a run is taken to hang: it needs less than a minute."""
+
+
+def definition(path: Path, case_count: int) -> Path:
+    """A study of small cases."""
+    values = [0.4 * i / case_count for i in range(case_count)]
+    path.write_text(
+        'title = "Many small cases"\nscene = "gravity_column"\n'
+        f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {values}\n"
+    )
+    return path
+
+
+def run_of(study: Path, out: Path) -> list[str]:
+    return [
+        *(sys.executable, "-m", "harness", "run", str(study), "--out", str(out)),
+        *("--workers", "2"),
+    ]
+
+
+def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
+    """Run a command, and kill its group of processes a moment after `done` case files are there."""
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    ) as process:
+        try:
+            deadline = time.monotonic() + LONGEST_RUN
+            while len(list(folder.glob("*.nc"))) < done:
+                assert process.poll() is None
+                assert time.monotonic() < deadline
+                time.sleep(0.005)
+            time.sleep(delay)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL  # it had not ended by itself
+    return process.pid
+
+
+@pytest.mark.parametrize(("case_count", "kills"), [(200, 10)])
+def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
+    case_count: int,
+    kills: int,
+    tmp_path: Path,
+    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
+    wait_for_end: Callable[[int], None],
+) -> None:
+    study_file = definition(tmp_path / "many.toml", case_count)
+    study = load_study(str(study_file))
+    undisturbed = run_of(study_file, tmp_path / "whole")
+    subprocess.run(undisturbed, check=True, capture_output=True, timeout=LONGEST_RUN)
+
+    out = tmp_path / "killed"
+    folder = case_files.case_folder(out, study)
+    moments = random.Random(20260101)
+    seen: dict[str, tuple[int, int]] = {}
+    # Half of the cases are left at the last kill, so that it does not come too late.
+    for done in sorted(moments.sample(range(case_count // 2), kills)):
+        delay = moments.uniform(0, 0.1)
+        wait_for_end(kill_when(run_of(study_file, out), folder, done, delay))
+        now = written(study, out)
+        assert seen.items() <= now.items()
+        seen = now
+    assert 0 < len(seen) < case_count
+    subprocess.run(run_of(study_file, out), check=True, capture_output=True, timeout=LONGEST_RUN)
+
+    assert seen.items() <= written(study, out).items()
+    assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in study.cases}
+    assert not list(out.rglob(".*"))
+    killed, whole = (
+        study_files.read_study(folder / "many.nc") for folder in (out, tmp_path / "whole")
+    )
+    assert set(killed.status.values.tolist()) == {"completed"}
+    assert differing(killed, whole) == []
+
+
+LATEST = 6.0
+"""Seconds after the birth of the workers at which the parent is killed at the latest."""
+LONG_STEPS = """
+title = "steps of a second"
+scene = "cone_penetration"
+vary = { adhesion_factor = [0, 1] }
+fixed = { cells_per_radius = 40 }
+"""
+
+
+def worker_count(group: int) -> int:
+    """Processes of a group that import or compute: its first has started them."""
+    stats = []
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            stats.append(file.read_text().rpartition(")")[2].split())
+        except (FileNotFoundError, ProcessLookupError):  # has ended meanwhile
+            continue
+    ticks = [int(it[11]) + int(it[12]) for it in stats if int(it[2]) == group]
+    return sum(it > os.sysconf("SC_CLK_TCK") / 5 for it in ticks) - 1
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads Linux's /proc")
+def test_no_worker_outlives_its_parent(
+    tmp_path: Path, wait_for_end: Callable[[int], None], depth: Callable[[int, int], int]
+) -> None:
+    study, moments = tmp_path / "long.toml", random.Random(0)
+    study.write_text(LONG_STEPS)
+    command = [sys.executable, "-m", "harness", "run", str(study), "--out", str(tmp_path / "out")]
+    for _ in range(depth(2, 20)):
+        with subprocess.Popen(
+            [*command, "--workers", "2"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        ) as process:
+            try:
+                deadline = time.monotonic() + 60
+                while worker_count(process.pid) < 2:
+                    assert time.monotonic() < deadline
+                    time.sleep(0.05)
+                time.sleep(moments.uniform(0.0, LATEST))
+                process.kill()
+                process.wait()
+                wait_for_end(process.pid)
+            finally:
+                if process.poll() is None:
+                    os.killpg(process.pid, signal.SIGKILL)
+    assert not list((tmp_path / "out").rglob("*.nc"))
