@@ -35,8 +35,7 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.precision import PRECISIONS
 
 KindOfPart = TypeVar("KindOfPart", bound="Part")
@@ -205,7 +204,9 @@ class Scene:
 
     def without(self, *kinds: type[Part]) -> Self:
         """The scene without its parts of some kinds."""
-        return replace(self, parts=tuple(it for it in self.parts if not isinstance(it, kinds)))
+        return replace(
+            self, parts=tuple(part for part in self.parts if not isinstance(part, kinds))
+        )
 
     def stress_at_rest_at(self, place: Floats) -> Floats:
         """Stress (rr, zz, rz, tt) of the ground before, at places in it [Pa], shape [..., 4].

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
-from mpm_warp.execution.device_run import DeviceRun
-from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.execution import DeviceRun, Execution
 from mpm_warp.parts.window import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -215,7 +214,7 @@ class Simulation:
 
     @property
     def _window_inflow(self) -> Inflow:
-        inflow = next((it for it in self._between_steps if isinstance(it, Inflow)), None)
+        inflow = next((actor for actor in self._between_steps if isinstance(actor, Inflow)), None)
         if inflow is None:
             travels = self.plan.find("window.motion") is not None
             why = "has a window that turns: advance to a time" if travels else NOTHING_TRAVELS

@@ -210,4 +210,4 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
 
 def _single(variables: Variables) -> dict[str, xr.Variable]:
     """The same in single precision."""
-    return {name: it.astype(np.float32) for name, it in variables.items()}
+    return {name: values.astype(np.float32) for name, values in variables.items()}

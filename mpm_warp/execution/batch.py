@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 import warp as wp
 
-from mpm_warp.execution.batched_plan import batch_key, batched_plan
+from mpm_warp.execution.batched import batch_key, batched_plan
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.launch import Launch

@@ -18,6 +18,7 @@ plane strain per unit thickness.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -38,6 +39,9 @@ from mpm_warp.errors import SceneError
 
 Floats = NDArray[np.floating[Any]]
 Integers = NDArray[np.integer[Any]]
+
+LARGEST_EXPONENT = 700.0
+"""Of e, in double precision: beyond 709 it overflows."""
 
 # Two Gauss points on [0, 1], equal weights: exact for cubics.
 GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
@@ -251,7 +255,7 @@ class GroundGrid(Grid):
     def of(cls, grid: Grid, ground_level: float) -> Self:
         """A grid with soil up to a level [m] only."""
         return cls(
-            **{it.name: getattr(grid, it.name) for it in fields(Grid)}, ground_level=ground_level
+            **{own.name: getattr(grid, own.name) for own in fields(Grid)}, ground_level=ground_level
         )
 
     def __post_init__(self) -> None:
@@ -288,3 +292,53 @@ def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:
     d_xi = np.array([eta - 1, 1 - eta, -eta, eta])
     d_eta = np.array([xi - 1, -xi, 1 - xi, xi])
     return shape, d_xi, d_eta
+
+
+def graded(first: float, length: float, growth: float) -> Floats:
+    """Edges from 0 to `length` whose spacing starts near `first` and grows by about `growth`.
+
+    The number of cells is the nearest whole one; `first` is then kept and the growth adjusted.
+
+    Args:
+        first: width of the first cell [m].
+        length: sum of all widths [m], more than `first`.
+        growth: ratio of a cell's width to the one before, more than 1.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+    check_number("graded: first", first, POSITIVE, unit="m")
+    check_number("graded: length", length, Range(above=first), unit="m")
+    check_number("graded: growth", growth, Range(above=1.0))
+    count = max(1, round(np.log1p(length / first * (growth - 1.0)) / np.log(growth)))
+    low, high = 1.0 + 1e-12, 10.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        # A sum beyond the largest number is beyond the length, too.
+        is_huge = count * math.log(middle) > LARGEST_EXPONENT
+        reached = math.inf if is_huge else first * (middle**count - 1.0) / (middle - 1.0)
+        low, high = (middle, high) if reached < length else (low, middle)
+    edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
+    edges[-1] = length
+    return edges
+
+
+def growing(first: float, length: float, growth: float) -> Floats:
+    """Edges from 0 to about `length` whose spacing starts with `first` and grows by `growth`.
+
+    Both are exact; the number of cells is the whole one with which the last edge is nearest.
+
+    Args:
+        first: width of the first cell [m].
+        length: sum of all widths, about [m], more than `first`.
+        growth: ratio of a cell's width to the one before, more than 1.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+    check_number("growing: first", first, POSITIVE, unit="m")
+    check_number("growing: length", length, Range(above=first), unit="m")
+    check_number("growing: growth", growth, Range(above=1.0))
+    count = round(np.log1p(length / first * (growth - 1.0)) / np.log(growth))
+    edges: Floats = first * (growth ** np.arange(count + 1) - 1.0) / (growth - 1.0)
+    return edges

@@ -23,8 +23,7 @@ from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_nodes
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene, refuse_together
 

@@ -13,7 +13,7 @@ times contact area, which the simulated stress leaves out.
     P   = m d.n + p A dt            where the surface goes through the nodes, as here
 
 Nodes on the axis are held by body and axis together. The least mass M of a node limits what the
-force does to one that has little soil, for it could be thrown. A node that is held cannot, and
+force does to one that has little soil, for it could be thrown. A node on the axis cannot be, and
 before a blunt nose it always has little. The force that it does not get is one on the body; with u
 and v the velocities before and after the force,
 
@@ -80,9 +80,9 @@ class SurfaceContact(Part):
             part where the simulated traction pulls by more.
         speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
             the window has the speed and this one is not used.
-        held: numbers of those `nodes` at which nothing moves past the surface, because the axis
-            holds them too; shape [held_count], none by default. Where less soil is near such a node
-            than its least mass, as before a blunt nose, the body bears what that keeps from it.
+        on_axis: numbers of those `nodes` that the axis holds too, so that nothing moves past the
+            surface there, shape [on_axis_count]; none by default. Where less soil is near such a
+            node than its least mass, as before a blunt nose, the body bears the difference.
 
     Raises:
         SceneError: a value is not allowed.
@@ -95,7 +95,7 @@ class SurfaceContact(Part):
     friction: float
     in_situ_stress: float
     speed: float = 0.0
-    held: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int32))
+    on_axis: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
         count = np.size(self.nodes)
@@ -114,7 +114,7 @@ class SurfaceContact(Part):
         check_number("contact: friction", self.friction, NOT_NEGATIVE)
         check_number("contact: in_situ_stress", self.in_situ_stress, NOT_NEGATIVE, unit="Pa")
         check_number("contact: speed", self.speed, unit="m/s")
-        check_nodes("contact: held", self.held, count)
+        check_nodes("contact: on_axis", self.on_axis, count)
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, in its first column beside soil that changes.
@@ -145,9 +145,9 @@ class SurfaceContact(Part):
         plan.add_array("contact.adhesion", "real", adhesion)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
-        if self.held.size:
-            plan.add_array("contact.held", "int", self.held, (len(self.nodes),))
-            plan.add_launch(_make_bear_what_is_kept(plan.precision), len(self.held))
+        if self.on_axis.size:
+            plan.add_array("contact.on_axis", "int", self.on_axis, (len(self.nodes),))
+            plan.add_launch(_make_least_mass_reaction(plan.precision), len(self.on_axis))
         plan.add_launch(
             _make_surface_contact(window_motion is not None, plan.precision),
             len(self.nodes),
@@ -272,14 +272,14 @@ def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_bear_what_is_kept(precision: Precision) -> Any:
-    """The kernel, launched over the nodes that are held."""
+def _make_least_mass_reaction(precision: Precision) -> Any:
+    """The kernel, launched over the nodes on the axis."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
 
-    @wp.kernel(module=f"mpm_warp.bear_what_is_kept.{precision.numpy_name}", enable_backward=False)
-    def bear_what_is_kept(
+    @wp.kernel(module=f"mpm_warp.least_mass_reaction.{precision.numpy_name}", enable_backward=False)
+    def least_mass_reaction(
         offset: int,
-        contact_held: wp.array(dtype=int),
+        contact_on_axis: wp.array(dtype=int),
         contact_nodes: wp.array(dtype=int),
         contact_normals: wp.array(dtype=vec2),
         node_mass: wp.array(dtype=real),
@@ -287,13 +287,13 @@ def _make_bear_what_is_kept(precision: Precision) -> Any:
         node_velocities: wp.array(dtype=vec4),
         contact_impulse: wp.array(dtype=vec2),
     ):
-        k = contact_held[offset + wp.tid()]
+        k = contact_on_axis[offset + wp.tid()]
         node, n = contact_nodes[k], contact_normals[k]
         m, M, v = node_mass[node], node_least_mass[node], node_velocities[node]
         if m <= real(0.0):
             return
-        kept = wp.max(m, M) - m
-        J_n = kept * wp.dot(vec2(v[0] - v[2], v[1] - v[3]), n)
+        missing = wp.max(m, M) - m
+        J_n = missing * wp.dot(vec2(v[0] - v[2], v[1] - v[3]), n)
         contact_impulse[k] += vec2(J_n, real(0.0))
 
-    return bear_what_is_kept
+    return least_mass_reaction

@@ -79,9 +79,9 @@ class CyclicWindow(MovingGrid):
         """Time from turn to turn [s]."""
         return self.ramp_time + self.stroke / self.speed
 
-    def time_to(self, way: float) -> float:
-        """Time to go so far down and up [s]; each passage adds a stroke to the way [m], >= 0."""
-        passages, since = divmod(way, self.stroke)
+    def time_to(self, distance: float) -> float:
+        """Time to a distance down and up [m], >= 0; each passage adds a stroke to it [s]."""
+        passages, since = divmod(distance, self.stroke)
         to_turn = self.stroke - since
         if since < self.ramp_travel:
             time = self.ramp_time * math.sqrt(since / self.ramp_travel)

@@ -27,8 +27,7 @@ import numpy as np
 from mpm_warp.arguments import POSITIVE, Range, check_number
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 DEEP_FILLING = 0.5

@@ -1,12 +1,12 @@
 """The ground around a travelling window: it moves as the body in the window moves it.
 
-The body makes room for itself: it puts the volume pi R^2 into the ground for each unit of its way,
-R being the radius of the shaft behind it. From afar that is a point source. With x = (r, z) seen
+The body makes room for itself: it puts the volume pi R^2 into the ground per unit of its travel, R
+being the radius of the shaft behind it. From afar that is a point source. With x = (r, z) seen
 from the source, z upward, d = |x|, and V the speed of the body, incompressible elastic ground has
 
     v = V R^2 / 4 x / d^3                                          velocity
 
-which is harmonic, so that the mean stress stays. On the source's way from infinitely far below the
+which is harmonic, so that the mean stress stays. On the source's path from infinitely far below the
 ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
 
     2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
@@ -14,7 +14,7 @@ ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
 
 Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
 about that motion, per radian and for each component, A its area and t the growth of the source's
-traction per way, v the source's velocity over V:
+traction per travel, v the source's velocity over V:
 
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
@@ -41,8 +41,7 @@ from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import FarField, raise_springs
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 
@@ -93,7 +92,7 @@ class TravellingSource:
         return self._stress(position) - self._stress(at_first)
 
     def traction_rate(self, position: Floats) -> Floats:
-        """Growth of (stress rr, stress rz) of soil per way of the body [Pa/m], shape [..., 2].
+        """Growth of (stress rr, stress rz) of soil per travel of the body [Pa/m], shape [..., 2].
 
         Args:
             position: (r, z) in the grid [m], shape [..., 2].

@@ -23,8 +23,7 @@ from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Grid, Integers
 from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.plan.launch import share_bounds
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
 
 ROUNDING = 1e-6
@@ -67,11 +66,11 @@ class MovingGrid(Part):
 class Approach:
     """The window hurries to where it matters, then falls to its final speed.
 
-    What the soil remembers of the way is its stress, which hardly depends on the speed; what it
-    owes to inertia is gone when the soil around has been replaced.
+    What the soil remembers of it is its stress, which hardly depends on the speed; what it owes to
+    inertia is gone when the soil around has been replaced.
 
     Attributes:
-        speed: of the grid on the way [m/s], above the final one.
+        speed: of the grid before it falls [m/s], above the final one.
         travel: where it has fallen to the final speed [m], > `slowing_travel`.
         slowing_travel: travel over which it falls, linearly [m], > 0.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import warp as wp
@@ -130,7 +130,7 @@ class Plan:
     @property
     def launches(self) -> list[Launch]:
         """Every launch of the run, those of a step first."""
-        audit = [it for it in self.audited_step if it not in self.step]
+        audit = [launch for launch in self.audited_step if launch not in self.step]
         return [*self.step, *audit, *self.between_steps.values()]
 
     def add_array(
@@ -252,3 +252,20 @@ class Plan:
 
     def _dtype(self, kind: str) -> Any:
         return WHOLE[kind] if kind in WHOLE else self.precision.type_of(kind)
+
+
+class Run(Protocol):
+    """A run of a plan on a device, as what accompanies it between steps sees it."""
+
+    @property
+    def plan(self) -> Plan:
+        """What it consists of."""
+
+    def array(self, name: str) -> NDArray[Any]:
+        """An array of the plan on the host: the device's own memory where they share it."""
+
+    def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
+        """Give an array of the plan other values, or one value everywhere."""
+
+    def launch(self, launch: Launch) -> None:
+        """Launch a kernel of the plan."""

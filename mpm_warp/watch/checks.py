@@ -143,7 +143,7 @@ def check_blocks(soil: Floats, first_soil: Floats) -> None:
 def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) -> None:
     """Check that soil and surface move together along their normal, on nearly all of it.
 
-    Nodes that are held are left out; should soil come apart there, blocks of cells lose theirs.
+    Nodes on the axis are left out; should soil come apart there, blocks of cells lose theirs.
 
     Args:
         contact: one of a surface from which the soil cannot part.
@@ -158,7 +158,7 @@ def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) ->
     rounding = ROUNDED * (abs(speed) + np.abs(velocity).max())
     lost = ~(np.abs(normal_speed) <= rounding)
     # Where the axis holds the soil too, the flow may leave a node none for a moment.
-    lost[contact.held] = False
+    lost[contact.on_axis] = False
     share = contact.normal_areas[lost].sum() / contact.normal_areas.sum()
     if share > LARGEST_PARTED_SHARE:
         worst = int(np.argmax(np.abs(normal_speed)))

@@ -10,8 +10,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid
-from mpm_warp.grid.spacing import graded
+from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import FarField, Fixed

@@ -12,7 +12,7 @@ import pytest
 import warp as wp
 
 import mpm_warp
-from mpm_warp.execution.batched_kernel import make_batched_kernel
+from mpm_warp.execution.batched import make_batched_kernel
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan

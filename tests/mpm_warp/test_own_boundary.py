@@ -14,8 +14,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import make_plan
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene

@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Grid, GroundGrid
+from mpm_warp.grid.fitted import Grid, GroundGrid, graded
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.grid.spacing import graded
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises

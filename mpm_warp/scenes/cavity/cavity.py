@@ -11,8 +11,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.grid.spacing import graded
+from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter, redefined

@@ -10,8 +10,7 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Grid
-from mpm_warp.grid.spacing import growing
+from mpm_warp.grid.fitted import Grid, growing
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.energy_audit import EnergyAudit
 from mpm_warp.parts.energy_balance import EnergyBalance

@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, GroundGrid
-from mpm_warp.grid.spacing import graded
+from mpm_warp.grid.fitted import Floats, GroundGrid, graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed

@@ -10,8 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.grid.spacing import growing
+from mpm_warp.grid.fitted import Floats, Grid, growing
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed

@@ -69,7 +69,7 @@ class RoundBody:
 
         Normals are those of the consistent area vectors, so that on the whole no soil flows
         through. The line of travel and the surface together hold the soil at a pole, which the flow
-        leaves with few material points: its node is one of those that are held.
+        leaves with few material points: its node is one of those on the axis.
 
         Args:
             grid: fitted to the body.
@@ -84,8 +84,8 @@ class RoundBody:
         weight = grid.weight(radius)
         rise, lean = np.diff(height), np.diff(radius)
         vectors = np.stack([-nodal_areas(weight, rise), nodal_areas(weight, lean)], axis=-1)
-        held = np.flatnonzero(radius == 0.0)
-        vectors[held, 0] = 0.0
+        on_axis = np.flatnonzero(radius == 0.0)
+        vectors[on_axis, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
         of_body = np.where(lean != 0.0, np.hypot(lean, rise), 0.0)
         return SurfaceContact(
@@ -95,7 +95,7 @@ class RoundBody:
             adhesion_forces=adhesion * nodal_areas(weight, of_body),
             friction=0.0,
             in_situ_stress=in_situ_stress,
-            held=held,
+            on_axis=on_axis,
         )
 
 

@@ -20,8 +20,7 @@ from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import make_stress_increment, make_stress_update
 from mpm_warp.materials.material import Law, Material, make_state_of_point
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.run import Run
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.precision import FLOAT64, Precision
 from mpm_warp.watch.watch import make_watch

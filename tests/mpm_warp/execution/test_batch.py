@@ -15,8 +15,7 @@ import xarray as xr
 import mpm_warp.execution.batch
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.batched_kernel import make_batched_kernel, real_arguments
-from mpm_warp.execution.batched_plan import batch_key, batched_plan
+from mpm_warp.execution.batched import batch_key, batched_plan, make_batched_kernel, real_arguments
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.plan import AUDIT_INTERVAL

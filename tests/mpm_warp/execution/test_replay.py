@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import warp as wp
 
-import mpm_warp.execution.recorded_steps
+import mpm_warp.execution.replay
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, Replay, ThreadChoice
-from mpm_warp.execution.shares import has_dynamic_chunks
+from mpm_warp.execution.threads import has_dynamic_chunks
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
@@ -81,7 +81,7 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
     """As by Ctrl-C, which reaches the caller between two calls."""
     simulation = Simulation(CONE.build(), Execution(threads=2))
     # Each step by a call of its own.
-    monkeypatch.setattr(mpm_warp.execution.recorded_steps, "UPDATES_PER_CALL", 0)
+    monkeypatch.setattr(mpm_warp.execution.replay, "UPDATES_PER_CALL", 0)
     simulation.advance(50)
     replay, main = wp.capture_launch, threading.main_thread()
     calls = [0, 0]
@@ -122,7 +122,7 @@ def test_steps_are_the_same_however_they_are_parted(
     whole, parted = Simulation(soil), Simulation(soil)
     whole.advance(100)
     updates = 7 * parted.plan.particle_count
-    monkeypatch.setattr(mpm_warp.execution.recorded_steps, "UPDATES_PER_CALL", updates)
+    monkeypatch.setattr(mpm_warp.execution.replay, "UPDATES_PER_CALL", updates)
     for count in (1, 15, 16, 17, 3, 48):
         parted.advance(count)
     for name in whole.arrays:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.shares import has_dynamic_chunks, share_of
+from mpm_warp.execution.threads import has_dynamic_chunks, share_of
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.plan.launch import OFFSET, WORTH_SHARING
 from mpm_warp.planning import SHARE_COUNT, make_plan

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from mpm_warp.execution.worker_threads import WorkerThreads
+from mpm_warp.execution.threads import WorkerThreads
 
 
 @pytest.mark.parametrize("unlucky", [0, 1])

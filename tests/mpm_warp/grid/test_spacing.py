@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpm_warp.grid.spacing import graded
+from mpm_warp.grid.fitted import graded
 
 
 @pytest.mark.parametrize(("first", "length", "growth"), [(0.25, 39.0, 1.2), (1.0, 1.5, 1.1)])

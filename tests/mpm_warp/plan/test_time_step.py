@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault
-from mpm_warp.execution.batched_plan import batch_key
+from mpm_warp.execution.batched import batch_key
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene

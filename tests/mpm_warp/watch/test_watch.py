@@ -152,7 +152,7 @@ def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
 def test_a_held_node_may_be_without_soil_for_a_moment(cone: Scene) -> None:
     """It then has no velocity, while the body goes on; here they are a half of all."""
     held = np.arange(len(cone[SurfaceContact].nodes) // 2)
-    contact = dataclasses.replace(cone[SurfaceContact], held=held)
+    contact = dataclasses.replace(cone[SurfaceContact], on_axis=held)
     with_the_body = np.tile([0.0, -2.0], (len(contact.nodes), 1))
     without = with_the_body.copy()
     without[held] = 0.0

@@ -7,9 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.grid.spacing import graded
 from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact

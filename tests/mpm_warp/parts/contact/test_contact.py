@@ -48,8 +48,8 @@ def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull(
 
 
 def test_only_nodes_of_the_surface_can_be_held(surface: SurfaceContact) -> None:
-    with pytest.raises(SceneError, match=r"^contact: held"):
-        dataclasses.replace(surface, held=np.array([len(surface.nodes)]))
+    with pytest.raises(SceneError, match=r"^contact: on_axis"):
+        dataclasses.replace(surface, on_axis=np.array([len(surface.nodes)]))
 
 
 def after_a_step(scene: Scene, speed: float, **changes: object) -> tuple[Simulation, Floats]:

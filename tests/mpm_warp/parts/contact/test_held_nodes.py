@@ -25,7 +25,9 @@ def impulse_at_the_tip(cone: Scene, share: float, *, held: bool) -> tuple[float,
         held: whether the tip is a node that is held.
     """
     numbers = np.arange(int(held), dtype=np.int32)
-    contact = dataclasses.replace(cone[SurfaceContact], speed=0.0, in_situ_stress=1e9, held=numbers)
+    contact = dataclasses.replace(
+        cone[SurfaceContact], speed=0.0, in_situ_stress=1e9, on_axis=numbers
+    )
     simulation = Simulation(cone.without(Window, FarField).with_parts(contact))
     simulation.assign("particle.mass", share * simulation.array("particle.mass"))
     pressed = np.zeros((len(simulation.array("particle.mass")), 4))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.batched_plan import batch_key
+from mpm_warp.execution.batched import batch_key
 from mpm_warp.plan.time_step import SLACK
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.elastic import stretched_bar

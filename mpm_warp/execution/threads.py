@@ -1,0 +1,243 @@
+"""Threads of a processor that do the parts of one launch at the same time.
+
+What each does of a launch (shares), how they wait for each other and divide what is left (barrier
+and chunks, on the device), and the threads themselves.
+
+A part of a large launch is done in dynamic chunks, each by the first thread that claims it. So a
+thread that is late, because other processes take its core, leaves its chunks to the others. Warp
+runs a kernel on one thread of the processor. Each thread therefore launches barrier and claims for
+itself; they work on arrays that the threads have in common.
+"""
+
+import functools
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from queue import SimpleQueue
+from typing import Any
+
+import warp as wp
+
+from mpm_warp.plan.launch import Launch
+
+DYNAMIC_FROM = 10_000
+"""Items of a launch from which on a part of it is done in dynamic chunks."""
+PARTS_PER_THREAD = 4
+"""Equal parts of what a thread has to do; all are static but the last."""
+CHUNKS_PER_THREAD = 4
+"""Dynamic chunks of the last part."""
+
+
+@dataclass(frozen=True)
+class ThreadShare:
+    """What one thread does of a launch.
+
+    Neither holds anything without items, as there is in a launch with fewer rows than shares.
+
+    Attributes:
+        static: launches that only this thread does.
+        dynamic: chunks that any thread may do, by number, in the order in which this thread claims
+            them: first its own, then those of the other threads, the last ones first.
+    """
+
+    static: list[Launch]
+    dynamic: dict[int, Launch] = field(default_factory=dict)
+
+
+def has_dynamic_chunks(launch: Launch) -> bool:
+    """Whether several threads do a part of a launch in dynamic chunks."""
+    return launch.is_shared and not launch.adds_up and launch.item_count >= DYNAMIC_FROM
+
+
+def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> ThreadShare:
+    """What one of several threads does of a launch.
+
+    Args:
+        launch: a launch of a plan.
+        thread: number of the thread; thread 0 does the launches that are not shared.
+        threads: number of threads, >= 1.
+        share_count: number of shares of a launch that adds up sums, a multiple of `threads`.
+    """
+    if not launch.is_shared:
+        return ThreadShare(_filled([launch.share(0, 1)]) if thread == 0 else [])
+    if launch.adds_up:
+        numbers = range(thread * share_count // threads, (thread + 1) * share_count // threads)
+        return ThreadShare(_filled(launch.share(number, share_count) for number in numbers))
+    if threads == 1 or not has_dynamic_chunks(launch):
+        return ThreadShare(_filled([launch.share(thread, threads)]))
+    parts = range(PARTS_PER_THREAD * thread, PARTS_PER_THREAD * (thread + 1) - 1)
+    chunks = {
+        chunk: launch.share(_position(chunk), PARTS_PER_THREAD * CHUNKS_PER_THREAD * threads)
+        for chunk in _order_of_claims(thread, threads)
+    }
+    return ThreadShare(
+        static=_filled(launch.share(part, PARTS_PER_THREAD * threads) for part in parts),
+        dynamic={number: chunk for number, chunk in chunks.items() if chunk.item_count > 0},
+    )
+
+
+def _filled(parts: Iterable[Launch]) -> list[Launch]:
+    """The parts that have items: Warp records no launch of nothing."""
+    return [part for part in parts if part.item_count > 0]
+
+
+def _order_of_claims(thread: int, threads: int) -> Iterator[int]:
+    """Numbers of all dynamic chunks in the order in which a thread claims them."""
+    yield from range(CHUNKS_PER_THREAD * thread, CHUNKS_PER_THREAD * (thread + 1))
+    for step in range(1, threads):
+        owner = (thread + step) % threads
+        yield from reversed(range(CHUNKS_PER_THREAD * owner, CHUNKS_PER_THREAD * (owner + 1)))
+
+
+def _position(chunk: int) -> int:
+    """Position of a dynamic chunk in the launch, with every part counted as so many chunks."""
+    owner, number = divmod(chunk, CHUNKS_PER_THREAD)
+    return CHUNKS_PER_THREAD * (PARTS_PER_THREAD * (owner + 1) - 1) + number
+
+
+LEFT = -1
+"""Arrivals of a thread that has left: the others do not wait for it any more."""
+
+
+@functools.cache
+def make_barrier() -> Any:
+    """The kernel that waits until all threads have launched it as often as this one.
+
+    What a thread wrote before the barrier, all threads see after it (release and acquire). It waits
+    actively, because the others arrive within a microsecond; after a thousand looks it lets other
+    processes have the core, in case one of the threads has none.
+
+    Kernel arguments:
+        arrivals: how many barriers each thread has reached, or `LEFT`, shape [threads].
+        thread: number of this thread.
+    """
+
+    @wp.func_native("""
+    #if defined(_WIN32)
+        auto yield_core = [] {};
+    #else
+        extern int yield_core() __asm__("sched_yield");
+    #endif
+        const wp::int64 now = arrivals.data[thread] + 1;
+        __atomic_store_n(&arrivals.data[thread], now, __ATOMIC_RELEASE);
+        for (int other = 0; other < arrivals.shape[0]; ++other) {
+            for (int looks = 0;; ++looks) {
+                const wp::int64 seen = __atomic_load_n(&arrivals.data[other], __ATOMIC_ACQUIRE);
+                if (seen >= now || seen == left)
+                    break;
+                if (looks > 1000)
+                    yield_core();
+            }
+        }
+    """)
+    def wait_for_all(arrivals: wp.array[wp.int64], thread: int, left: int): ...
+
+    @wp.kernel(module="mpm_warp.barrier", enable_backward=False)
+    def barrier(arrivals: wp.array[wp.int64], thread: int):
+        wait_for_all(arrivals, thread, wp.static(LEFT))
+
+    return barrier
+
+
+@functools.cache
+def make_claim_chunk() -> Any:
+    """The kernel by which a thread claims a dynamic chunk: the first thread that asks gets it.
+
+    A claim is the number of the next barrier, so every chunk is free again after that barrier.
+
+    Kernel arguments:
+        chunk: number of the chunk.
+        thread: number of this thread.
+        arrivals: how many barriers each thread has reached, shape [threads].
+        claims: the last claim of each chunk, shape [chunks].
+        claimed: set to 1 if this thread has got the chunk, else to 0, shape [1].
+    """
+
+    @wp.func_native("""
+        const wp::int64 now = arrivals.data[thread] + 1;
+        const wp::int64 before = __atomic_exchange_n(&claims.data[chunk], now, __ATOMIC_RELAXED);
+        claimed.data[0] = before != now;
+    """)
+    def exchange(
+        chunk: int,
+        thread: int,
+        arrivals: wp.array[wp.int64],
+        claims: wp.array[wp.int64],
+        claimed: wp.array[wp.int32],
+    ): ...
+
+    @wp.kernel(module="mpm_warp.claim_chunk", enable_backward=False)
+    def claim_chunk(
+        chunk: int,
+        thread: int,
+        arrivals: wp.array[wp.int64],
+        claims: wp.array[wp.int64],
+        claimed: wp.array[wp.int32],
+    ):
+        exchange(chunk, thread, arrivals, claims, claimed)
+
+    return claim_chunk
+
+
+class WorkerThreads:
+    """The caller's thread and others, which are idle between two works and end with the process.
+
+    Args:
+        count: number of threads, the caller's included, >= 1.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._lock = threading.Lock()
+        self._queues = [SimpleQueue[Callable[[], None]]() for _ in range(count - 1)]
+        for queue in self._queues:
+            threading.Thread(target=_serve, args=(queue,), daemon=True).start()
+
+    def run(self, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
+        """Do a work: every thread calls ``part(number)``, the caller's with 0; wait for all.
+
+        Args:
+            part: one thread's part of the work; parts may wait for each other.
+            leave: called as ``leave(number)`` where a part raised: no other part is to wait for it.
+
+        Raises:
+            BaseException: the first that a part raised, or one that reached the caller, as by
+                Ctrl-C.
+        """
+        ended: SimpleQueue[Exception | None] = SimpleQueue()
+
+        def attempt(number: int) -> None:
+            try:
+                part(number)
+            except Exception as error:
+                leave(number)
+                ended.put(error)
+            else:
+                ended.put(None)
+
+        # Parts may wait for each other, so the parts of two works must not mix.
+        with self._lock:
+            begun = 0
+            try:
+                for number, queue in enumerate(self._queues, start=1):
+                    queue.put(functools.partial(attempt, number))
+                    begun += 1
+                part(0)
+            except BaseException:
+                leave(0)
+                raise
+            finally:
+                errors = [ended.get() for _ in range(begun)]
+        for error in errors:
+            if error is not None:
+                raise error
+
+
+@functools.cache
+def worker_threads(count: int) -> WorkerThreads:
+    """The process's worker threads of this number, started once."""
+    return WorkerThreads(count)
+
+
+def _serve(queue: SimpleQueue[Callable[[], None]]) -> None:
+    while True:
+        queue.get()()
