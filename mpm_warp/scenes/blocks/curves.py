@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -15,14 +16,50 @@ from mpm_warp.simulation import Simulation
 
 SAMPLE_COUNT = 100
 """Samples of the curves, after the moment when the driving force begins."""
-OVER_PROGRESS = ("progress",)
-"""Dimension of the curves: the time as a share of the duration."""
 
 Variables = dict[str, xr.Variable]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """What the block has done, over the samples; changes are those since the first.
+
+    Attributes:
+        time: simulated time [s], shape [sample_count].
+        velocity: mean velocity of the block [m/s], shape [sample_count, 2].
+        displacement: its mean displacement [m], shape [sample_count, 2].
+        contact_force: mean force on the base between samples [N], shape [sample_count - 1, 2].
+        kinetic_energy: of the block [J], shape [sample_count]; so are those that follow.
+        elastic_energy: change of that of all bodies.
+        slip_work: dissipated by slip at the interface.
+        viscous_work: dissipated by damping in all bodies.
+        load_work: of the loads.
+        impulse: of the loads [N s], shape [sample_count, 2].
+        momentum_lack: what the momentum balance lacks [N s], shape [sample_count]. In axisymmetry
+            it is that along the axis alone: hoop stresses change the other.
+        energy_lack: what the energy balance lacks [J]: dissipated in the transfers between
+            particles and grid.
+    """
+
+    time: Floats
+    velocity: Floats
+    displacement: Floats
+    contact_force: Floats
+    kinetic_energy: Floats
+    elastic_energy: Floats
+    slip_work: Floats
+    viscous_work: Floats
+    load_work: Floats
+    impulse: Floats
+    momentum_lack: Floats
+    energy_lack: Floats
+
+
 class SlidingCurves:
     """Samples of a block, which is body 0, from the beginning of the drive on.
+
+    All loads act on the block, and contact 0 is that with its base. The first sample is taken at
+    once.
 
     Args:
         simulation: at the beginning of the drive.
@@ -31,49 +68,110 @@ class SlidingCurves:
     """
 
     def __init__(self, simulation: Simulation, *, start: float, along: Floats) -> None:
-        self._history = BodyHistory(simulation)
+        scene = simulation.scene
+        assert isinstance(scene, BodyScene)
+        self._simulation = simulation
+        self._block = scene.bodies[0]
+        self._axisymmetric = scene.grid.axisymmetric
         self._start = start
         self._along = along
+        self._samples: list[dict[str, float | Floats]] = []
+        self.sample()
 
     def sample(self) -> None:
         """Add a sample."""
-        self._history.sample()
+        array, mass = self._simulation.array, self._block.mass
+        position = array("particle.position")[: len(mass)].copy()
+        velocity = array("particle.velocity")[: len(mass)].copy()
+        total = array("contact0.total")[0]
+        damped = "particle.dissipated" in self._simulation.plan.arrays
+        self._samples.append(
+            {
+                "time": self._simulation.time,
+                "position": position,
+                "momentum": mass @ velocity,
+                "kinetic_energy": 0.5 * float(mass @ np.sum(velocity**2, axis=1)),
+                "elastic_energy": _elastic_energy(self._simulation),
+                "contact_impulse": total[:2].copy(),
+                "slip_work": float(total[2]),
+                "viscous_work": float(array("particle.dissipated").sum()) if damped else 0.0,
+            }
+        )
+
+    @property
+    def _recorded(self) -> Recorded:
+        mass = self._block.mass
+        values = {name: np.array([it[name] for it in self._samples]) for name in self._samples[0]}
+        change = {name: value - value[0] for name, value in values.items()}
+        time = values["time"]
+        moved = np.diff(values["position"], axis=0)
+        work, given = np.zeros(len(moved)), np.zeros((len(time), 2))
+        for load in self._block.loads:
+            mean = np.diff(load.impulse_time(time)) / np.diff(time)
+            work += mean * np.sum(load.forces * moved, axis=(1, 2))
+            given += np.outer(load.impulse_time(time), load.forces.sum(axis=0))
+        load_work = np.concatenate([[0.0], np.cumsum(work)])
+        given -= given[0]
+        lack = given - change["contact_impulse"] - change["momentum"]
+        balanced = slice(1 if self._axisymmetric else 0, 2)
+        stored = change["kinetic_energy"] + change["elastic_energy"]
+        taken = change["slip_work"] + change["viscous_work"]
+        return Recorded(
+            time=time,
+            velocity=values["momentum"] / float(mass.sum()),
+            displacement=np.einsum("p,tpi->ti", mass, change["position"]) / mass.sum(),
+            contact_force=np.diff(values["contact_impulse"], axis=0) / np.diff(time)[:, None],
+            kinetic_energy=values["kinetic_energy"],
+            elastic_energy=change["elastic_energy"],
+            slip_work=change["slip_work"],
+            viscous_work=change["viscous_work"],
+            load_work=load_work,
+            impulse=given,
+            momentum_lack=np.linalg.norm(lack[:, balanced], axis=1),
+            energy_lack=load_work - stored - taken,
+        )
+
+    @property
+    def _since(self) -> Floats:
+        """Times since the beginning of the drive [s], shape [sample_count]."""
+        return np.array([it["time"] for it in self._samples]) - self._start
 
     def dataset(self) -> xr.Dataset:
         """The computed curves so far."""
-        history, along = self._history, self._along
+        run, along = self._recorded, self._along
         return curves(
             "progress",
-            (np.arange(1, len(history.time)) / SAMPLE_COUNT, "1", "time over duration"),
-            time=(history.time[1:] - self._start, "s", "time since the driving force began"),
-            velocity=(history.velocity[1:] @ along, "m s-1", "velocity of the block"),
-            displacement=(history.displacement[1:] @ along, "m", "displacement of the block"),
+            (np.arange(1, len(run.time)) / SAMPLE_COUNT, "1", "time over duration"),
+            time=(self._since[1:], "s", "time since the driving force began"),
+            velocity=(run.velocity[1:] @ along, "m s-1", "velocity of the block"),
+            displacement=(run.displacement[1:] @ along, "m", "displacement of the block"),
             shear_force=(
-                history.contact_force @ along,
+                run.contact_force @ along,
                 "N",
                 "base shear, mean since the sample before",
             ),
-            kinetic_energy=(history.kinetic_energy[1:], "J", "kinetic energy"),
-            elastic_energy=(history.elastic_energy[1:], "J", "change of the elastic energy"),
-            load_work=(history.load_work[1:], "J", "work of the loads"),
-            slip_work=(history.slip_work[1:], "J", "work taken by slip"),
-            viscous_work=(history.viscous_work[1:], "J", "work taken by damping"),
+            kinetic_energy=(run.kinetic_energy[1:], "J", "kinetic energy"),
+            elastic_energy=(run.elastic_energy[1:], "J", "change of the elastic energy"),
+            load_work=(run.load_work[1:], "J", "work of the loads"),
+            slip_work=(run.slip_work[1:], "J", "work taken by slip"),
+            viscous_work=(run.viscous_work[1:], "J", "work taken by damping"),
         )
 
     def balances(self) -> Variables:
-        """Errors of the momentum and the energy balance of a whole run, and the greatest ones."""
-        momentum, energy = self._history.momentum_error, self._history.energy_error
+        """Errors of the momentum and the energy balance of a whole run, and the greatest ones.
+
+        They are over the loads' impulse at the end, and over their greatest work.
+        """
+        run = self._recorded
+        momentum = run.momentum_lack / np.linalg.norm(run.impulse[-1])
+        energy = run.energy_lack / float(np.abs(run.load_work).max())
         return labelled(
-            dims=OVER_PROGRESS,
+            dims=("progress",),
             momentum_balance=(momentum[1:], "1", "error of the momentum balance"),
             energy_balance=(energy[1:], "1", "error of the energy balance"),
         ) | labelled(
             role="error",
-            momentum_error=(
-                np.abs(momentum).max(),
-                "1",
-                "greatest error of the momentum balance",
-            ),
+            momentum_error=(np.abs(momentum).max(), "1", "greatest error of the momentum balance"),
             energy_error=(np.abs(energy).max(), "1", "greatest error of the energy balance"),
         )
 
@@ -86,23 +184,22 @@ class SlidingCurves:
             settled_time: time from the beginning of the drive until a block that sticks is at rest
                 again [s].
         """
-        since = self._history.time - self._start
+        since, run = self._since, self._recorded
         exact_velocity, exact_displacement, exact_shear = motion.at(since)
         exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
         half = len(exact_shear) // 2
         acceleration, exact_acceleration = (
             float(v[-1] - v[half]) / float(since[-1] - since[half])
-            for v in (self._history.velocity @ self._along, exact_velocity)
+            for v in (run.velocity @ self._along, exact_velocity)
         )
         base_shear, exact_base_shear = (
-            float(force[half:].mean())
-            for force in (self._history.contact_force @ self._along, exact_shear)
+            float(force[half:].mean()) for force in (run.contact_force @ self._along, exact_shear)
         )
         creep, acceleration_error, shear_error = math.nan, math.nan, math.nan
         if motion.slides:
             acceleration_error = abs(acceleration / exact_acceleration - 1.0)
         else:
-            moved = self._history.displacement @ self._along
+            moved = run.displacement @ self._along
             settled = np.flatnonzero(since >= settled_time)[0]
             creep = float(abs(moved[-1] - moved[settled])) / length
         if exact_base_shear > 0.0:
@@ -114,7 +211,7 @@ class SlidingCurves:
         )
         return {
             **labelled(
-                dims=OVER_PROGRESS,
+                dims=("progress",),
                 velocity_exact=(exact_velocity[1:], "m s-1", "exact velocity"),
                 displacement_exact=(exact_displacement[1:], "m", "exact displacement"),
                 shear_force_exact=(exact_shear, "N", "exact base shear"),
@@ -139,143 +236,13 @@ class SlidingCurves:
         }
 
 
-class BodyHistory:
-    """Samples of body 0 and of contact 0; changes are those since the first sample, taken at once.
-
-    Args:
-        simulation: a run of bodies in contact. All loads act on body 0, which is the body of
-            contact 0.
-    """
-
-    def __init__(self, simulation: Simulation) -> None:
-        scene = simulation.scene
-        assert isinstance(scene, BodyScene)
-        self._simulation = simulation
-        self._loads = scene.bodies[0].loads
-        self._mass = scene.bodies[0].mass
-        self._axisymmetric = scene.grid.axisymmetric
-        self._samples: dict[str, list[float | Floats]] = {}
-        self.sample()
-
-    def sample(self) -> None:
-        """Add a sample."""
-        position, velocity = (
-            self._simulation.array(f"particle.{name}")[: len(self._mass)].copy()
-            for name in ("position", "velocity")
-        )
-        total = self._simulation.array("contact0.total")[0]
-        values: dict[str, float | Floats] = {
-            "time": self._simulation.time,
-            "position": position,
-            "momentum": self._mass @ velocity,
-            "kinetic_energy": 0.5 * float(self._mass @ np.sum(velocity**2, axis=1)),
-            "elastic_energy": self._elastic_energy(),
-            "contact_impulse": total[:2].copy(),
-            "slip_work": float(total[2]),
-            "viscous_work": self._viscous_work(),
-        }
-        for name, value in values.items():
-            self._samples.setdefault(name, []).append(value)
-
-    @property
-    def time(self) -> Floats:
-        """Simulated time [s], shape [sample_count]."""
-        return self._all("time")
-
-    @property
-    def velocity(self) -> Floats:
-        """Mean velocity of the body [m/s], shape [sample_count, 2]."""
-        return self._all("momentum") / float(self._mass.sum())
-
-    @property
-    def displacement(self) -> Floats:
-        """Mean displacement [m], shape [sample_count, 2]."""
-        moved = self._change("position")
-        mean: Floats = np.einsum("p,tpi->ti", self._mass, moved) / self._mass.sum()
-        return mean
-
-    @property
-    def contact_force(self) -> Floats:
-        """Mean force on the base between samples [N], shape [sample_count - 1, 2]."""
-        force: Floats = np.diff(self._all("contact_impulse"), axis=0)
-        return force / np.diff(self.time)[:, None]
-
-    @property
-    def kinetic_energy(self) -> Floats:
-        """Kinetic energy of the body [J], shape [sample_count]."""
-        return self._all("kinetic_energy")
-
-    @property
-    def elastic_energy(self) -> Floats:
-        """Change of the elastic energy of all bodies [J], shape [sample_count]."""
-        return self._change("elastic_energy")
-
-    @property
-    def slip_work(self) -> Floats:
-        """Work dissipated by slip at the interface [J], shape [sample_count]."""
-        return self._change("slip_work")
-
-    @property
-    def viscous_work(self) -> Floats:
-        """Work dissipated by damping in all bodies [J], shape [sample_count]."""
-        return self._change("viscous_work")
-
-    @property
-    def load_work(self) -> Floats:
-        """Work of the loads [J], shape [sample_count]."""
-        moved = np.diff(self._all("position"), axis=0)
-        work = np.zeros(len(moved))
-        for load in self._loads:
-            mean = np.diff(load.impulse_time(self.time)) / np.diff(self.time)
-            work += mean * np.sum(load.forces * moved, axis=(1, 2))
-        return np.concatenate([[0.0], np.cumsum(work)])
-
-    @property
-    def momentum_error(self) -> Floats:
-        """Error of the momentum balance over the loads' impulse at the end, shape [sample_count].
-
-        In axisymmetry only the momentum along the axis is balanced: hoop stresses change the other.
-        """
-        given = np.zeros((len(self.time), 2))
-        for load in self._loads:
-            given += np.outer(load.impulse_time(self.time), load.forces.sum(axis=0))
-        given -= given[0]
-        lack = given - self._change("contact_impulse") - self._change("momentum")
-        balanced = slice(1 if self._axisymmetric else 0, 2)
-        error: Floats = np.linalg.norm(lack[:, balanced], axis=1) / np.linalg.norm(given[-1])
-        return error
-
-    @property
-    def energy_error(self) -> Floats:
-        """Error of the energy balance over the loads' greatest work, shape [sample_count].
-
-        It is what the transfer between particles and grid has dissipated.
-        """
-        work = self.load_work
-        stored = self._change("kinetic_energy") + self.elastic_energy
-        taken = self.slip_work + self.viscous_work
-        return (work - stored - taken) / float(np.abs(work).max())
-
-    def _viscous_work(self) -> float:
-        if "particle.dissipated" not in self._simulation.plan.arrays:
-            return 0.0
-        return float(self._simulation.array("particle.dissipated").sum())
-
-    def _elastic_energy(self) -> float:
-        """s:s / 4 G + p^2 / 2 K over all bodies, s the deviator and p the mean stress [J]."""
-        array = self._simulation.array
-        stress, volume = array("particle.stress"), array("particle.volume")
-        moduli = array("body.moduli")[array("particle.body")]
-        normal = stress[:, [0, 1, 3]]
-        mean = normal.mean(axis=1)
-        square = np.sum((normal - mean[:, None]) ** 2, axis=1) + 2.0 * stress[:, 2] ** 2
-        density = square / (4.0 * moduli[:, 0]) + mean**2 / (2.0 * moduli[:, 1])
-        return float(np.sum(volume * density))
-
-    def _all(self, name: str) -> Floats:
-        return np.array(self._samples[name])
-
-    def _change(self, name: str) -> Floats:
-        values = self._all(name)
-        change: Floats = values - values[0]
-        return change
+def _elastic_energy(simulation: Simulation) -> float:
+    """s:s / 4 G + p^2 / 2 K over all bodies, s the deviator and p the mean stress [J]."""
+    array = simulation.array
+    stress, volume = array("particle.stress"), array("particle.volume")
+    moduli = array("body.moduli")[array("particle.body")]
+    normal = stress[:, [0, 1, 3]]
+    mean = normal.mean(axis=1)
+    square = np.sum((normal - mean[:, None]) ** 2, axis=1) + 2.0 * stress[:, 2] ** 2
+    density = square / (4.0 * moduli[:, 0]) + mean**2 / (2.0 * moduli[:, 1])
+    return float(np.sum(volume * density))
