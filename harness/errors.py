@@ -1,8 +1,9 @@
-"""Errors that the user can put right, and how they are reported."""
+"""Errors: those that the user can put right, and those of the program; how each is reported."""
 
 from __future__ import annotations
 
 import sys
+from importlib import metadata
 
 LONGEST_LINE = 1000
 """Characters of a line that is reported."""
@@ -15,6 +16,23 @@ class HarnessError(Exception):
 def in_one_line(error: BaseException) -> str:
     """Type and message of an error that nobody has foreseen, in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
+
+
+def defect(error: BaseException) -> str:
+    """An error of the program itself in one line, and where to report it."""
+    return (
+        f"an error of the program, not of your input: {in_one_line(error)}; please report it "
+        f"{_where_to_report()}, with the command and what --debug prints"
+    )
+
+
+def _where_to_report() -> str:
+    try:
+        about = metadata.metadata("mpm-warp")
+    except metadata.PackageNotFoundError:
+        return "to its developers"
+    places = dict(it.split(", ", 1) for it in about.get_all("Project-URL", []))
+    return f"at {places['Issues']}" if "Issues" in places else f"to {about['Author']}"
 
 
 def printable(text: str) -> str:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import platform
+import secrets
 from pathlib import Path
+from typing import BinaryIO
 
 from harness.errors import HarnessError
 
@@ -27,9 +29,10 @@ def prepare(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ArchiveError(f"{folder}: cannot be made: {error.strerror}") from None
-    probe = _partial(folder / "probe")
+    probe = _partial(folder)
     try:
-        probe.write_bytes(b"probe")
+        with _created(probe) as file:
+            file.write(b"probe")
     except OSError as error:
         raise ArchiveError(f"{folder}: cannot be written to: {error.strerror}") from None
     finally:
@@ -43,9 +46,9 @@ def write_whole(content: bytes | memoryview, path: Path) -> None:
     Raises:
         ArchiveError: it cannot be written; an earlier file of that name is as it was.
     """
-    partial = _partial(path)
+    partial = _partial(path.parent)
     try:
-        with partial.open("wb") as file:
+        with _created(partial) as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -94,9 +97,18 @@ def remove_file(path: Path) -> None:
         raise ArchiveError(f"{path}: cannot be removed: {error.strerror}") from None
 
 
-def _partial(path: Path) -> Path:
-    """What `path` is called while this process writes it; no other run in the folder does so."""
-    return path.with_name(f".{path.name}{partial_ending(os.getpid())}")
+def _partial(folder: Path) -> Path:
+    """What a file is called while this process writes it: nobody can know the name before."""
+    return folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
+
+
+def _created(path: Path) -> BinaryIO:
+    """A new file, open for writing, with the rights that the user's files have by default.
+
+    What is there already, a link among it, is neither followed nor overwritten.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+    return open(path, "wb", opener=lambda name, _: os.open(name, flags, 0o666))
 
 
 def partial_ending(process_id: int | str) -> str:

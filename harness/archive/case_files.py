@@ -17,7 +17,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
 from harness.archive.fields_files import fields_file, has_fields, write_fields
-from harness.archive.netcdf_files import DIGEST, opened_result, read_netcdf, write_netcdf
+from harness.archive.netcdf_files import opened_result, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
 from harness.study.cases import Case
 from harness.study.study import Study
@@ -150,12 +150,8 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
     if not path.exists():
         return Outcome(MISSING)
     try:
-        with opened_result(path) as (_, found):
+        with opened_result(path) as found:
             attributes, forms = found.attributes, found.forms
-            if DIGEST not in attributes:
-                # Nothing else shows damage of a file from before there were digests.
-                for name in forms:
-                    found.values(name)
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
             repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
         _check_owner(path, case, attributes)

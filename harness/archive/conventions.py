@@ -35,9 +35,8 @@ from enum import StrEnum
 import numpy as np
 import xarray as xr
 
-from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.parameters import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
-from mpm_warp.scenes import scene_class, scene_names
 
 FORMAT_VERSION = 1
 """Version of the layout of case files and study files alike."""
@@ -67,12 +66,6 @@ TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
 TRACEBACK = "traceback"
 """Attribute of the file of a failed case that says where in the program it failed."""
-
-_MEASURED_BEFORE = (
-    *("run_time", "setup_time", "compile_time", "case_time", "peak_memory"),
-    *("run_time_minimum", "run_time_sample", "repeat"),
-)
-"""What was measured in results from before variables had roles."""
 
 
 def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
@@ -150,17 +143,13 @@ def varied_names(dataset: xr.Dataset) -> list[str]:
     With several scenes there are coordinates that only some of them have: such a one counts where
     these differ in it.
     """
-    names = _axes_and_coordinates(dataset)
-    if "scene" not in names:
-        return names
-    return [name for name in names if name == "scene" or _is_varied(dataset, name)]
-
-
-def _axes_and_coordinates(dataset: xr.Dataset) -> list[str]:
     if case_dims(dataset) != (CASE,):
         return list(case_dims(dataset))
     along = (str(name) for name, array in dataset.coords.items() if array.dims == (CASE,))
-    return [name for name in along if name not in (CASE, "scene_version")]
+    names = [name for name in along if name not in (CASE, "scene_version")]
+    if "scene" not in names:
+        return names
+    return [name for name in names if name == "scene" or _is_varied(dataset, name)]
 
 
 def _is_varied(dataset: xr.Dataset, name: str) -> bool:
@@ -225,31 +214,3 @@ def without_incomplete_curves(dataset: xr.Dataset) -> xr.Dataset:
 def is_there(value: object) -> bool:
     """Whether a case has a value of a parameter: one of another scene is not a number, or empty."""
     return value is not None and str(value) not in ("", "nan")
-
-
-def with_roles_told(dataset: xr.Dataset) -> xr.Dataset:
-    """A result from before variables had roles, with those of parameters and measurements."""
-    if any("role" in it.attrs for it in dataset.variables.values()):
-        return dataset
-    scenes = [it for it in str(dataset.attrs.get("scene", "")).split() if it in scene_names()]
-    known = dict.fromkeys(name for scene in scenes for name in parameters_of(scene_class(scene)))
-    parameters = [
-        stored if (stored := f"{it}{PARAMETER_SUFFIX}") in dataset else it for it in known
-    ]
-    if "status" in dataset.variables:
-        parameters += [name for name in _axes_and_coordinates(dataset) if name != "scene"]
-        # Scalars are parameters that are the same in all cases, unless there is one case alone.
-        parameters += [
-            str(name)
-            for name, it in dataset.data_vars.items()
-            if case_dims(dataset) and it.ndim == 0 and "description" in it.attrs
-        ]
-    roles = dict.fromkeys(_MEASURED_BEFORE, Role.MEASURED)
-    for role in (Role.REFERENCE, Role.DEVIATION):
-        roles |= {str(name): role for name in dataset if str(name).startswith(f"{role}_")}
-    # A parameter may begin like a reference: reference_strain_rate.
-    roles |= dict.fromkeys(parameters, Role.PARAMETER)
-    told = dataset.copy()
-    for name in roles.keys() & set(told.variables):
-        told.variables[name].attrs["role"] = roles[name]
-    return told

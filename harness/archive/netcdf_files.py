@@ -1,12 +1,12 @@
 """The netCDF files of the archive: the one place where they are written, opened and read.
 
-Every file ends with a digest of itself: after the netCDF come the word ``sha256`` and the SHA-256
-of all bytes before it. The attribute `digest` of the file says so; a file that has the attribute
-and not the digest was changed by another program. Files from before there were digests have
-neither, and are read with what the libraries notice.
+Every file ends with a digest of itself: after the netCDF come the mark ``sha256: `` and the SHA-256
+of all bytes before it. The attribute `digest` of the file says so. No library sees a file of the
+archive that is not as it was written: one that says of itself that it has a digest and has none,
+one whose mark is damaged, and one that was cut are refused before. What is damaged makes HDF5 raise
+whatever it likes, loop for ever, ask for gigabytes, or end the process. A file without any such
+word is of another program, and is read by a process that may be lost.
 
-The digest is over bytes, because it is then checked before any library sees the file. What is
-damaged makes these libraries raise whatever they like, ask for gigabytes, or end the process.
 HDF5's own checksum (Fletcher32) knows neither attributes, names nor dims. A digest over contents
 needs every variable and attribute to be read first: 23 ms a case file, where this one takes 0.1 ms
 and spares ``status`` the reading of all variables. Programs that read netCDF do not see it: HDF5
@@ -17,8 +17,6 @@ even where its numbers are the same.
 from __future__ import annotations
 
 import hashlib
-import math
-import os
 import stat
 from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
@@ -31,27 +29,28 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, write_whole
 from harness.archive.conventions import FORMAT_VERSION
-from harness.archive.structure import TEXT, Form, Outline, malformed
+from harness.archive.netcdf_content import (
+    TEXT,
+    UNREADABLE,
+    Outline,
+    foreign_outline,
+    memory_of_machine,
+    outline,
+)
+from harness.archive.structure import malformed
 
 DIGEST = "digest"
 """Attribute of a file that ends with its digest."""
 COORDINATES = "coordinates"
 """Attribute, of a variable or of the file, that names coordinates which are no dims (CF, 5)."""
 
-_SAID = "SHA-256 of all bytes before it, in the last 72 bytes of the file"
+_STATEMENT = "SHA-256 of all bytes before it, in the last 72 bytes of the file"
 _MARK = b"sha256: "
 _LENGTH = len(_MARK) + 64
-
-_UNREADABLE = (
-    *(OSError, RuntimeError, ValueError, TypeError, AttributeError),
-    *(LookupError, ArithmeticError, MemoryError, AssertionError),
-)
-"""What netCDF4, HDF5 and xarray raise where a file is not what they expect."""
-
-_LARGEST_RATIO = 1032
-"""Bytes that one byte compressed by deflate stands for at most (zlib's technical details)."""
-_STRING_SIZE = 64
-"""Bytes that a text takes in memory at least."""
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How a file of HDF5 begins."""
+_SUPERBLOCK = 48
+"""Bytes that such a file has at the least."""
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
@@ -62,7 +61,7 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """
     # The file is made in memory, because on a full disk the netCDF library only says "HDF error"
     # and keeps the broken file open, so that its space is not freed until the process ends.
-    image = _image(dataset.assign_attrs({DIGEST: _SAID}))
+    image = _image(dataset.assign_attrs({DIGEST: _STATEMENT}))
     write_whole(b"".join((image, _digest(image))), path)
 
 
@@ -72,7 +71,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
     Raises:
         ArchiveError: it is damaged, of another format version, or not built as results are.
     """
-    with opened_result(path) as (_, found):
+    with opened_result(path) as found:
         return _loaded(found)
 
 
@@ -82,8 +81,7 @@ def read_fields_netcdf(path: Path) -> xr.Dataset:
     Raises:
         ArchiveError: the file is damaged, or of another format version.
     """
-    with opened(path) as file:
-        found = _outline(file)
+    with opened(path) as found:
         check_version(path, found.attributes)
         return _loaded(found)
 
@@ -121,88 +119,106 @@ def read_attributes(path: Path) -> dict[str, Any]:
     Raises:
         ArchiveError: it is damaged.
     """
-    with opened(path) as file:
-        return dict(file.__dict__)
+    with opened(path) as found:
+        return dict(found.attributes)
 
 
 @contextmanager
-def opened_result(path: Path) -> Iterator[tuple[netCDF4.Dataset, Outline]]:
-    """A result, checked, and open for reading as `opened` does it, and its outline.
+def opened_result(path: Path) -> Iterator[Outline]:
+    """A result, checked, and open for reading as `opened` does it.
 
     Raises:
         ArchiveError: it is damaged, of another format version, or not built as results are.
     """
-    with opened(path) as file:
-        found = _outline(file)
+    with opened(path) as found:
         check_version(path, found.attributes)
         if (fault := malformed(found)) is not None:
             raise ArchiveError(f"{path}: is no whole result: {fault}")
-        yield file, found
-
-
-def _outline(file: netCDF4.Dataset) -> Outline:
-    """What is in a file, without its numbers."""
-    forms = {
-        name: Form(it.shape, it.dimensions, _kind(it), it.__dict__)
-        for name, it in file.variables.items()
-    }
-    return Outline(file.__dict__, forms, lambda name: np.asarray(file.variables[name][...]))
-
-
-def _kind(variable: netCDF4.Variable[Any]) -> str:
-    if variable.dtype is str:
-        return TEXT
-    # Those of an enumeration or of lists have the type of their elements.
-    return variable.dtype.kind if isinstance(variable.datatype, np.dtype) else "V"
+        yield found
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[netCDF4.Dataset]:
-    """A file of the archive, checked and open for reading; its numbers are as they are stored.
-
-    What cannot be read of it inside the ``with`` becomes an `ArchiveError` too.
+def opened(path: Path) -> Iterator[Outline]:
+    """What is in a file of the archive, which is checked and stays open for its values.
 
     Raises:
         ArchiveError: it is no file, damaged, or says that it holds more than its bytes or this
             machine's memory can.
     """
+    content = _content(path)
+    if not _has_digest(path, content):
+        with _reported(path):
+            found = foreign_outline(path)
+        yield found
+        return
+    with _reported(path):
+        # What was checked is what is read, whatever becomes of the file meanwhile.
+        file = netCDF4.Dataset(path.name, memory=content)
+    with file:
+        with _reported(path):
+            found = outline(file, len(content))
+
+        def values(name: str) -> np.ndarray:
+            with _reported(path):
+                return found.values(name)
+
+        yield Outline(found.attributes, found.forms, values)
+
+
+@contextmanager
+def _reported(path: Path) -> Iterator[None]:
+    """What the netCDF library raises inside the ``with`` becomes an `ArchiveError`."""
     try:
-        has_digest = _check_digest(path)
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_maskandscale(False)
-            if DIGEST in file.ncattrs() and not has_digest:
-                raise ArchiveError(_damaged(path, "its digest is missing"))
-            _check_size(path, file)
-            yield file
-    except _UNREADABLE as error:
+        yield
+    except UNREADABLE as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ArchiveError(f"{path}: cannot be read: {reason}") from None
+
+
+def _content(path: Path) -> bytes:
+    """The bytes of an ordinary file that fits into memory."""
+    with _reported(path):
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
+            # Whoever opens a FIFO waits for its writer, and a device may have no end.
+            raise ValueError(
+                f"it is {'a folder' if stat.S_ISDIR(about.st_mode) else 'no ordinary file'}"
+            )
+        if about.st_size > memory_of_machine():
+            raise ValueError("it is larger than the memory here")
+        return path.read_bytes()
+
+
+def _has_digest(path: Path, content: bytes) -> bool:
+    """Whether a file ends with the right digest; otherwise it is of another program.
+
+    Raises:
+        ArchiveError: it is damaged, or no netCDF file.
+    """
+    mark, digits = content[-_LENGTH:-64], content[-64:]
+    if mark == _MARK:
+        if mark + digits != _digest(memoryview(content)[:-_LENGTH]):
+            raise _damage(path, "its digest does not agree")
+        return True
+    # A bit of the mark, or of the statement, may be damaged: then the rest of them is there.
+    near = sum(one == other for one, other in zip(mark, _MARK, strict=False)) >= len(_MARK) // 2
+    if near or _STATEMENT.encode() in content:
+        raise _damage(path, "its digest is missing")
+    if not content.startswith(_HDF5):
+        raise ArchiveError(f"{path}: cannot be read: it is no netCDF-4 file")
+    if not _SUPERBLOCK <= _end(content) <= len(content):
+        raise _damage(path, "its end is missing")
+    return False
 
 
 def _digest(content: bytes | memoryview) -> bytes:
     return _MARK + hashlib.sha256(content).hexdigest().encode()
 
 
-def _check_digest(path: Path) -> bool:
-    """Whether a file ends with a digest, which is then the right one."""
-    about = path.stat()
-    if not stat.S_ISREG(about.st_mode):
-        # Whoever opens a FIFO waits for its writer, and a device may have no end.
-        kind = "a folder" if stat.S_ISDIR(about.st_mode) else "no ordinary file"
-        raise ArchiveError(f"{path}: cannot be read: it is {kind}")
-    if about.st_size > _memory():
-        raise ArchiveError(f"{path}: cannot be read: it is larger than the memory here")
-    content = memoryview(path.read_bytes())
-    before, digest = content[:-_LENGTH], content[-_LENGTH:]
-    if digest[: len(_MARK)] != _MARK:
-        return False
-    if digest != _digest(before):
-        raise ArchiveError(_damaged(path, "its digest does not agree"))
-    return True
-
-
-def _damaged(path: Path, how: str) -> str:
-    return f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
+def _damage(path: Path, how: str) -> ArchiveError:
+    return ArchiveError(
+        f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
+    )
 
 
 def check_version(path: Path, attributes: Mapping[str, Any]) -> None:
@@ -218,32 +234,16 @@ def check_version(path: Path, attributes: Mapping[str, Any]) -> None:
         )
 
 
-def _check_size(path: Path, file: netCDF4.Dataset) -> None:
-    """Refuse what would take more memory than there is, or than the file can have numbers for."""
-    sizes = [
-        math.prod(variable.shape)
-        * (_STRING_SIZE if variable.dtype is str else np.dtype(variable.dtype).itemsize)
-        for variable in file.variables.values()
-    ]
-    if sum(sizes) > min(_memory(), _LARGEST_RATIO * path.stat().st_size):
-        raise ArchiveError(
-            f"{path}: cannot be read: its variables would take {sum(sizes):.3g} bytes, "
-            "more than it can hold"
-        )
-
-
-def _memory() -> int:
-    """Bytes of memory that this machine has."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-
-
 def _image(dataset: xr.Dataset) -> memoryview:
     """The bytes of the netCDF file."""
     image: memoryview = dataset.to_netcdf(engine="netcdf4", encoding=_encoding(dataset))
-    # In memory HDF5 grows a file by 64 KiB at a time. Where it ends stands in its superblock, from
-    # version 2 on in bytes 28 to 35 (HDF5 File Format Specification, III.A).
-    has_end = image[8] >= 2
-    return image[: int.from_bytes(image[28:36], "little")] if has_end else image
+    return image[: _end(image)]  # in memory HDF5 grows a file by 64 KiB at a time
+
+
+def _end(content: bytes | memoryview) -> int:
+    """Where a file of HDF5 ends, as its superblock says (HDF5 File Format Specification, II.A)."""
+    start = 28 if int.from_bytes(content[8:9], "little") >= 2 else 40
+    return int.from_bytes(content[start : start + 8], "little")
 
 
 def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:

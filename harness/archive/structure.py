@@ -1,27 +1,22 @@
 """Whether a result is built as every result is, so that what reads it by name finds what it needs.
 
 A digest says that a file is as it was written. It does not say who wrote it: these checks are for
-files of other programs, and for those from before there were digests. They need the outline of a
-result, not its numbers: so the status of a case is known without reading them.
+files of other programs. They need the outline of a result, not its numbers: so the status of a case
+is known without reading them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
-import xarray as xr
 
 from harness.archive.conventions import COMPLETED, PER_CASE, Role, parameter_of
+from harness.archive.netcdf_content import NUMBERS, TEXT, Form, Outline
 from harness.archive.provenance import OF_CASE
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
-
-NUMBERS, TEXT = "biuf", "T"
-"""Kinds of variables: those of numbers as NumPy calls them, and texts."""
 
 _OF_EACH_CASE = (
     *(Role.HEADLINE, Role.UNCERTAINTY, Role.SETTLED),
@@ -32,53 +27,6 @@ _ROLES = frozenset(Role)
 _TEXTS = ("units", "long_name", "description", "coordinates", "dtype")
 _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
 """Attributes by which a number in a file stands for another one; no result has any."""
-
-
-@dataclass(frozen=True)
-class Form:
-    """What a variable is, without its values.
-
-    Attributes:
-        shape: sizes of the dims.
-        dims: their names.
-        kind: one of `NUMBERS`, `TEXT`, or any other letter.
-        attributes: of the variable.
-    """
-
-    shape: tuple[int, ...]
-    dims: tuple[str, ...]
-    kind: str
-    attributes: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Outline:
-    """What a result is, without its values.
-
-    Attributes:
-        attributes: of the result.
-        forms: of the variables, by name.
-        values: reads the values of a variable.
-    """
-
-    attributes: Mapping[str, Any]
-    forms: Mapping[str, Form]
-    values: Callable[[str], np.ndarray]
-
-
-def outline(dataset: xr.Dataset) -> Outline:
-    """The outline of a result that has been read."""
-    forms = {
-        str(name): Form(it.shape, tuple(map(str, it.dims)), _kind(it.values), it.attrs)
-        for name, it in dataset.variables.items()
-    }
-    return Outline(dataset.attrs, forms, lambda name: dataset.variables[name].values)
-
-
-def _kind(values: np.ndarray) -> str:
-    if values.dtype.kind in NUMBERS:
-        return values.dtype.kind
-    return TEXT if all(isinstance(value, str) for value in values.flat) else values.dtype.kind
 
 
 def malformed(result: Outline) -> str | None:
@@ -127,6 +75,8 @@ def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) ->
     if len(set(form.dims)) < len(form.dims):
         yield f"{name} has a dim twice"
     own = [dim for dim in form.dims if dim not in over]
+    if own and of_cases and of_cases != over:
+        yield f"{name} has not all dims of the cases"
     if any(dim not in forms for dim in form.dims):
         yield f"{name} has a dim without a coordinate"
     if name in form.dims and form.dims != (name,):
@@ -155,10 +105,11 @@ def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
 
 
 def _faulty_headline(result: Outline) -> Iterator[str]:
-    """A case that has completed has what its scene is run for, unless it is from before roles."""
-    roles = {name: it.attributes.get("role") for name, it in result.forms.items()}
-    headlines = [name for name, role in roles.items() if role == Role.HEADLINE]
-    if any(roles.values()) and not headlines:
+    """A case that has completed has what its scene is run for."""
+    headlines = [
+        name for name, it in result.forms.items() if it.attributes.get("role") == Role.HEADLINE
+    ]
+    if not headlines:
         yield "it has completed without a headline"
     for name in headlines:
         is_number = result.forms[name].kind in NUMBERS
@@ -170,9 +121,8 @@ def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[s
     """What the parameters that are texts are called in a result."""
     roles = {name: it.attributes.get("role") for name, it in forms.items()}
     stored = {parameter_of(name): name for name, role in roles.items() if role == Role.PARAMETER}
-    is_from_before_roles = not any(roles.values())
     for scene in scenes:
         if scene in scene_names():
             for name, definition in parameters_of(scene_class(scene)).items():
-                if definition.kind is str and (name in stored or is_from_before_roles):
-                    yield stored.get(name, name)
+                if definition.kind is str and name in stored:
+                    yield stored[name]

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.conventions import PER_CASE, TOLERANCES, with_roles_told
+from harness.archive.conventions import PER_CASE, TOLERANCES
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
-from harness.archive.structure import malformed, outline
 from harness.study.study import Study
 from mpm_warp.parameters import did_you_mean, known_names
 
@@ -65,28 +62,7 @@ def read_result(path: Path) -> xr.Dataset:
     dataset = read_netcdf(path)
     if "study" in dataset.attrs:
         _check_study(path, dataset)
-    dataset = with_roles_told(dataset)
-    if (fault := malformed(outline(dataset))) is not None:
-        raise ArchiveError(f"{path}: is no whole result: {fault}; make it again")
     return dataset
-
-
-@contextmanager
-def working_on(*paths: Path) -> Iterator[None]:
-    """What a result lacks that no check of its structure has foreseen is reported with its file.
-
-    Args:
-        paths: the files whose results are worked on.
-
-    Raises:
-        ArchiveError: instead of what a look-up or a calculation inside the ``with`` raises.
-    """
-    try:
-        yield
-    except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
-        reason = " ".join(str(error).split())
-        files = ", ".join(map(str, paths))
-        raise ArchiveError(f"{files}: is no whole result: {reason}") from error
 
 
 def _check_study(path: Path, dataset: xr.Dataset) -> None:

@@ -10,6 +10,9 @@ DONE, INCOMPLETE = 0, 1
 BAD_INPUT = 2
 """Exit code of a command line, a study or a file that cannot be used."""
 
+DEFECT = 70
+"""Exit code of an error of the program itself (EX_SOFTWARE of BSD's sysexits.h)."""
+
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM or SIGHUP has come; ends a run as Ctrl-C does.

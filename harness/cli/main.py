@@ -7,15 +7,16 @@ import importlib
 import os
 import signal
 import sys
+import traceback
 from collections.abc import Sequence
 
 from harness.cli.arguments.command_line import make_parser
 from harness.cli.arguments.parser import options_of
-from harness.cli.exit_codes import BAD_INPUT, Terminated
+from harness.cli.exit_codes import BAD_INPUT, DEFECT, Terminated
 from harness.cli.slips import slip, unrecognised
 from harness.cli.streams import complete_streams, safe_output, safe_remarks, send_nowhere
-from harness.errors import HarnessError, tell
-from mpm_warp.errors import UnknownSceneError
+from harness.errors import HarnessError, defect, tell
+from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 
 COMMANDS = {
     "new": "studies.new",
@@ -42,6 +43,8 @@ COMMANDS = {
 """Module of `harness.cli.commands` and function of each command; the function is given the options
 and returns the exit code."""
 
+REFUSALS = (HarnessError, ParameterError, SceneError, UnknownSceneError)
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
@@ -51,8 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         Exit code: 0 done, 1 a case did not complete or a bound is not reached,
-        2 bad input or unusable files, 129 SIGHUP, 130 Ctrl-C, 141 the reader of its output has
-        gone, 143 SIGTERM.
+        2 bad input or unusable files, 70 an error of the program itself, 129 SIGHUP, 130 Ctrl-C,
+        141 the reader of its output has gone, 143 SIGTERM.
     """
     complete_streams()
     parser = make_parser()
@@ -77,13 +80,16 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
         for stream in (sys.stdout, sys.stderr):
             send_nowhere(stream)
         return 128 + signal.SIGPIPE
-    except (HarnessError, UnknownSceneError, OSError) as error:
-        tell(str(error))
+    except (*REFUSALS, OSError, MemoryError) as error:
+        tell(str(error) or "this machine has not enough memory")
         return BAD_INPUT
-    except Terminated as end:
-        return 128 + end.number
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
+    except KeyboardInterrupt as end:
+        return 128 + (end.number if isinstance(end, Terminated) else signal.SIGINT)
+    except Exception as error:
+        if "--debug" in given:
+            traceback.print_exc()
+        tell(defect(error))
+        return DEFECT
     return code
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, over_cases, parameter_names, varied_names
 from harness.archive.netcdf_files import read_attributes
-from harness.archive.study_files import read_study, working_on
+from harness.archive.study_files import read_study
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError
 from mpm_warp.parameters import Value, parameters_of
@@ -71,9 +71,8 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     kinds = {name: parameters_of(known)[name].kind for name in method}
     found = list[Recommendation]()
     for file, dataset in results.items():
-        with working_on(file):
-            results[file] = _of_scene(scene, dataset)
-            found += _measured(kinds, results[file], file)
+        results[file] = _of_scene(scene, dataset)
+        found += _measured(kinds, results[file], file)
     if not found:
         raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
     good = [it for it in found if it.error <= largest_error]

@@ -38,6 +38,9 @@ def make_parser() -> Parser:
     completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
 
     for name, command in commands.choices.items():
+        command.add_argument(
+            "--debug", action="store_true", help="print where an error of the program arises"
+        )
         command.description = textwrap.fill(HELP[name][0], 80)
         command.epilog = epilog(name)
     return parser

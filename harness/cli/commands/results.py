@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from harness.archive.atomic_files import prepare
-from harness.archive.study_files import read_study, working_on
+from harness.archive.study_files import read_study
 from harness.cli.exit_codes import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, has_tolerances, misses
 from harness.compare.differences import difference_rows, differences, unshared
@@ -26,16 +26,13 @@ def compare(options: argparse.Namespace) -> int:
         raise HarnessError("--tolerance: is for two results; give OTHER, or put it into the study")
     dataset = read_study(options.file)
     if options.other is not None:
-        other = read_study(options.other)
-        with working_on(options.file):
-            return _compare_two(dataset, other, options.tolerance or 0.0)
-    with working_on(options.file):
-        try:
-            print(result_table(dataset))
-        except NothingToCompareError as error:
-            if not has_tolerances(dataset):
-                raise HarnessError(f"{options.file}: {error}") from None
-        return list_misses(dataset)
+        return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
+    try:
+        print(result_table(dataset))
+    except NothingToCompareError as error:
+        if not has_tolerances(dataset):
+            raise HarnessError(f"{options.file}: {error}") from None
+    return list_misses(dataset)
 
 
 def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
@@ -83,8 +80,7 @@ def plot(options: argparse.Namespace) -> int:
     folder = options.out or options.file.parent
     prepare(folder)
     try:
-        with working_on(options.file):
-            drawn = draw(dataset, folder, options.format)
+        drawn = draw(dataset, folder, options.format)
     except (NothingToCompareError, NothingToDrawError) as error:
         raise HarnessError(f"{options.file}: {error}") from None
     return _list_pictures(*drawn)
@@ -94,9 +90,7 @@ def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
     check_replaceable(options.out)  # before all is drawn
     datasets = [read_study(file) for file in options.file]
-    with working_on(*options.file):
-        failed = write_report(datasets, options.out)
-    return _list_pictures([options.out], failed)
+    return _list_pictures([options.out], write_report(datasets, options.out))
 
 
 def show_recommendation(options: argparse.Namespace) -> int:

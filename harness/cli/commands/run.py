@@ -12,7 +12,7 @@ from harness.archive.atomic_files import prepare, write_whole
 from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import provenance
-from harness.archive.study_files import study_file, working_on
+from harness.archive.study_files import study_file
 from harness.cli.commands.results import list_misses, show
 from harness.cli.exit_codes import DONE, INCOMPLETE, end_at_sigterm
 from harness.compare.step_cost_table import bench_rows
@@ -92,12 +92,10 @@ def rerun_case(options: argparse.Namespace) -> int:
     """Run one case again and compare it with its file, bit by bit."""
     end_at_sigterm()
     check_device(options.device)
-    with working_on(options.file):
-        case, before = read_for_rerun(options.file, options.case)
+    case, before = read_for_rerun(options.file, options.case)
     with Display(1, sys.stderr) as display:
         again = rerun(case, display, device=options.device, threads=options.threads)
-    with working_on(options.file):
-        same, words = verdict(before, again)
+    same, words = verdict(before, again)
     print(f"{case.key}: {words}")
     return DONE if same else INCOMPLETE
 

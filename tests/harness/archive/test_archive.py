@@ -11,8 +11,7 @@ import xarray as xr
 from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
 from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.conventions import COMPLETED, parameter_names, varied_names, with_role
-from harness.archive.structure import malformed, outline
+from harness.archive.conventions import COMPLETED, varied_names
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
@@ -215,22 +214,6 @@ def test_numbers_keep_their_type_where_all_cases_have_them(folder: Path, small: 
     assert np.isnan(archive.collect(small, folder).particle_updates.values[0])
 
 
-def test_a_result_from_before_roles_is_told_which_variables_are_parameters(
-    folder: Path, tmp_path: Path, small: Study
-) -> None:
-    complete(folder, small.cases)
-    dataset = archive.collect(small, folder).assign(run_time=1.0)
-    for variable in dataset.variables.values():
-        variable.attrs.pop("role", None)
-    path = tmp_path / "small.nc"
-    study_files.write_study(path, dataset)
-    read = study_files.read_study(path)
-    assert parameter_names(read) == parameter_names(archive.collect(small, folder))
-    assert parameter_names(read)["penetration"] == "penetration_parameter"
-    assert with_role(read, "measured") == ["run_time"]
-    assert with_role(read, "headline") == []
-
-
 Change = Callable[[xr.Dataset], xr.Dataset]
 
 
@@ -267,6 +250,12 @@ FAULTS: list[tuple[str, Change]] = [
         lambda dataset: dataset.drop_vars("penetration"),
     ),
     (
+        "penetration_resistance has not all dims of the cases",
+        lambda dataset: dataset.expand_dims(rigidity_index=[50.0, 100.0]).assign(
+            penetration_resistance=dataset.penetration_resistance
+        ),
+    ),
+    (
         "penetration_resistance has more than one value a case",
         with_attribute("penetration_resistance", "role", "headline"),
     ),
@@ -289,10 +278,16 @@ def collected(tmp_path: Path, small: Study) -> xr.Dataset:
     return archive.collect(small, folder)
 
 
-def test_what_is_collected_is_well_formed(collected: xr.Dataset) -> None:
-    assert malformed(outline(collected)) is None
+def test_what_is_collected_is_well_formed(collected: xr.Dataset, tmp_path: Path) -> None:
+    netcdf_files.write_netcdf(collected, tmp_path / "a.nc")
+    assert netcdf_files.read_netcdf(tmp_path / "a.nc").identical(collected)
 
 
 @pytest.mark.parametrize(("fault", "change"), FAULTS, ids=[fault for fault, _ in FAULTS])
-def test_a_fault_is_told_in_words(collected: xr.Dataset, fault: str, change: Change) -> None:
-    assert malformed(outline(change(collected))) == fault
+def test_a_fault_is_told_in_words(
+    collected: xr.Dataset, fault: str, change: Change, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.nc"
+    netcdf_files.write_netcdf(change(collected), path)
+    with pytest.raises(ArchiveError, match=f"^{path}: is no whole result: {fault}$"):
+        netcdf_files.read_netcdf(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -9,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive.atomic_files import ArchiveError, abandoned, write_whole
+from harness.archive import atomic_files
+from harness.archive.atomic_files import ArchiveError, abandoned, prepare, write_whole
 
 KILLED_AS_IT_WRITES = """
 import os, sys
@@ -44,3 +46,34 @@ def test_a_folder_that_is_not_there_is_told_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "nowhere" / "picture.png"
     with pytest.raises(ArchiveError, match=f"{path}: cannot be written: No such file or directory"):
         write_whole(b"", path)
+
+
+def test_no_name_that_is_guessed_leads_a_file_elsewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    outside, folder = tmp_path / "outside", tmp_path / "results"
+    folder.mkdir()
+    outside.write_bytes(b"another's")
+    names = iter(["first", "second", "first", "second"])
+    monkeypatch.setattr(atomic_files.secrets, "token_hex", lambda _: next(names))
+    for name in ("first", "second"):
+        (folder / f".{name}{atomic_files.partial_ending(os.getpid())}").symlink_to(outside)
+    with pytest.raises(ArchiveError, match="cannot be written: File exists"):
+        write_whole(b"result", folder / "result.nc")
+    with pytest.raises(ArchiveError, match="cannot be written to: File exists"):
+        prepare(folder)
+    assert outside.read_bytes() == b"another's"
+
+
+def test_names_of_half_written_files_are_not_to_be_guessed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = list[str]()
+    monkeypatch.setattr(os, "fsync", lambda _: seen.extend(it.name for it in tmp_path.iterdir()))
+    write_whole(b"1", tmp_path / "1.nc")
+    (tmp_path / "1.nc").unlink()
+    write_whole(b"1", tmp_path / "1.nc")
+    assert len(set(seen)) == 2
+    umask = os.umask(0)
+    os.umask(umask)
+    assert (tmp_path / "1.nc").stat().st_mode & 0o777 == 0o666 & ~umask

@@ -60,7 +60,8 @@ def test_what_differs_between_the_cases_is_told_of_each(
     small: Study, cases: list[Case], tmp_path: Path
 ) -> None:
     folder = case_folder(tmp_path, small)
-    later = xr.Dataset({"cone_factor": 10.0}, attrs=EARLIER | {"commit": "later"})
+    factor = (), 10.0, {"role": "headline"}
+    later = xr.Dataset({"cone_factor": factor}, attrs=EARLIER | {"commit": "later"})
     write_case(folder, cases[1], later, COMPLETED)
     case_file(folder, cases[2]).unlink()
     dataset = collect(small, folder)

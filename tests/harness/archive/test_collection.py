@@ -76,6 +76,7 @@ def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     assert draw(dataset, tmp_path)[0]
 
 
+FACTOR = (), 1.0, {"role": "headline"}
 OF_TWO_SCENES = {
     "other dims": [
         xr.Dataset({"stress": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]}),
@@ -92,7 +93,7 @@ OF_TWO_SCENES = {
 def test_results_of_one_name_over_other_dims_are_told_apart(
     tmp_path: Path, difference: str
 ) -> None:
-    results = OF_TWO_SCENES[difference]
+    results = [it.assign(factor=FACTOR) for it in OF_TWO_SCENES[difference]]
     text = 'title = "t"\nscene = ["strip_footing", "material_point"]\n'
     made = study(tmp_path, text)
     folder = case_folder(tmp_path, made)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive import netcdf_files
+from harness.archive import netcdf_content, netcdf_files
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import (
     case_file,
@@ -182,7 +182,7 @@ def device(path: Path) -> None:
 
 
 def bomb(path: Path) -> None:
-    """A tera of numbers in a file of some kilobytes, as it would be read from before digests."""
+    """A tera of numbers in a file of some kilobytes, of another program."""
     path.unlink()
     with netCDF4.Dataset(path, "w") as file:
         file.format_version = np.int64(1)
@@ -237,16 +237,69 @@ def test_a_case_file_of_no_use_is_damaged(
         assert "3 cases, 2 done already" in told
 
 
-def test_files_from_before_digests_are_read_as_before(result: Path, small: Study) -> None:
+def of_another_program(path: Path) -> None:
+    """Write a result as another program does: its numbers, and no word of a digest."""
+    path.write_bytes(bytes(netcdf_files._image(read_netcdf(path))))
+
+
+def test_a_result_of_another_program_is_read_as_any(result: Path, small: Study) -> None:
     place, case = case_folder(result.parent, small), small.cases[0]
     before, stand = read_case(place, case), read_outcome(place, case)
     assert before is not None
-    path = case_file(place, case)
-    path.write_bytes(bytes(netcdf_files._image(before)))
+    of_another_program(case_file(place, case))
     after = read_case(place, case)
     assert after is not None
     assert is_same(after, before)
     assert read_outcome(place, case) == stand
+
+
+DISASTERS = {
+    "loops": ("while True: pass", "not done with it in 1 s"),
+    "sleeps": ("__import__('time').sleep(60)", "not done with it in 1 s"),
+    "grows": ("bytearray(1 << 40)", "MemoryError"),
+    "ends": ("os.abort()", "the netCDF library ends by it"),
+}
+
+
+@pytest.mark.parametrize("disaster", DISASTERS)
+def test_a_file_of_another_program_that_breaks_the_library_is_one_line(
+    disaster: str,
+    result: Path,
+    tmp_path: Path,
+    refusal: Callable[[list[str]], str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Files that do so are many (3 of 1,500 with two damaged bits), and differ with the library."""
+    what, told = DISASTERS[disaster]
+    source = Path(netcdf_content.__file__).read_text()
+    script = tmp_path / "broken.py"
+    script.write_text(source.replace("found = outline(", f"{what}\n            found = outline("))
+    monkeypatch.setattr(netcdf_content, "__file__", str(script))
+    monkeypatch.setattr(netcdf_content, "TIME_LIMIT", 1)
+    of_another_program(result)
+    assert told in refusal(["compare", str(result)])
+
+
+def test_damage_in_the_mark_and_anywhere_else_is_seen_before_the_library_sees_the_file(
+    result: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        pytest.fail("the library has seen the file")
+
+    monkeypatch.setattr(netCDF4, "Dataset", fail)
+    monkeypatch.setattr(netcdf_files, "foreign_outline", fail)
+    content = result.read_bytes()
+    start = 8 * (len(content) - 72)
+    for mark, other in zip(range(start, start + 64), flips(content, 64), strict=True):
+        result.write_bytes(flipped(flipped(content, mark), other))
+        assert "its digest is missing" in str(read(result))
+    for cut in (1, 8, 64, 71, 72, 73, 100, len(content) // 2, len(content) - 8, len(content)):
+        result.write_bytes(content[:-cut])
+        assert "cannot be read: it " in str(read(result))
+    statement = netcdf_files._STATEMENT.encode()
+    without = content.replace(statement, b"-" * len(statement))
+    result.write_bytes(without[:-73])
+    assert "its end is missing" in str(read(result))
 
 
 def test_a_digest_is_of_the_file_and_not_of_the_result(result: Path) -> None:

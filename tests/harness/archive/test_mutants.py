@@ -81,7 +81,7 @@ class Content:
                 made[...] = values if values.ndim else values.item()
         content = beside.read_bytes()
         beside.unlink()
-        path.write_bytes(content + netcdf_files._digest(memoryview(content)))
+        path.write_bytes(content + netcdf_files._digest(content))
 
 
 Mutation = Callable[[random.Random, Content], tuple[str, Content]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import subprocess
 import sys
@@ -10,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.main import COMMANDS
+from harness.cli.commands import references as references_command
+from harness.cli.exit_codes import DEFECT
+from harness.cli.main import COMMANDS, main
 
 
 @pytest.mark.parametrize("command", ["compare", "plot"])
@@ -38,3 +41,21 @@ def test_every_command_that_has_help_can_be_loaded() -> None:
         assert callable(
             getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
         )
+
+
+def broken(options: argparse.Namespace) -> int:
+    dict[str, int]()["no such key"]
+    return 0
+
+
+@pytest.mark.parametrize("debug", [[], ["--debug"]])
+def test_an_error_of_the_program_is_not_called_the_users(
+    debug: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(references_command, "references", broken)
+    assert main(["references", *debug]) == DEFECT
+    *trace, line = capsys.readouterr().err.splitlines()
+    assert "an error of the program, not of your input: KeyError: 'no such key'" in line
+    assert "please report it to the mpm_warp developers" in line
+    assert bool(trace) == bool(debug)
+    assert not trace or "in broken" in "".join(trace)
