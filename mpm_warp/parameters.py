@@ -18,8 +18,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from mpm_warp.aliases import what_to_give
 from mpm_warp.errors import ParameterError
-from mpm_warp.words_of_the_field import what_to_give
 
 Value = float | int | str | bool
 SceneT = typing.TypeVar("SceneT")
@@ -138,29 +138,14 @@ def parameter(
     below: float | None = None,
     choices: tuple[Value, ...] | None = None,
 ) -> Any:
-    """Declare a parameter, as a field of a dataclass.
+    """Declare a parameter, as a field of a dataclass; the arguments are those of `Parameter`.
 
-    Args:
-        default: value where none is given. None where the scene derives it from the others, so that
-            it always has a value and its type is ``float``; or where there may be none, and its
-            type is ``float | None``. `meaning` has to say which.
-        unit: SI unit, "1" for a dimensionless number.
-        meaning: one phrase for help, documentation and datasets.
-        minimum: least value that is allowed.
-        maximum: greatest value that is allowed.
-        above: the value has to be greater.
-        below: the value has to be less.
-        choices: all the values that are allowed, where there are few.
+    The default is None where the scene derives the value from others: the parameter then always has
+    a value, and its type is ``float``. It is None, too, where there may be no value: the type is
+    then ``float | None``. `meaning` has to say which.
     """
-    definition = {
-        "unit": unit,
-        "meaning": meaning,
-        "minimum": minimum,
-        "maximum": maximum,
-        "above": above,
-        "below": below,
-        "choices": choices,
-    }
+    bounds = {"minimum": minimum, "maximum": maximum, "above": above, "below": below}
+    definition = {"unit": unit, "meaning": meaning, "choices": choices, **bounds}
     return dataclasses.field(default=default, metadata=definition)
 
 
@@ -264,7 +249,7 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
     A name whose first words are given is near, however much longer it is.
     """
     names = list(known)
-    begun = [it for it in names if it.startswith(f"{name}_")]
+    begun = [longer for longer in names if longer.startswith(f"{name}_")]
     return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
 
 

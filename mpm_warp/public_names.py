@@ -18,6 +18,7 @@ from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
+from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow
@@ -30,11 +31,13 @@ from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
+from mpm_warp.results import curves, labelled
+from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.bearing.on_ground import CircularFooting, ConeBearing, StripFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.catalogue import CatalogueScene, Verification
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
@@ -51,6 +54,7 @@ from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCyli
 from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
 from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
 from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.scenes.step_cost import StepCost

@@ -63,7 +63,7 @@ class CatalogueScene(ABC):
 
     summary: ClassVar[str]
     """One line on what the scene simulates."""
-    version: ClassVar[int]
+    version: ClassVar[int] = 1
     """Raised whenever the same parameters no longer give the same numbers."""
     runs_alone: ClassVar[bool] = False
     """Whether its results measure the machine, so that no other case may run beside it."""

@@ -1,10 +1,10 @@
-"""Symbols and words of the field for parameters, so that a message can say what to give."""
+"""What else a user may call a parameter: symbols and words of the field."""
 
 from __future__ import annotations
 
 from collections.abc import Container
 
-MEANT: dict[tuple[str, ...], dict[str, str]] = {
+ALIASES: dict[tuple[str, ...], dict[str, str]] = {
     ("ir", "rigidity"): {"rigidity_index": "G / su"},
     ("g", "gmod", "shear_modulus", "stiffness"): {
         "shear_modulus": "in Pa",
@@ -84,7 +84,7 @@ def what_to_give(word: str, known: Container[str]) -> str:
     small = word.lower()
     if small in RESULTS:
         return "; it is a result, not a parameter"
-    meanings = next((them for words, them in MEANT.items() if small in words), {})
+    meanings = next((them for words, them in ALIASES.items() if small in words), {})
     offers = [
         f"{name!r}" + (f", {value}" if value else "")
         for name, value in meanings.items()
