@@ -1,31 +1,20 @@
-"""The next idea is one file: a material, a part and a scene that only this file knows.
+"""A law is one file: one that only this file knows, on strain paths and around a cone.
 
-The material is von Mises soil with linear isotropic hardening by accumulated plastic shear strain,
-the part a body force, the scene one of another package.
+It is von Mises soil with linear isotropic hardening by accumulated plastic shear strain.
 """
 
 import functools
 from dataclasses import dataclass, replace
-from importlib.metadata import EntryPoint
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
 import warp as wp
-import xarray as xr
 
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.von_mises import make_j2
-from mpm_warp.parameters import parameter
-from mpm_warp.parts.forces import Damping, Gravity
-from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
-from mpm_warp.results import variable
-from mpm_warp.scene import Part, Scene
-from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 
@@ -193,86 +182,3 @@ def test_the_watch_knows_the_strength_of_the_material(short_test: ConePenetratio
     simulation.array("particle.stress")[slot] = [0.0, 0.0, 5.0 * STRENGTH, 0.0]
     with pytest.raises(Exception, match=f"stress of particle {slot} .* outside the yield surface"):
         simulation.check()
-
-
-@dataclass(frozen=True)
-class BodyForce(Part):
-    """An acceleration of all soil: v <- v + dt b."""
-
-    acceleration: tuple[float, float]
-
-    def add_forces(self, plan: Plan, scene: Scene) -> None:
-        plan.add_launch(
-            _make_body_force(plan.precision),
-            scene.grid.node_count,
-            change=plan.precision.vec2(*(plan.time_step * np.array(self.acceleration))),
-            mass="node.mass",
-            velocities="node.velocities",
-        )
-
-
-@functools.cache
-def _make_body_force(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-
-    @wp.kernel(module=f"tests.body_force.{precision.numpy_name}", enable_backward=False)
-    def body_force(
-        offset: int, change: vec2, mass: wp.array(dtype=real), velocities: wp.array(dtype=vec4)
-    ):
-        node = offset + wp.tid()
-        if mass[node] > real(0.0):
-            velocities[node] += vec4(change[0], change[1], real(0.0), real(0.0))
-
-    return body_force
-
-
-def settled(scene: Scene) -> Floats:
-    simulation = Simulation(scene)
-    simulation.advance(200)
-    stress: Floats = simulation.array("particle.stress").copy()
-    return stress
-
-
-def test_a_body_force_downward_is_gravity_to_the_last_bit() -> None:
-    scene = GravityColumn(cell_count=8).build()
-    force = BodyForce((0.0, -scene[Gravity].acceleration))
-    pulled = replace(scene, parts=(force, *scene.without(Gravity).parts))
-    np.testing.assert_array_equal(settled(pulled), settled(scene))
-
-
-@dataclass(frozen=True, kw_only=True)
-class HeavyColumn(CatalogueScene):
-    """A column pulled down by the body force; its settlement at a moment."""
-
-    summary: ClassVar[str] = "column under a body force"
-    version: ClassVar[int] = 1
-
-    acceleration: float = parameter(9.81, unit="m s-2", meaning="body force over mass", above=0)
-
-    def build(self) -> Scene:
-        scene = GravityColumn(cell_count=8).build()
-        return scene.without(Gravity, Damping).with_parts(BodyForce((0.0, -self.acceleration)))
-
-    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        before = simulation.array("particle.position")[:, 1].copy()
-        simulation.advance(100)
-        progress(1.0)
-        settlement = float(np.mean(before - simulation.array("particle.position")[:, 1]))
-        shown = variable(settlement, unit="m", meaning="mean settlement", role="headline")
-        return xr.Dataset({"settlement": shown})
-
-
-def test_a_scene_of_another_package_is_in_the_catalogue(monkeypatch: pytest.MonkeyPatch) -> None:
-    offered = EntryPoint(
-        name="heavy_column", value=f"{__name__}:HeavyColumn", group="mpm_warp.scenes"
-    )
-    monkeypatch.setattr(EntryPoint, "load", lambda entry_point: HeavyColumn)
-    monkeypatch.setattr(discovery, "entry_points", lambda group: [offered])
-    monkeypatch.setattr(discovery, "_all_scenes", discovery._all_scenes.__wrapped__)
-    assert "heavy_column" in scene_names()
-    scene = scene_class("heavy_column")
-    assert scene is HeavyColumn
-    result = scene(acceleration=5.0).run()
-    assert float(result.settlement) > 0.0
-    assert float(result.acceleration) == 5.0
-    assert result.acceleration.attrs["role"] == "parameter"

@@ -1,4 +1,4 @@
-"""Values of a scene in a grid that the library refuses, in one line that names the argument.
+"""Values of a scene, of soil or bodies, that are refused in one line that names the argument.
 
 Kernels on a processor do not check the bounds of arrays: what is not refused here would end the
 process. So every misuse goes as far as steps are taken, and all of them are tried in a process of
@@ -15,6 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.contact import BodyContact
+from mpm_warp.bodies.grid import UniformGrid
+from mpm_warp.bodies.loads import Load
+from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid, GroundGrid, graded
 from mpm_warp.grid.polar import PolarGrid
@@ -68,6 +73,15 @@ PATHS: Values = {
     "stress": np.zeros((3, 4)),
     "step_count": 10,
 }
+LOAD: Values = {"forces": np.ones((4, 2)), "start": 0.0, "rise_time": 1e-3}
+BODY: Values = {
+    "position": np.array([[2.0, 2.0], [3.0, 2.0], [2.0, 3.0], [3.0, 3.0]]),
+    "volume": ONES,
+    "spacing": 1.0,
+    "material": LinearElastic(**ELASTIC),
+}
+CELLS: Values = {"lower": (0.0, 0.0), "cell_size": 1.0, "cell_counts": (8, 8)}
+BODIES: Values = {"grid": UniformGrid(**CELLS), "bodies": (Body(**BODY),)}
 
 
 def changed(values: np.ndarray, place: Any, value: float) -> np.ndarray:
@@ -191,6 +205,44 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             "step_count": [0, 2.5],
         },
     ),
+    (
+        Body,
+        BODY,
+        {
+            "position": [BODY["position"][:3], np.full((4, 2), NAN)],
+            "volume": [np.array([1.0, 1.0, NAN, 1.0]), -ONES, np.ones(0)],
+            "spacing": [0.0, NAN],
+            "material": [Tresca(**CLAY)],
+            "held": [ONES, np.ones(3, dtype=bool)],
+            "retardation_time": [0.0, NAN],
+            "loads": [(Load(**LOAD | {"forces": np.ones((3, 2))}),), Load(**LOAD)],
+        },
+    ),
+    (Load, LOAD, {"forces": [ONES], "start": [-1.0, NAN], "rise_time": [0.0, INF]}),
+    (
+        BodyContact,
+        {"body": 0, "base": 1},
+        {"body": [-1, 0.5], "base": [1.0], "friction": [-1.0, NAN], "adhesion": [INF]},
+    ),
+    (
+        UniformGrid,
+        CELLS,
+        {
+            "lower": [(NAN, 0.0), (0.0, INF), (0.0, 0.0, 0.0)],
+            "cell_size": NUMBERS,
+            "cell_counts": [(8, 2), (8.0, 8), 8],
+        },
+    ),
+    (
+        BodyScene,
+        BODIES,
+        {
+            "grid": [None],
+            "bodies": [(), [Body(**BODY)], ("one",)],
+            "time_step_fraction": [NAN, 0.0],
+            "contacts": [(BodyContact(body=0, base=7),)],
+        },
+    ),
 ]
 """What makes a value, what it takes, and what each argument must not be."""
 IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
@@ -208,7 +260,7 @@ Refused = Callable[[Callable[[], object], type[Exception], str], None]
 
 def run(made: object) -> None:
     """Go on with what should have been refused as a user would."""
-    if isinstance(made, (Scene, StrainPaths)):
+    if isinstance(made, (BodyScene, Scene, StrainPaths)):
         Simulation(made).advance(3)
 
 

@@ -97,12 +97,6 @@ def without(source: random.Random, content: Content) -> tuple[str, Content]:
     return f"no {name}", replace(content, variables=others)
 
 
-def renamed(source: random.Random, content: Content) -> tuple[str, Content]:
-    name = source.choice(list(content.variables))
-    others = {f"{key}_" if key == name else key: it for key, it in content.variables.items()}
-    return f"{name}_", replace(content, variables=others)
-
-
 def retyped(source: random.Random, content: Content) -> tuple[str, Content]:
     name = source.choice(list(content.variables))
     dims, values, said = content.variables[name]
@@ -137,16 +131,6 @@ def resized(source: random.Random, content: Content) -> tuple[str, Content]:
     return f"{name} over {other_dims}", with_variable(content, name, changed)
 
 
-def another_dim(source: random.Random, content: Content) -> tuple[str, Content]:
-    dims = sorted({dim for dims, *_ in content.variables.values() for dim in dims})
-    dim = source.choice(dims)
-    others = {
-        name: (tuple("other" if it == dim else it for it in dims), values, said)
-        for name, (dims, values, said) in content.variables.items()
-    }
-    return f"{dim} is called other", replace(content, variables=others)
-
-
 def another_attribute(source: random.Random, content: Content) -> tuple[str, Content]:
     name = source.choice(list(content.variables))
     dims, values, said = content.variables[name]
@@ -157,14 +141,6 @@ def another_attribute(source: random.Random, content: Content) -> tuple[str, Con
     if key == "_FillValue":
         other[key] = values.ravel()[0] if values.size and values.dtype.kind in "biuf" else None
     return f"{key} of {name}: {other[key]!r}", with_variable(content, name, (dims, values, other))
-
-
-def no_attribute(source: random.Random, content: Content) -> tuple[str, Content]:
-    name = source.choice(list(content.variables))
-    dims, values, said = content.variables[name]
-    key = source.choice([*said, "units"])
-    other = {it: value for it, value in said.items() if it != key}
-    return f"no {key} of {name}", with_variable(content, name, (dims, values, other))
 
 
 def another_word(source: random.Random, content: Content) -> tuple[str, Content]:
@@ -178,8 +154,8 @@ def another_word(source: random.Random, content: Content) -> tuple[str, Content]
 
 
 MUTATIONS: tuple[Mutation, ...] = (
-    *(without, renamed, retyped, resized),
-    *(another_dim, another_attribute, no_attribute, another_word),
+    *(without, retyped, resized),
+    *(another_attribute, another_word),
 )
 
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli.main import main
+from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
@@ -160,3 +162,106 @@ def test_a_study_that_cannot_be_found_is_one_line(
         (tmp_path / file).write_text(GOOD)
     assert expected in refusal(["run", name])
     assert not (tmp_path / "results").exists()
+
+
+def test_path_tricks_in_names_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("..toml", ".toml", "-x.toml", "a b.toml", "..\\x.toml", "a\nb.toml", "$(x).toml"):
+        (tmp_path / name).write_text(GOOD)
+        assert main(["run", str(tmp_path / name), "--out", "out"]) == 2, name
+        assert len(capsys.readouterr().err.splitlines()) == 1, name
+    for name in ("..", "../..", "/", "", "\0", "x" * 5000, "a/" * 3000 + "x.toml"):
+        assert main(["run", name, "--out", "out"]) == 2, name
+        assert len(capsys.readouterr().err.splitlines()) == 1, name
+    assert not (tmp_path / "out").exists()
+
+
+CONE = 'title = "t"\nscene = "cone_penetration"\n[compare]\n'
+POINT = CONE.replace("cone_penetration", "material_point")
+BOTH = CONE.replace('"cone_penetration"', '["material_point", "cone_penetration"]')
+
+REFUSED = {
+    "result misspelt": (
+        CONE + "tolerance = { cone_facto = 0.1 }",
+        "cone_facto = 0.1: is neither a reference nor a result; did you mean 'cone_factor'?",
+    ),
+    "error misspelt": (CONE + "tolerance = { eror = 0.1 }", "did you mean 'error'?"),
+    "reference misspelt": (
+        CONE + 'references = ["lu_2004"]\ntolerance = { lu_2005 = 0.1 }',
+        "did you mean 'lu_2004'?",
+    ),
+    "result of a check misspelt": (
+        POINT.replace("material_point", "flying_block") + "tolerance = { momentum_eror = 0.1 }",
+        "did you mean 'momentum_error'?",
+    ),
+    "experience misspelt": (
+        CONE + 'experience = ["karlsrud_2006"]',
+        "unknown band of experience 'karlsrud_2006'; did you mean 'karlsrud_2005'?",
+    ),
+    "experience twice": (
+        CONE + 'experience = ["karlsrud_2005", "karlsrud_2005"]',
+        "names a band of experience twice",
+    ),
+    "experience of no cone": (
+        POINT + 'experience = ["karlsrud_2005"]',
+        "no scene here gives a cone_factor, which they are of",
+    ),
+    "tolerance of a band": (
+        CONE + 'experience = ["karlsrud_2005"]\ntolerance = { karlsrud_2005 = 0.1 }',
+        "is a band of experience, from which no result deviates",
+    ),
+    "references of a footing": (
+        POINT.replace("material_point", "strip_footing") + 'references = ["lu_2004"]',
+        "no scene here gives a cone_factor, which they are of",
+    ),
+    "reference study misspelt": (
+        CONE + 'reference_study = "work_precision_referense"',
+        "no such study; did you mean 'work_precision_reference'?",
+    ),
+    "reference study without a result": (
+        CONE + 'reference_study = "mesh_size"',
+        "mesh_size.nc is missing: run that study, and put it there",
+    ),
+    "reference study of no cone": (
+        POINT + 'reference_study = "work_precision_reference"',
+        "needs one scene, which gives a cone_factor",
+    ),
+    "reference study of two scenes": (
+        BOTH + 'reference_study = "work_precision_reference"',
+        "needs one scene, which gives a cone_factor",
+    ),
+    "references of no cone": (
+        POINT + 'references = ["lu_2004"]',
+        "no scene here gives a cone_factor, which they are of",
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", REFUSED)
+def test_what_cannot_be_compared_is_refused_before_the_run(
+    mistake: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+) -> None:
+    text, told = REFUSED[mistake]
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    assert refusal(["run", str(path), "--out", str(tmp_path / "out")]).endswith(told)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BOTH + 'references = ["lu_2004"]\ntolerance = { lu_2004 = 0.1 }',
+        CONE + "tolerance = { cone_factor_variation = 0.01, cone_factor_shear = 1 }",
+        CONE + "tolerance = { error = 0.1, error_finest = 0.1, run_time = 1 }",
+        POINT + "tolerance = { error = 0.1, stress_exact = 1 }",
+        POINT + "references = []",
+        CONE + 'experience = ["karlsrud_2005", "mayne_peuchen_2018"]',
+    ],
+)
+def test_results_that_only_a_run_can_tell_of_are_accepted(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    assert load_study(str(path))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
 from harness.cli.main import main
@@ -12,11 +10,6 @@ from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-
-
-def test_describe_of_an_unknown_scene_is_one_line(refusal: Callable[[list[str]], str]) -> None:
-    line = refusal(["describe", "cone_penetratoin"])
-    assert line.endswith("neither a scene nor a study; did you mean 'cone_penetration'?")
 
 
 def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> None:
