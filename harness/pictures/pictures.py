@@ -25,8 +25,7 @@ from harness.pictures.map import map_figure, shows_map
 from harness.pictures.resistance import resistance_figure, shows_resistance
 from harness.pictures.scenes import scenes_figure, shows_scenes
 from harness.pictures.sounding import shows_sounding, sounding_figure
-from harness.pictures.stability.outcomes import shows_stability
-from harness.pictures.stability.stability_map import stability_figure
+from harness.pictures.stability import shows_stability, stability_figure
 from harness.pictures.tornado import shows_tornado, tornado_figure
 from harness.pictures.work_precision import shows_work_precision, study_figure
 

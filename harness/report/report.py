@@ -17,8 +17,7 @@ from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import rendered
-from harness.pictures.stability.outcomes import shows_stability
-from harness.pictures.stability.stability_map import stability_rows
+from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import ConeFactor
 from harness.report import words

@@ -20,8 +20,7 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
-from harness.pictures.stability.outcomes import shows_stability
-from harness.pictures.stability.stability_map import stability_rows
+from harness.pictures.stability import shows_stability, stability_rows
 from harness.run.pool import cases_at_once, run_cases, share_of_cores
 from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case

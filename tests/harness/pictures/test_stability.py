@@ -13,9 +13,15 @@ from matplotlib.figure import Figure
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.pictures.stability.shares import shares
-from harness.pictures.stability.stability_map import stability_figure, stability_rows
-from harness.pictures.stability.strips import Strip, strips
+from harness.pictures.drawing.quantities import Values
+from harness.pictures.stability import (
+    Strip,
+    shares,
+    short_reason,
+    stability_figure,
+    stability_rows,
+    strips,
+)
 from tests.harness.pictures.conftest import figures
 
 BAD_VELOCITY = (
@@ -154,7 +160,7 @@ def test_cases_that_were_not_run_are_left_out() -> None:
 def test_a_result_is_told_as_a_share_of_its_limit() -> None:
     dataset = made("one_at_a_time", ["completed"] * 3, stress=[1.0, 2.0, 3.0])
     dataset["energy_error"] = "case", np.array([-0.01, 0.02, -0.03]), {"limit": 0.04}
-    assert strip_of(dataset, "stress").limit_share == pytest.approx([0.25, 0.5, 0.75])
+    assert strip_of(dataset, "stress").outcomes.limit_share == pytest.approx([0.25, 0.5, 0.75])
     assert stability_rows(dataset)[1][-1] == "up to 75% of the limit"
 
 
@@ -162,7 +168,7 @@ def test_of_several_limits_the_nearest_counts() -> None:
     dataset = made("one_at_a_time", ["completed"] * 2, stress=[1.0, 2.0])
     dataset["energy_error"] = "case", np.array([0.01, 0.01]), {"limit": 0.04}
     dataset["mass_error"] = "case", np.array([0.1, 0.4]), {"limit": 1.0}
-    assert strip_of(dataset, "stress").limit_share == pytest.approx([0.25, 0.4])
+    assert strip_of(dataset, "stress").outcomes.limit_share == pytest.approx([0.25, 0.4])
     label = stability_figure(dataset).axes[-1].get_xlabel()
     assert label.startswith("energy error over its limit of 0.04 or mass error over its limit of 1")
 
@@ -170,7 +176,7 @@ def test_of_several_limits_the_nearest_counts() -> None:
 def test_a_result_without_a_limit_has_no_scale() -> None:
     dataset = one_at_a_time()
     dataset["energy_error"] = "case", np.full(len(OUTCOMES), 0.01)
-    assert np.isnan(strip_of(dataset, "speed_ratio").limit_share).all()
+    assert np.isnan(strip_of(dataset, "speed_ratio").outcomes.limit_share).all()
     assert len(stability_figure(dataset).axes) == len(DEFAULTS)
 
 
@@ -296,3 +302,45 @@ def test_picture_and_table_come_out_of_plot_and_report(tmp_path: Path) -> None:
     text = page.read_text()
     assert text.count("<img") == 2  # the summary has it in small
     assert "<td>0.001 (factor 30), diverged: velocity of particle 352</td>" in text
+
+
+VELOCITY = (
+    "SimulationDiverged: velocity of particle 12 at [ 0.01, -0.1] m is [ 3, -4], at step 500, "
+    "t = 1 s; healthy at step 0; try a smaller step"
+)
+STRESS = (
+    "SimulationDiverged: stress of particle 7 at [0.1, 0.2] m is [1, 2, 3, 4], outside the yield "
+    "surface by 0.02 of the strength, at step 500, t = 1 s; healthy at step 0; try a smaller step"
+)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "logarithmic"),
+    [
+        ([1.0, 10.0], True),
+        ([1.0, 9.0], False),
+        ([0.0, 1.0, 10.0], True),
+        ([-1.0, 1.0, 10.0], False),
+        ([0.0], False),
+    ],
+)
+def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic: bool) -> None:
+    values = Values(name="stress", unit="Pa", numbers=np.array(numbers))
+    assert values.logarithmic == logarithmic
+
+
+@pytest.mark.parametrize(
+    ("message", "short"),
+    [
+        (VELOCITY, "velocity of particle 12"),
+        (
+            STRESS,
+            "stress of particle 7, outside the yield surface by 0.02 of the strength",
+        ),
+        ("worker killed by SIGSEGV, at 45% of the case", "worker killed by SIGSEGV"),
+        ("ended after 200 s, at 4% of the case", "ended after 200 s"),
+        ("", ""),
+    ],
+)
+def test_a_reason_is_what_gave_way(message: str, short: str) -> None:
+    assert short_reason(message) == short

@@ -1,1 +1,0 @@
-"""Pictures of which steps and settings a run survives."""
