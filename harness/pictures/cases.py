@@ -47,18 +47,13 @@ def cases_figure(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(axis_label(dataset, studied.headline))
     failed = studied.failed
     most = [assigned(dataset, name, it.value(usual[name])) for name, it in studied.varied.items()]
-    bars = "" if studied.half_width is None else " Error bars hold the value with 95 %."
-    lost = f" {failed.size} of {count} cases did not complete." if failed.size else ""
-    beside = f"Beside each case: where it differs from {', '.join(most)}.{bars}{lost}"
-    write_caption(figure, dataset, beside)
+    lost = f"{failed.size} of {count} cases did not complete." if failed.size else ""
+    beside = f"Beside each case: where it differs from {', '.join(most)}."
+    write_caption(figure, dataset, beside, studied.bars, lost)
     return figure
 
 
 def _label(studied: Studied, case: int, usual: dict[str, float]) -> str:
     """What a case has that most have not."""
-    own = [
-        assigned(studied.dataset, name, it.value(it.numbers[case]))
-        for name, it in studied.varied.items()
-        if it.numbers[case] != usual[name]
-    ]
-    return ", ".join(own) or "as most"
+    own = [name for name, it in studied.varied.items() if it.numbers[case] != usual[name]]
+    return studied.label(case, own) or "as most"

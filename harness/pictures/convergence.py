@@ -23,7 +23,7 @@ from harness.pictures.drawing.plot_parts import (
     mark_failures,
     series_colour,
 )
-from harness.pictures.drawing.quantities import Floats, apart, assigned, axis_label, number
+from harness.pictures.drawing.quantities import Floats, apart, axis_label, number
 from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
 
@@ -150,16 +150,12 @@ def convergence_figure(dataset: xr.Dataset) -> Figure:
     is_error = studied.headline == ERROR
     figure, axes = empty_figure()
     groups = studied.groups(other)
-    for rank, (key, cases) in enumerate(groups.items()):
+    for rank, cases in enumerate(groups):
         colour = series_colour(rank, len(groups))
         ordered = cases[np.argsort(h[cases])]
         x, y = h[ordered], studied.computed[ordered]
-        label = ", ".join(
-            assigned(dataset, one, studied.varied[one].value(number_))
-            for one, number_ in zip(other, key, strict=True)
-        )
         observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, colour)
-        label = f"{label or 'computed'}: {observed}"
+        label = f"{studied.label(cases[0], other) or 'computed'}: {observed}"
         width = None if studied.half_width is None else studied.half_width[ordered]
         line = "-" if is_error else ""
         draw_series(axes, x, y, width, color=colour, ls=line, marker=MARKERS[rank], label=label)
@@ -170,12 +166,8 @@ def convergence_figure(dataset: xr.Dataset) -> Figure:
     _dress(axes, dataset, name, is_error)
     axes.set_ylabel(axis_label(dataset, studied.headline))
     legend_above(figure, axes)
-    write_caption(figure, dataset, _explanation(is_error), _bars(studied))
+    write_caption(figure, dataset, _explanation(is_error), studied.bars)
     return figure
-
-
-def _bars(studied: Studied) -> str:
-    return "Error bars hold the value with 95 %." if studied.half_width is not None else ""
 
 
 def _explanation(is_error: bool) -> str:

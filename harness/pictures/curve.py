@@ -26,7 +26,7 @@ from harness.pictures.drawing.plot_parts import (
     once,
     series_colour,
 )
-from harness.pictures.drawing.quantities import Floats, Values, assigned, axis_label
+from harness.pictures.drawing.quantities import Floats, Values, axis_label
 from harness.pictures.map import shows_map
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
@@ -70,14 +70,11 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
     shown = chosen(len(groups), MOST_LABELS)
     ends: list[CurveEnd] = []
     shared = not any(_depends_on(dataset, one) for one in other)
-    for rank, (key, cases) in enumerate(list(groups.items())[it] for it in shown):
+    for rank, cases in enumerate(groups[place] for place in shown):
         colour = series_colour(rank, len(shown))
         ordered = cases[np.argsort(along.numbers[cases], kind="stable")]
         x, y = along.numbers[ordered], studied.computed[ordered]
-        label = ", ".join(
-            assigned(dataset, one, studied.varied[one].value(number))
-            for one, number in zip(other, key, strict=True)
-        )
+        label = studied.label(cases[0], other)
         if studied.headline == COMPARED and (rank == 0 or not shared):
             ends += _literature(axes, studied, name, ordered[0], None if shared else colour)
         widths = None if studied.half_width is None else studied.half_width[ordered]
@@ -94,7 +91,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
     write_caption(
         figure,
         dataset,
-        "Error bars hold the value with 95 %." if studied.half_width is not None else "",
+        studied.bars,
         ranges_of_own(dataset) if ends else "",
         f"{left_out} more series are not shown." if left_out else "",
     )

@@ -18,7 +18,7 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     series_colour,
 )
-from harness.pictures.drawing.quantities import assigned, axis_label
+from harness.pictures.drawing.quantities import axis_label
 from harness.pictures.studied import Studied
 from mpm_warp.scenes.full_flow.cyclic.degradation import Degradation
 
@@ -56,7 +56,7 @@ def cycles_figure(dataset: xr.Dataset) -> Figure:
     drawn = np.flatnonzero(np.isfinite(cases[FACTOR].values).any(axis=1))
     shown = [int(drawn[place]) for place in chosen(drawn.size, MOST_LABELS)]
     for rank, number in enumerate(shown):
-        label = _label(dataset, studied, number)
+        label = "" if studied is None else studied.label(number)
         _draw_factor(factors, cases.isel(case=number), rank, len(shown), label)
     factors.set_xlabel("number of the cycle [-]")
     factors.set_ylabel(r"resistance factor $q/s_\mathrm{u}$ [-]")
@@ -69,7 +69,7 @@ def cycles_figure(dataset: xr.Dataset) -> Figure:
     loops.set_ylabel(axis_label(dataset, "penetration"))
     loops.invert_yaxis()
     legend_above(figure, factors)
-    of_one = "" if most is None else _label(dataset, studied, int(most))
+    of_one = "" if most is None or studied is None else studied.label(int(most))
     write_caption(
         figure,
         dataset,
@@ -119,11 +119,3 @@ def _draw_loops(axes: Axes, case: xr.Dataset) -> None:
         # From the last shade to the first: what is remoulded is dark.
         colour = series_colour(len(passages) - 1 - number, max(2, len(passages)))
         axes.plot(resistance, case["penetration"].values, color=colour, lw=0.9)
-
-
-def _label(dataset: xr.Dataset, studied: Studied | None, case: int) -> str:
-    """What a case is called: its varied values."""
-    varied = {} if studied is None else studied.varied
-    return ", ".join(
-        assigned(dataset, name, it.value(float(it.numbers[case]))) for name, it in varied.items()
-    )

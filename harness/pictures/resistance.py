@@ -22,7 +22,7 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats, assigned, axis_label
+from harness.pictures.drawing.quantities import Floats, axis_label
 from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 
@@ -69,7 +69,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         width = 1.3 if few or case in labelled else 0.6
         axes.plot(x, curves[case], color=INK if is_start else colour, lw=1.8 if is_start else width)
         if case in labelled:
-            label = _label(dataset, studied, case)
+            label = _label(studied, case)
             marks.append(CurveEnd(x[last[case]], ends[case], label, INK if is_start else colour))
     axes.set_xlabel(axis_label(dataset, "penetration"))
     axes.set_ylabel(OVER_STRENGTH)
@@ -112,14 +112,11 @@ def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> 
     return [0, *others[:LABELLED_CHANGES]]
 
 
-def _label(dataset: xr.Dataset, studied: Studied | None, case: int) -> str:
+def _label(studied: Studied | None, case: int) -> str:
     """What a case is called: the varied values, of one at a time that which differs."""
     if studied is None or not studied.varied:
         return ""
-    differs = {name: it for name, it in studied.varied.items() if it.numbers[case] != it.numbers[0]}
+    differs = [name for name, it in studied.varied.items() if it.numbers[case] != it.numbers[0]]
     if studied.design == ONE_AT_A_TIME and not differs:
         return "start"
-    shown = differs if studied.design == ONE_AT_A_TIME else studied.varied
-    return ", ".join(
-        assigned(dataset, name, it.value(float(it.numbers[case]))) for name, it in shown.items()
-    )
+    return studied.label(case, differs if studied.design == ONE_AT_A_TIME else None)

@@ -21,7 +21,6 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     series_colour,
 )
-from harness.pictures.drawing.quantities import assigned
 from harness.pictures.studied import Studied
 
 RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
@@ -117,13 +116,17 @@ def sounding_figure(dataset: xr.Dataset) -> Figure:
     strength, resistance, factor = figure.subplots(1, 3, sharey=True)
     count = soundings.sizes["sounding"]
     shown = chosen(count, MOST_LABELS)
+    # The stretches of a sounding, each to a depth, are one curve.
+    names = [it for it in (studied.varied if studied else ()) if it not in (STRETCH, "to_depth")]
     for rank, number in enumerate(shown):
         sounding = soundings.isel(sounding=number)
         colour = series_colour(rank, len(shown))
         _draw(resistance, sounding, RESISTANCE, colour, KILO, UNCERTAINTY)
         _draw(strength, sounding, "strength", colour, KILO)
         _draw(factor, sounding, "cone_factor_at_tip", colour)
-        strength.lines[-1].set_label(_label(dataset, studied, int(sounding["case"])))
+        strength.lines[-1].set_label(
+            "" if studied is None else studied.label(int(sounding["case"]), names)
+        )
     for axes, label in (
         (strength, "strength $s_{\\mathrm{u}}$ [kPa]"),
         (resistance, "net resistance [kPa]"),
@@ -158,13 +161,3 @@ def _draw(
     if half_width is not None:
         width = sounding[half_width].values / scale
         axes.fill_betweenx(depth, values - width, values + width, color=colour, alpha=0.25, lw=0)
-
-
-def _label(dataset: xr.Dataset, studied: Studied | None, case: int) -> str:
-    """What a sounding is called: its varied values, beside the number of the stretch."""
-    varied = {} if studied is None else studied.varied
-    return ", ".join(
-        assigned(dataset, name, it.value(float(it.numbers[case])))
-        for name, it in varied.items()
-        if name not in (STRETCH, "to_depth")
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from harness.archive.conventions import (
     varied_names,
     with_role,
 )
-from harness.pictures.drawing.quantities import Floats, Texts, Values
+from harness.pictures.drawing.quantities import Floats, Texts, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names
@@ -97,22 +98,30 @@ class Studied:
         scene = str(self.dataset.attrs.get("scene", ""))
         return method_of(self.dataset, scene)
 
+    @property
+    def bars(self) -> str:
+        """What error bars are, in a sentence; empty where there are none."""
+        return "" if self.half_width is None else "Error bars hold the value with 95 %."
+
+    def label(self, case: int, names: Iterable[str] | None = None) -> str:
+        """What a case is called: its values of these varied parameters, by default of all."""
+        varied = [self.varied[name] for name in (self.varied if names is None else names)]
+        values = [(it.name, it.value(float(it.numbers[case]))) for it in varied]
+        return ", ".join(assigned(self.dataset, *it) for it in values)
+
     def case(self, index: int) -> xr.Dataset:
         """One case, without dims of cases."""
         dims = self.dataset["status"].dims
         places = np.unravel_index(index, self.dataset["status"].shape)
         return self.dataset.isel(dict(zip(dims, map(int, places), strict=True)))
 
-    def groups(self, names: list[str]) -> dict[tuple[float, ...], np.ndarray]:
-        """The cases that agree in these varied parameters, by their values, ascending."""
+    def groups(self, names: list[str]) -> list[np.ndarray]:
+        """The cases that agree in these varied parameters, by ascending values."""
         if not names:
-            return {(): np.arange(self.computed.size)}
+            return [np.arange(self.computed.size)]
         rows = np.array([self.varied[name].numbers for name in names]).T
         found, member = np.unique(rows, axis=0, return_inverse=True)
-        return {
-            tuple(map(float, row)): np.flatnonzero(member.ravel() == place)
-            for place, row in enumerate(found)
-        }
+        return [np.flatnonzero(member.ravel() == place) for place in range(len(found))]
 
 
 def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:

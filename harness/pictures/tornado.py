@@ -103,7 +103,7 @@ def tornado_figure(dataset: xr.Dataset) -> Figure:
         "parameter: its value in that case; at the ends of bars: the value that reaches so far.",
         f"{rest} more parameters change less." if rest else "",
         _failures(rows),
-        "Error bars hold the value with 95 %." if studied.half_width is not None else "",
+        studied.bars,
     )
     return figure
 
