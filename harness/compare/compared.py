@@ -239,7 +239,7 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
     elif name in dataset and dataset[name].dtype.kind in "iuf":
         value, applies = dataset[name], xr.DataArray(True)
     else:
-        known = [str(it) for it in dataset.data_vars if dataset[it].dtype.kind in "iuf"]
+        known = [str(name) for name in dataset.data_vars if dataset[name].dtype.kind in "iuf"]
         return [f"{name}: is neither a reference nor a result here{did_you_mean(name, known)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
     size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short

@@ -80,7 +80,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         for identity, place in mine.items()
         if identity not in other
     ]
-    here, there = [ours[it] for it in common], [theirs[it] for it in common]
+    here, there = [ours[identity] for identity in common], [theirs[identity] for identity in common]
     lonely += [
         f"{before} in the first, {after} in the second: {labels[0][place]}"
         for place, before, after in zip(
@@ -117,7 +117,7 @@ def unshared(first: xr.Dataset, second: xr.Dataset) -> list[str]:
 
 def difference_rows(found: Sequence[Difference], tolerance: float) -> list[str]:
     """A line a result, the largest difference and where it is."""
-    width = max((len(it.name) for it in found), default=0)
+    width = max((len(entry.name) for entry in found), default=0)
     rows = []
     for it in found:
         verdict = "MISSED" if it.size > tolerance else "ok"

@@ -66,7 +66,9 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     """
     known = scene_class(scene)
     # What refines an exact solution is a parameter of the method too.
-    method = list(dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)]))
+    method = list(
+        dict.fromkeys([*known.method, *(check.resolution for check in known.verifications)])
+    )
     results = {file: read_study(file) for file in files if _has(file, scene)}
     kinds = {name: parameters_of(known)[name].kind for name in method}
     found = list[Recommendation]()
@@ -75,7 +77,7 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
         found += _measured(kinds, results[file], file)
     if not found:
         raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
-    good = [it for it in found if it.error <= largest_error]
+    good = [entry for entry in found if entry.error <= largest_error]
     return min(good, key=lambda it: it.run_time, default=None)
 
 
@@ -135,7 +137,7 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
     done = over_cases(dataset, "status") == COMPLETED
     varied = _varied(kinds, dataset)
     fixed = _fixed(kinds, dataset)
-    columns = [_settings(over_cases(dataset, it), kinds[it]) for it in varied]
+    columns = [_settings(over_cases(dataset, name), kinds[name]) for name in varied]
     groups: dict[tuple[Value, ...], list[int]] = {}
     for case in range(error.size):
         groups.setdefault(tuple(column[case] for column in columns), []).append(case)
@@ -172,5 +174,6 @@ def _fixed(kinds: Mapping[str, type], dataset: xr.Dataset) -> dict[str, Value]:
 def _settings(values: np.ndarray, kind: type) -> list[Value]:
     """Values of a parameter in its own type, as a file of several scenes does not keep them."""
     return [
-        DERIVED if isinstance(it, float) and math.isnan(it) else kind(it) for it in values.tolist()
+        DERIVED if isinstance(value, float) and math.isnan(value) else kind(value)
+        for value in values.tolist()
     ]

@@ -211,8 +211,11 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
         "literature: value, computed / literature - 1; [outside the validity of the reference]",
-        *(f"  {it.id}: {it.source}; {it.criterion}; {it.validity}" for it in shown),
-        f"how known: {'; '.join(dict.fromkeys(it.how_known for it in shown))}",
+        *(
+            f"  {reference.id}: {reference.source}; {reference.criterion}; {reference.validity}"
+            for reference in shown
+        ),
+        f"how known: {'; '.join(dict.fromkeys(reference.how_known for reference in shown))}",
     ]
 
 
@@ -262,9 +265,11 @@ def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
 
 def _exact_table(dataset: xr.Dataset) -> str:
     """What each case was run for, its exact value, and its error."""
-    headlines = [it for it in with_role(dataset, Role.HEADLINE) if _is_one_a_case(dataset, it)]
+    headlines = [
+        name for name in with_role(dataset, Role.HEADLINE) if _is_one_a_case(dataset, name)
+    ]
     error = error_name(dataset)
-    headlines = [it for it in headlines if it != error]
+    headlines = [name for name in headlines if name != error]
     if not headlines and error is None:
         raise NothingToCompareError(_why_nothing(dataset))
     columns = parameter_columns(dataset)
@@ -307,8 +312,8 @@ def _note(dataset: xr.Dataset, name: str) -> str:
     """What a variable is, in its own words."""
     said = dataset[name].attrs
     unit = "" if said.get("units", "1") == "1" else f" [{said['units']}]"
-    told = f"; {said['description']}" if "description" in said else ""
-    return f"{name}: {said.get('long_name', spoken(name))}{unit}{told}"
+    description = f"; {said['description']}" if "description" in said else ""
+    return f"{name}: {said.get('long_name', spoken(name))}{unit}{description}"
 
 
 def _why_nothing(dataset: xr.Dataset) -> str:

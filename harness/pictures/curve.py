@@ -117,12 +117,14 @@ def _depends_on(dataset: xr.Dataset, name: str) -> bool:
         conditions = vars(conditions_of(dataset))
     except NothingToCompareError:
         return False
-    own = [it for it in stored_references(dataset) if isinstance(it, OwnReference)]
-    if any(parameter_of(name) in it.names for it in own):
+    own = [
+        reference for reference in stored_references(dataset) if isinstance(reference, OwnReference)
+    ]
+    if any(parameter_of(name) in reference.names for reference in own):
         return True
     column = over_cases(dataset, name)
     quantities = [it for key, it in conditions.items() if key != "parameters"]
-    return any(np.array_equal(over_cases(dataset, it), column) for it in quantities)
+    return any(np.array_equal(over_cases(dataset, quantity), column) for quantity in quantities)
 
 
 def _literature(
@@ -130,9 +132,9 @@ def _literature(
 ) -> list[CurveEnd]:
     along = _values(studied, name)
     dataset = studied.dataset
-    follows = [it for it in with_role(dataset, Role.PARAMETER) if it in dataset.data_vars]
+    follows = [name for name in with_role(dataset, Role.PARAMETER) if name in dataset.data_vars]
     # What the scene derives from a varied parameter goes along with it: it is left to be derived.
-    one = studied.case(case).drop_vars([it for it in follows if dataset[it].ndim])
+    one = studied.case(case).drop_vars([name for name in follows if dataset[name].ndim])
     if along.categories:
         # A text says nothing to the literature: its values stand side by side.
         places = np.linspace(-0.5, len(along.categories) - 0.5, FINE)

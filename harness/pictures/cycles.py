@@ -88,7 +88,7 @@ def _by_case(dataset: xr.Dataset) -> xr.Dataset:
     kept = {}
     for name in names:
         if name in dataset:
-            own = [it for it in dataset[name].dims if it not in dims]
+            own = [dim for dim in dataset[name].dims if dim not in dims]
             values = dataset[name].transpose(*dims, *own).values
             kept[name] = ("case", *own), values.reshape(strength.size, *values.shape[len(dims) :])
     coordinates = {name: dataset[name].values for name in ("cycle", "penetration")}

@@ -88,7 +88,7 @@ def effects(studied: Studied) -> Effects:
     coefficients = (
         np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else np.zeros(matrix.shape[1])
     )
-    ends = np.cumsum([it.shape[1] for it in columns.values()])[:-1]
+    ends = np.cumsum([column.shape[1] for column in columns.values()])[:-1]
     parts = {
         name: own @ factor
         for (name, own), factor in zip(columns.items(), np.split(coefficients, ends), strict=True)
@@ -156,18 +156,22 @@ def _explanations(studied: Studied, found: Effects, shown: int) -> Sequence[str]
     count = int(np.isfinite(found.residual).sum())
     failed = found.residual.size - count
     left_out = len(studied.varied) - shown
-    told = [f"{count} cases; {failed} did not complete (crosses)." if failed else f"{count} cases."]
+    sentences = [
+        f"{count} cases; {failed} did not complete (crosses)." if failed else f"{count} cases."
+    ]
     if found.is_fitted:
         total = float(np.nanstd(studied.computed))
         explained = 1.0 - (found.spread / total) ** 2 if total > 0.0 else 1.0
-        told.append(
+        sentences.append(
             "Each dot is a case, less the effects of all other parameters; the line is this "
             "parameter's effect, a parabola by least squares. The band is the standard deviation "
             f"of what the fit leaves, {number(found.spread)}; the fit explains {explained:.0%} of "
             "the variance."
         )
     else:
-        told.append("Each dot is a case as it was computed: they are too few for a fit.")
+        sentences.append("Each dot is a case as it was computed: they are too few for a fit.")
     if left_out:
-        told.append(f"Of {len(studied.varied)} parameters the {shown} of most effect are shown.")
-    return told
+        sentences.append(
+            f"Of {len(studied.varied)} parameters the {shown} of most effect are shown."
+        )
+    return sentences

@@ -42,7 +42,7 @@ def shows_map(dataset: xr.Dataset) -> bool:
         return False
     if len(studied.varied) != 2 or len(studied.numbers) != 2:
         return False
-    counts = [it.different.size for it in studied.varied.values()]
+    counts = [values.different.size for values in studied.varied.values()]
     table = _table(studied, *_axes_of(studied))
     # Contours need neighbours: a map with holes says less than the curves.
     full = np.isfinite(table).mean() > 0.5
@@ -78,7 +78,7 @@ def map_figure(dataset: xr.Dataset) -> Figure:
 def _axes_of(studied: Studied) -> tuple[str, str]:
     """The parameter along the horizontal axis, the one with more values, and the other."""
     first, second = studied.varied
-    sizes = [studied.varied[it].different.size for it in (first, second)]
+    sizes = [studied.varied[name].different.size for name in (first, second)]
     return (first, second) if sizes[0] >= sizes[1] else (second, first)
 
 

@@ -75,7 +75,7 @@ def draw(
             picture is written.
         ArchiveError: a file cannot be written.
     """
-    drawn, failed = rendered(dataset, lambda figure: {it: image(figure, it) for it in forms})
+    drawn, failed = rendered(dataset, lambda figure: {form: image(figure, form) for form in forms})
     if not drawn and not failed:
         raise NothingToDrawError(
             "nothing to draw: the dataset has no headline that varies, no penetration_resistance, "

@@ -53,8 +53,8 @@ class _Rows:
         if "status" not in dataset or "scene" not in dataset.coords:
             return None
         dims = set(dataset["status"].dims)
-        told = with_role(dataset, Role.HEADLINE)
-        headlines = [name for name in told if set(dataset[name].dims) <= dims]
+        named_headlines = with_role(dataset, Role.HEADLINE)
+        headlines = [name for name in named_headlines if set(dataset[name].dims) <= dims]
         scenes = np.array(scenes_of(dataset))
         kinds = list(dict.fromkeys(scenes.tolist()))
         names = _varied_within(dataset, scenes)
@@ -62,7 +62,7 @@ class _Rows:
         values = list(zip(*columns, strict=True)) or [()] * scenes.size
         found = {kind: [values[case] for case in np.flatnonzero(scenes == kind)] for kind in kinds}
         rows = found[kinds[0]]
-        alike = all(len(it) == len(set(it)) and set(it) == set(rows) for it in found.values())
+        alike = all(len(own) == len(set(own)) and set(own) == set(rows) for own in found.values())
         units = {unit_of(dataset, name) for name in headlines}
         if len(kinds) < 2 or not alike or len(units) != 1 or len(rows) > MOST_ROWS:
             return None
@@ -119,7 +119,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure:
     axes.set_yticks(range(count), rows.labels, fontsize=8)
     axes.set_ylim(count - 0.5, -0.5)
     unit = unit_of(dataset, rows.headlines[0]) or "-"
-    axes.set_xlabel(f"{', '.join(named(dataset, it) for it in rows.headlines)} [{unit}]")
+    axes.set_xlabel(f"{', '.join(named(dataset, name) for name in rows.headlines)} [{unit}]")
     legend_above(figure, axes)
     lost = int(np.isnan(values).sum())
     write_caption(

@@ -253,7 +253,7 @@ def _draw(
             side * r, z, values, levels=quantity.lines, colors="0.5", linewidths=0.5
         )
     axes.clabel(lines, fmt="%g", fontsize=6, colors="0.5")
-    surface_r, surface_z = (snapshot[f"surface_{it}"].values / radius for it in "rz")
+    surface_r, surface_z = (snapshot[f"surface_{axis}"].values / radius for axis in "rz")
     outline = np.concatenate(
         [np.stack([-surface_r[::-1], surface_z[::-1]]), [surface_r, surface_z]], axis=1
     )
@@ -273,7 +273,7 @@ MOST_CURVES = 6
 
 
 def traction_figure(fields: xr.Dataset) -> Figure:
-    """Normal and shear traction over the way along the surface, a curve a snapshot.
+    """Normal and shear traction over the distance along the surface, a curve a snapshot.
 
     Args:
         fields: the snapshots of a case.
@@ -284,9 +284,9 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     figure = Figure(figsize=(7.2, 5.6), dpi=150, layout="constrained")
     normal, shear = figure.subplots(2, 1, sharex=True)
     radius = fields.cone_radius.item()
-    way = _way(fields) / radius
+    distance = _distance(fields) / radius
     parts = {part: fields.surface_part.values == part for part in ("face", "shaft")}
-    shoulder = float(way[parts["face"]].max())
+    shoulder = float(distance[parts["face"]].max())
     count = fields.sizes["penetration"]
     chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CURVES)).round().astype(int))
     for place, number in enumerate(chosen):
@@ -298,7 +298,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
             traction = snapshot[name].values / fields.undrained_shear_strength.item()
             for part, there in parts.items():
                 shown = label if part == "face" else None
-                axes.plot(way[there], traction[there], label=shown, **style)
+                axes.plot(distance[there], traction[there], label=shown, **style)
     for axes, text in ((normal, "normal traction / su [-]"), (shear, "shear traction / su [-]")):
         axes.axvline(shoulder, color="0.5", lw=0.8, ls="--")
         axes.axhline(0.0, color="0.5", lw=0.5)
@@ -307,18 +307,18 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     for x, text in ((0.5 * shoulder, "face"), (1.15 * shoulder, "shaft")):
         where = normal.get_xaxis_transform()
         normal.text(x, 1.0, text, transform=where, ha="left" if x > shoulder else "center")
-    shear.set_xlabel("way along the surface from the tip / R [-]")
-    shear.set_xlim(0.0, float(way.max()))
+    shear.set_xlabel("distance along the surface from the tip / R [-]")
+    shear.set_xlim(0.0, float(distance.max()))
     normal.legend(title="penetration", fontsize=8, title_fontsize=8, frameon=False)
     figure.suptitle(caption(fields.isel(penetration=-1)), x=0.01, ha="left", fontsize=8)
     return figure
 
 
-def _way(fields: xr.Dataset) -> Floats:
-    """The way along the surface from the tip to each of its nodes [m]."""
+def _distance(fields: xr.Dataset) -> Floats:
+    """The distance along the surface from the tip to each of its nodes [m]."""
     steps = np.hypot(np.diff(fields.surface_r.values), np.diff(fields.surface_z.values))
-    way: Floats = np.concatenate([[0.0], np.cumsum(steps)])
-    return way
+    distance: Floats = np.concatenate([[0.0], np.cumsum(steps)])
+    return distance
 
 
 FRAMES_PER_SECOND = 2

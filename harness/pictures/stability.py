@@ -127,7 +127,7 @@ class Outcomes:
     def of(cls, dataset: xr.Dataset) -> Outcomes:
         """Those of all cases of a result."""
         status = over_cases(dataset, "status").astype(str)
-        reason = np.array([short_reason(str(it)) for it in over_cases(dataset, "message")])
+        reason = np.array([short_reason(str(value)) for value in over_cases(dataset, "message")])
         limits = limits_of(dataset).items()
         sizes = [np.abs(over_cases(dataset, name)) / limit for name, limit in limits]
         return cls(status, reason, np.fmax.reduce([np.full(status.shape, np.nan), *sizes]))
@@ -258,7 +258,9 @@ class Shares:
         """Cases of each part by status, `completed` first, shape [part_count]."""
         present = {status for part in self.parts for status in part.status.tolist()}
         kinds = [COMPLETED, *sorted(present - {COMPLETED})]
-        return {it: np.array([np.sum(part.status == it) for part in self.parts]) for it in kinds}
+        return {
+            kind: np.array([np.sum(part.status == kind) for part in self.parts]) for kind in kinds
+        }
 
     @property
     def case_count(self) -> NDArray[np.intp]:
@@ -280,7 +282,7 @@ class Shares:
     def limit_share(self) -> Floats:
         """Median size of results over their limit, of each part; else not a number."""
         known = [part.limit_share[np.isfinite(part.limit_share)] for part in self.parts]
-        return np.array([np.median(it) if it.size else np.nan for it in known])
+        return np.array([np.median(value) if value.size else np.nan for value in known])
 
     @property
     def row(self) -> tuple[str, ...]:
@@ -331,9 +333,9 @@ def _shares(values: Values, outcomes: Outcomes) -> Shares:
     else:
         edges = np.unique(np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1)))
         part = np.searchsorted(edges[1:-1], numbers)
-    members = [np.flatnonzero(part == it) for it in np.unique(part)]
-    bounds = np.array([[numbers[it].min(), numbers[it].max()] for it in members])
-    return Shares(values, bounds, [outcomes.at(it) for it in members])
+    members = [np.flatnonzero(part == value) for value in np.unique(part)]
+    bounds = np.array([[numbers[cases].min(), numbers[cases].max()] for cases in members])
+    return Shares(values, bounds, [outcomes.at(cases) for cases in members])
 
 
 def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
@@ -342,7 +344,7 @@ def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
         _draw_strip(axes, strip)
     is_scaled = any(np.isfinite(strip.outcomes.limit_share).any() for strip in found)
     handles = []
-    for status in _in_order(it for strip in found for it in strip.outcomes.status.tolist()):
+    for status in _in_order(status for strip in found for status in strip.outcomes.status.tolist()):
         marker, own = _look(status)
         colour = "white" if is_scaled and status == COMPLETED else own
         handles.append(
@@ -380,13 +382,13 @@ def _draw_strip(axes: Axes, strip: Strip) -> None:
 
 
 def _figure_of_shares(found: Sequence[Shares], limit: str) -> Figure:
-    figure, rows = _rows([it.values for it in found])
+    figure, rows = _rows([entry.values for entry in found])
     for axes, share in zip(rows, found, strict=True):
         _draw_shares(axes, share)
     handles: list[Artist] = [
         Patch(color=_look(name)[1], label=name) for name in _in_order(found[0].counts)
     ]
-    if any(np.isfinite(it.limit_share).any() for it in found):
+    if any(np.isfinite(entry.limit_share).any() for entry in found):
         handles.append(Line2D([], [], color="black", lw=2, label=f"{limit}, median of completed"))
     _legend(figure, handles)
     return figure
@@ -450,4 +452,4 @@ def _look(status: str) -> tuple[str, str]:
 def _in_order(statuses: Iterable[str]) -> list[str]:
     """Each status once, in the order of `STATUSES`, others last."""
     present = set(statuses)
-    return [*(it for it in STATUSES if it in present), *sorted(present - set(STATUSES))]
+    return [*(status for status in STATUSES if status in present), *sorted(present - set(STATUSES))]

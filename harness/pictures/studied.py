@@ -43,7 +43,9 @@ class Studied:
         if "status" not in dataset:
             return None
         dims = set(dataset["status"].dims)
-        found = [it for it in with_role(dataset, Role.HEADLINE) if set(dataset[it].dims) <= dims]
+        found = [
+            name for name in with_role(dataset, Role.HEADLINE) if set(dataset[name].dims) <= dims
+        ]
         if not found and COMPARED in dataset:
             found = [COMPARED]
         several = len(set(scenes_of(dataset))) > 1
@@ -106,8 +108,8 @@ class Studied:
     def label(self, case: int, names: Iterable[str] | None = None) -> str:
         """What a case is called: its values of these varied parameters, by default of all."""
         varied = [self.varied[name] for name in (self.varied if names is None else names)]
-        values = [(it.name, it.value(float(it.numbers[case]))) for it in varied]
-        return ", ".join(assigned(self.dataset, *it) for it in values)
+        named = [(values.name, values.value(float(values.numbers[case]))) for values in varied]
+        return ", ".join(assigned(self.dataset, *each) for each in named)
 
     def case(self, index: int) -> xr.Dataset:
         """One case, without dims of cases."""
@@ -129,6 +131,6 @@ def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:
     if scene not in scene_names():
         return ()
     known = scene_class(scene)
-    own = dict.fromkeys([*known.method, *(it.resolution for it in known.verifications)])
+    own = dict.fromkeys([*known.method, *(check.resolution for check in known.verifications)])
     stored = parameter_names(dataset)
     return tuple(stored.get(name, name) for name in own)

@@ -162,11 +162,11 @@ def _legend(figure: Figure, start: float) -> None:
 
 def _failures(rows: Sequence[_Row]) -> str:
     """The values at which the case did not complete, in a sentence."""
-    told = []
+    failures = []
     for row in rows:
         failed = row.values.numbers[row.cases[~np.isfinite(row.change)]]
         if failed.size:
-            values = ", ".join(plain(row.values.text(float(it))) for it in failed)
+            values = ", ".join(plain(row.values.text(float(number))) for number in failed)
             own = symbol(row.values.name) or plain(row.values.label)
-            told.append(f"{own} = {values}")
-    return f"Not completed: {'; '.join(told)}." if told else ""
+            failures.append(f"{own} = {values}")
+    return f"Not completed: {'; '.join(failures)}." if failures else ""

@@ -78,7 +78,7 @@ def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
     }
     present = np.isfinite(snapshot.point_r.values)
     nodal = NodalValues(snapshot)
-    r, z = (snapshot[f"point_{it}"].values[present] for it in "rz")
+    r, z = (snapshot[f"point_{axis}"].values[present] for axis in "rz")
     vertices = np.arange(len(r))[:, None]
     points = pv.UnstructuredGrid({pv.CellType.VERTEX: vertices}, _in_space(r, z))
     _carry(points, {name: values[present] for name, values in carried.items()})
@@ -88,10 +88,10 @@ def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
     cells = np.stack([corner.ravel() for corner in corners], axis=-1)
     grid = pv.UnstructuredGrid({pv.CellType.QUAD: cells}, _in_space(nodal.r, nodal.z))
     averages = {name: nodal.of(values).ravel() for name, values in carried.items()}
-    own = {f"velocity_{it}": snapshot[f"node_velocity_{it}"].values.ravel() for it in "rz"}
+    own = {f"velocity_{axis}": snapshot[f"node_velocity_{axis}"].values.ravel() for axis in "rz"}
     _carry(grid, averages | own)
 
-    r, z = (snapshot[f"surface_{it}"].values for it in "rz")
+    r, z = (snapshot[f"surface_{axis}"].values for axis in "rz")
     of_part = snapshot.surface_part.values
     # None leads from the shoulder of the face to that of the shaft, which are at one place.
     first = np.flatnonzero(of_part[1:] == of_part[:-1])
@@ -107,7 +107,7 @@ def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
 def _carry(mesh: Any, values: dict[str, Any]) -> None:
     """Give the points of a mesh arrays; two components of a vector become one array."""
     for vector in VECTORS:
-        components = [values.pop(f"{vector}_{it}", None) for it in "rz"]
+        components = [values.pop(f"{vector}_{axis}", None) for axis in "rz"]
         if components[0] is not None:
             mesh.point_data[vector] = _in_space(*components)
     for name, array in values.items():

@@ -94,15 +94,15 @@ def _has(dataset: xr.Dataset, name: str, cases: np.ndarray) -> bool:
 
 def problem_names(problems: list[Problem]) -> list[str]:
     """What each is called among the others: its scene and soil, as far as these differ."""
-    scenes = {it.scene for it in problems}
+    scenes = {problem.scene for problem in problems}
     names = []
     for problem in problems:
         of_scene = [it for it in problems if it.scene == problem.scene]
         parts = [plain(problem.scene).replace("_", " ")] if len(scenes) > 1 else []
         parts += [
-            told
-            for name, told in problem.soil.items()
-            if len({it.soil[name] for it in of_scene}) > 1
+            text
+            for name, text in problem.soil.items()
+            if len({other.soil[name] for other in of_scene}) > 1
         ]
         names.append(", ".join(parts))
     return names
@@ -113,15 +113,15 @@ def setting_of(dataset: xr.Dataset, problem: Problem, case: int) -> str:
     columns = {name: Values.of(dataset, name) for name in problem.settings}
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         start = problem.cases[0]
-        told = [
+        texts = [
             assigned(dataset, name, _value(it, case))
             for name, it in columns.items()
             if it.numbers[case] != it.numbers[start]
         ]
-        return ", ".join(told) or "start"
+        return ", ".join(texts) or "start"
     if len(columns) == 1:
         return "".join(assigned(dataset, name, _value(it, case)) for name, it in columns.items())
-    return " / ".join(quantity(_value(it, case)) for it in columns.values())
+    return " / ".join(quantity(_value(column, case)) for column in columns.values())
 
 
 def settings_key(dataset: xr.Dataset, problems: list[Problem]) -> str:
@@ -129,9 +129,9 @@ def settings_key(dataset: xr.Dataset, problems: list[Problem]) -> str:
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         return ""
     keys = dict.fromkeys(
-        " / ".join(symbol(name) or plain(spoken(name)) for name in it.settings)
-        for it in problems
-        if len(it.settings) > 1
+        " / ".join(symbol(name) or plain(spoken(name)) for name in problem.settings)
+        for problem in problems
+        if len(problem.settings) > 1
     )
     return f"Beside points: {'; '.join(keys)}." if keys else ""
 
@@ -218,8 +218,8 @@ def study_figure(dataset: xr.Dataset) -> Figure:
             label = once(axes, "beaten by another")
             axes.plot(seconds[beaten], errors[beaten], "o", color="0.6", ms=3.5, label=label)
         colour, marker = series_colour(rank, len(problems)), MARKERS[rank % len(MARKERS)]
-        told = its_name if len(problems) <= MOST_LABELS else ""
-        label = told or once(axes, FRONT)
+        shown_name = its_name if len(problems) <= MOST_LABELS else ""
+        label = shown_name or once(axes, FRONT)
         axes.plot(seconds[front], errors[front], f"{marker}-", color=colour, label=label, zorder=3)
         apart = _apart(front, errors, np.ptp(np.log(errors[sound])))
         share = min(len(apart), budget // (len(problems) - rank))
@@ -240,8 +240,8 @@ def study_figure(dataset: xr.Dataset) -> Figure:
         axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
     floor = over_cases(dataset, FLOOR).astype(float)
     if np.isfinite(floor).any() and np.nanmax(floor) < 1.1 * np.nanmin(floor):
-        told = "uncertainty of the reference"
-        axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=told)
+        label = "uncertainty of the reference"
+        axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=label)
     failed = over_cases(dataset, "status") != COMPLETED
     if "case_time" in dataset and failed.any():
         axes.plot(
@@ -256,10 +256,10 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     several = len(set(scenes_of(dataset))) > 1
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
     key = settings_key(dataset, problems)
-    told = "Run times of cases side by side are not to be compared."
+    remark = "Run times of cases side by side are not to be compared."
     if np.isfinite(uncertainty_of(dataset)).any():
-        told = f"{OF_HALF_WIDTH} {told}"
-    write_caption(figure, dataset, key, told)
+        remark = f"{OF_HALF_WIDTH} {remark}"
+    write_caption(figure, dataset, key, remark)
     return figure
 
 

@@ -96,7 +96,7 @@ class Experience:
     @property
     def bounds(self) -> tuple[float, float]:
         """Least and greatest factor over the ranges of the inputs, the scatter included."""
-        corners = itertools.product(*((it.low, it.high) for it in self.inputs))
+        corners = itertools.product(*((given.low, given.high) for given in self.inputs))
         values = [self.evaluate(*corner) for corner in corners]
         return min(values) * (1.0 - self.scatter), max(values) * (1.0 + self.scatter)
 
@@ -110,7 +110,7 @@ class Experience:
     def spans(self) -> str:
         """Ranges and scatter that the band is made of, in words."""
         scatter = f", +-{100 * self.scatter:.0f} %" if self.scatter else ""
-        return ", ".join(it.span for it in self.inputs) + scatter
+        return ", ".join(given.span for given in self.inputs) + scatter
 
 
 _KARLSRUD = "Karlsrud, Lunne, Kort & Strandvik 2005, 16th ICSMGE Osaka, CPTU correlations for clays"

@@ -80,7 +80,10 @@ def all_entries() -> str:
             f"criterion: {reference.criterion}; valid for: {reference.validity}",
             reference.source,
         )
-    lines += ["", *_wrapped(f"how known: {_once(it.how_known for it in CONE_FACTORS)}")]
+    lines += [
+        "",
+        *_wrapped(f"how known: {_once(reference.how_known for reference in CONE_FACTORS)}"),
+    ]
     factors = " and ".join(factor.definition for factor in Factor)
     lines += [
         "",
@@ -90,7 +93,7 @@ def all_entries() -> str:
             "[compare] experience. They are bands, no references."
         ),
         *_wrapped(f"They hold {HOLDS}."),
-        *_wrapped(f"su: {_once(it.strength for it in EXPERIENCE)}; {BESIDE_COMPRESSION}."),
+        *_wrapped(f"su: {_once(entry.strength for entry in EXPERIENCE)}; {BESIDE_COMPRESSION}."),
     ]
     for entry in EXPERIENCE:
         lines += ["", f"{entry.id}: {entry.band}"]
@@ -144,7 +147,7 @@ def _of_experience(entry: Experience) -> Mapping[str, str]:
         "factor": entry.factor.definition,
         "formula": entry.formula,
         "band": f"{entry.band}, for {entry.spans}",
-        **{f"range of {it.symbol}": it.chosen for it in entry.inputs},
+        **{f"range of {given.symbol}": given.chosen for given in entry.inputs},
         "scatter": "reported for su, taken for the factor" if entry.scatter else "not known",
         "clays": entry.clays,
         "su": f"{entry.strength}; {BESIDE_COMPRESSION}",

@@ -101,7 +101,9 @@ def case_table(dataset: xr.Dataset) -> CaseTable:
         if dataset[stored].ndim == 0 and is_there(dataset[stored].item())
     ]
     own = {name: stored for name, stored in parameters.items() if dataset[stored].ndim}
-    texts = [[words.text(it) for it in over_cases(dataset, name).tolist()] for name in own.values()]
+    texts = [
+        [words.text(value) for value in over_cases(dataset, name).tolist()] for name in own.values()
+    ]
     count = dataset["status"].size
     return CaseTable(
         columns=[_column(dataset, name) for name in _names(dataset)],
@@ -134,7 +136,7 @@ def _names(dataset: xr.Dataset) -> list[str]:
 
 
 def _column(dataset: xr.Dataset, name: str) -> Column:
-    values = [words.in_unit(dataset, name, it) for it in over_cases(dataset, name).tolist()]
+    values = [words.in_unit(dataset, name, value) for value in over_cases(dataset, name).tolist()]
     texts = map(_texts_of(dataset, name), values, uncertainty_of(dataset).tolist())
     cells = [Cell(text, _sortable(value)) for text, value in zip(texts, values, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)

@@ -62,14 +62,14 @@ def comparisons(datasets: list[xr.Dataset]) -> list[Comparison]:
 
 
 def _comparison(scene: str, group: list[Studied]) -> Comparison:
-    soils = [_by_soil(it) for it in group]
+    soils = [_by_soil(studied) for studied in group]
     counts: dict[Key, int] = {}
     for soil in soils:
         for key in soil:
             counts[key] = counts.get(key, 0) + 1
     shared = [key for key, count in counts.items() if count > 1]
     different: dict[str, set[str]] = {}
-    for name, value in (it for key in shared for it in key):
+    for name, value in (pair for key in shared for pair in key):
         different.setdefault(name, set()).add(value)
     varied = [name for name, values in different.items() if len(values) > 1]
     first = group[0]
@@ -78,7 +78,7 @@ def _comparison(scene: str, group: list[Studied]) -> Comparison:
     return Comparison(
         scene=scene,
         headline=label,
-        studies=[str(it.dataset.attrs["study"]) for it in group],
+        studies=[str(studied.dataset.attrs["study"]) for studied in group],
         differing=_differing(group),
         varied=[name.replace("_", " ") for name in varied],
         rows=[_row(key, varied, soils) for key in shared],
@@ -93,7 +93,7 @@ def _row(
     change = known[-1] / known[0] - 1.0 if len(known) > 1 and known[0] else np.nan
     values, results = (
         [dict(key)[name] for name in varied],
-        [words.text(it, digits=3) for it in found],
+        [words.text(entry, digits=3) for entry in found],
     )
     return values, results, words.percent(change)
 
@@ -120,8 +120,11 @@ def _by_soil(studied: Studied) -> dict[Key, float]:
 
 
 def _differing(group: list[Studied]) -> list[tuple[str, list[str]]]:
-    names = dict.fromkeys(name for it in group for name in parameter_names(it.dataset))
-    rows = [(name.replace("_", " "), [_values(it.dataset, name) for it in group]) for name in names]
+    names = dict.fromkeys(name for studied in group for name in parameter_names(studied.dataset))
+    rows = [
+        (name.replace("_", " "), [_values(studied.dataset, name) for studied in group])
+        for name in names
+    ]
     return [row for row in rows if len(set(row[1])) > 1]
 
 
@@ -130,10 +133,10 @@ def _values(dataset: xr.Dataset, name: str) -> str:
     stored = parameter_names(dataset).get(name)
     if stored is None:
         return words.MISSING
-    values = [it for it in np.unique(over_cases(dataset, stored)).tolist() if is_there(it)]
+    values = [value for value in np.unique(over_cases(dataset, stored)).tolist() if is_there(value)]
     unit = words.unit(dataset, stored)
     if len(values) > MOST_VALUES:
-        told = f"{words.text(values[0])} to {words.text(values[-1])}"
+        text = f"{words.text(values[0])} to {words.text(values[-1])}"
     else:
-        told = ", ".join(map(words.text, values)) or "derived"
-    return f"{told} {unit}".rstrip()
+        text = ", ".join(map(words.text, values)) or "derived"
+    return f"{text} {unit}".rstrip()

@@ -102,7 +102,7 @@ def page(datasets: Sequence[xr.Dataset]) -> tuple[str, list[str]]:
     """The page as text, and a line for each picture that could not be drawn."""
     sections = [_section(dataset, place) for place, dataset in enumerate(datasets, start=1)]
     text = _PAGE.render(maker=MAKER, sections=sections, comparisons=comparisons(list(datasets)))
-    return text, [f"{it.study}: {line}" for it in sections for line in it.failed]
+    return text, [f"{section.study}: {line}" for section in sections for line in section.failed]
 
 
 def _section(dataset: xr.Dataset, place: int) -> StudySection:
@@ -128,8 +128,8 @@ def _summary(dataset: xr.Dataset) -> str:
     """How many cases there are, how many did not complete, and the range of the headline."""
     status = over_cases(dataset, "status")
     lost = int(np.sum(status != COMPLETED))
-    told = [f"{status.size} case{'s' * (status.size > 1)}"]
-    told += [f"{lost} not completed"] if lost else []
+    parts = [f"{status.size} case{'s' * (status.size > 1)}"]
+    parts += [f"{lost} not completed"] if lost else []
     studied = Studied.of(dataset)
     if studied is not None and np.isfinite(studied.computed).any():
         half_widths = uncertainty_of(dataset)
@@ -137,8 +137,8 @@ def _summary(dataset: xr.Dataset) -> str:
         known = [words.known(studied.computed[end], half_widths[end]) for end in ends]
         range_text = " to ".join(dict.fromkeys(known))
         unit = words.unit(dataset, studied.headline)
-        told.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())
-    return "; ".join(told)
+        parts.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())
+    return "; ".join(parts)
 
 
 def _in_two_sizes(figure: Figure) -> tuple[bytes, bytes]:

@@ -66,7 +66,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
         StudyError: a scene does not allow a combination, or none of a Latin hypercube; or there are
             too many cases, or none.
     """
-    count = sum(combination_count(design, it.varied, it.listed) for it in parts)
+    count = sum(combination_count(design, part.varied, part.listed) for part in parts)
     if count > LARGEST_STUDY:
         raise StudyError(f"{where}: gives {count} cases; a study has at most {LARGEST_STUDY}")
     cases: dict[str, Case] = {}

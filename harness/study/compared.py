@@ -46,12 +46,17 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
     """
     table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
-    own = {it.id: it for it in _own_references(document.table(OWN_REFERENCES), parts)}
+    own = {
+        reference.id: reference
+        for reference in _own_references(document.table(OWN_REFERENCES), parts)
+    }
     known = (*reference_ids(), *own)
     named = _ids(table, "references", "reference", known, parts)
     references = dict.fromkeys([*named, *own])
     return Compared(
-        references=tuple(own.get(it) or cone_factor_reference(it) for it in references),
+        references=tuple(
+            own.get(reference) or cone_factor_reference(reference) for reference in references
+        ),
         reference_result=_reference_result(table, parts, folder),
         experience=_ids(table, "experience", "band of experience", experience_ids(), parts),
         tolerances=_tolerances(table.table("tolerance"), list(references), parts),
@@ -65,10 +70,10 @@ def takes_references(scene: Scene) -> bool:
 
 def _own_references(table: Table, parts: Sequence[ScenePart]) -> tuple[OwnReference, ...]:
     """The references that the study defines: formulas of parameters of the scenes compared."""
-    compared = [it for it in parts if takes_references(it.scene)]
+    compared = [part for part in parts if takes_references(part.scene)]
     if table.values and not compared:
         raise StudyError(f"{table.where}: no scene here gives a {COMPARED}, which they are of")
-    return read_own_references(table, [name for it in compared for name in it.parameters])
+    return read_own_references(table, [name for part in compared for name in part.parameters])
 
 
 def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) -> Path | None:
@@ -100,7 +105,7 @@ def _ids(
             )
     if len(set(ids)) < len(ids):
         raise table.refuse(key, f"names a {noun} twice")
-    if ids and not any(takes_references(it.scene) for it in parts):
+    if ids and not any(takes_references(part.scene) for part in parts):
         raise table.refuse(key, f"no scene here gives a {COMPARED}, which they are of")
     return tuple(ids)
 
@@ -110,7 +115,9 @@ def _tolerances(
 ) -> dict[str, float]:
     """Tolerances by name, which may be that of any result: slips in known names are refused."""
     unused = set(reference_ids()) - set(references)
-    verified = {name for it in parts for check in it.scene.verifications for name in check.bounds}
+    verified = {
+        name for part in parts for check in part.scene.verifications for name in check.bounds
+    }
     known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
         if name in experience_ids():

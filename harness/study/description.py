@@ -54,7 +54,9 @@ def study_rows(study: Study) -> list[str]:
     for part in study.parts:
         rows += [f"{title:12} {text}" for title, text in _of_part(part)]
     if study.references:
-        rows.append(f"{'references':12} {', '.join(it.id for it in study.references)}")
+        rows.append(
+            f"{'references':12} {', '.join(reference.id for reference in study.references)}"
+        )
     if study.reference_result is not None:
         rows.append(f"{'errors from':12} {study.reference_result}")
     if study.experience:
@@ -149,7 +151,7 @@ def study_text(name: str, scene_name: str) -> str:
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
         parts += _commented(it for key, it in others.items() if key in method)
     if takes_references(scene):
-        ids = ", ".join(_toml(it.id) for it in ENVELOPE)
+        ids = ", ".join(_toml(reference.id) for reference in ENVELOPE)
         parts += ["", "# The literature beside its cone factor:"]
         parts += ["#[compare]", f"#references = [{ids}]"]
         parts += ["# and a band of factors measured in the field; others: `harness references`"]
@@ -160,14 +162,16 @@ def study_text(name: str, scene_name: str) -> str:
 
 def _method(scene: type[CatalogueScene]) -> AbstractSet[str]:
     """Parameters of the method, and what refines an exact solution."""
-    return {*scene.method, *(it.resolution for it in scene.verifications)}
+    return {*scene.method, *(check.resolution for check in scene.verifications)}
 
 
 def _to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
     """The first parameter that is none of the method, with values that the scene allows."""
     method, known = _method(scene), parameters_of(scene)
     for name, definition in sorted(known.items(), key=lambda it: it[0] in method):
-        values = [it for it in _candidates(definition) if _allows(scene, name, it)]
+        values = [
+            candidate for candidate in _candidates(definition) if _allows(scene, name, candidate)
+        ]
         if len(values) > 1:
             return name, values
     name = next(iter(known))

@@ -162,7 +162,7 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
     result = dict(base)
     for name in ASSIGNING:
         keeps = name == "fixed" and design not in EITHER_FIXED_OR_VARIED
-        said = _keys(own, *(it for it in ASSIGNING if not (keeps and it == "vary")))
+        said = _keys(own, *(name for name in ASSIGNING if not (keeps and name == "vary")))
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}
     for key, value in own.items():

@@ -123,7 +123,7 @@ def _read(name: str, table: Table, known: Collection[str] | None) -> OwnReferenc
             if known is not None and it not in known:
                 problem = f"unknown parameter or symbol {it!r}{nearest_name(it, known)}"
                 raise table.refuse(key, problem)
-    bounds = {it: _span(ranges, it) for it in ranges.values}
+    bounds = {name: _span(ranges, name) for name in ranges.values}
     optional = OPTIONAL | {key: table.text(key, "") for key in OPTIONAL if key in table.values}
     return OwnReference(
         id=name,

@@ -66,7 +66,7 @@ class ScenePart:
             *self.fixed,
             *self.varied,
             *self.derived,
-            *(name for it in self.listed for name in it),
+            *(name for case in self.listed for name in case),
         }
 
 
@@ -150,7 +150,7 @@ def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
         Assignments(table.where, table.values, {SNAPSHOTS: moment}), SNAPSHOTS, Design(kind=FULL)
     )
     assert isinstance(moments, tuple)  # a range without a count is a Latin hypercube's alone
-    return tuple(sorted(float(it) for it in moments))
+    return tuple(sorted(float(moment) for moment in moments))
 
 
 def _fixed(table: Assignments) -> dict[str, Value]:

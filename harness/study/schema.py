@@ -116,12 +116,12 @@ def _own_reference(line: Schema) -> Schema:
 def _of_scene(name: str) -> Schema:
     """The tables that depend on the scene."""
     parameters = parameters_of(scene_class(name)).values()
-    values = {it.name: value_schema(it) for it in parameters}
+    values = {parameter.name: value_schema(parameter) for parameter in parameters}
     fixed = _table(values)
     return _table(
         {
             "fixed": fixed,
-            "vary": _table({it.name: _variation(it) for it in parameters}),
+            "vary": _table({parameter.name: _variation(parameter) for parameter in parameters}),
             "derived": _table({it.name: _expression(it.meaning) for it in parameters}),
             "exclude": {"type": "array", "items": _expression("condition")},
             "case": {"type": "array", "items": fixed},

@@ -55,8 +55,8 @@ def fixed(dataset: xr.Dataset) -> str:
     Those that matter most are named, and all that differ from the scene's defaults.
     """
     names = list(_fixed_names(dataset))
-    told = (assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED])
-    shown = [it.replace(" ", NO_BREAK) for it in told]
+    texts = (assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED])
+    shown = [text.replace(" ", NO_BREAK) for text in texts]
     scene = plain(dataset.attrs.get("scene", ""))
     rest = f"all else by the defaults of {scene}" if scene in scene_names() else ""
     return f"Fixed: {', '.join(filter(None, [*shown, rest]))}." if shown or rest else ""
@@ -76,9 +76,9 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
     for name in replaced_by(ground) if ground else ():
         constant.pop(name, None)
     others = [
-        it
-        for it in constant
-        if it in defaults and not _same(dataset[constant[it]].item(), defaults[it])
+        name
+        for name in constant
+        if name in defaults and not _same(dataset[constant[name]].item(), defaults[name])
     ]
     main = [name for name in SOIL_AND_CONE if name in constant]
     yield from (constant[name] for name in dict.fromkeys([*main, *others]))

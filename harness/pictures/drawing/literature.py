@@ -37,7 +37,7 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
         axes: where to; the cone factor is along its vertical axis.
         dataset: the result of a study.
     """
-    entries = [it for it in stored_experience(dataset) if it.factor is Factor.RESISTANCE]
+    entries = [entry for entry in stored_experience(dataset) if entry.factor is Factor.RESISTANCE]
     for rank, entry in enumerate(entries):
         axes.axhspan(
             *entry.bounds,
@@ -108,12 +108,19 @@ def draw_literature(
 def _colours(references: Sequence[ConeFactor]) -> list[str]:
     """Those that ship have the same colour in all pictures; a study's own have what is left."""
     shipped = {it.id: COLOURS[place % len(COLOURS)] for place, it in enumerate(CONE_FACTORS)}
-    taken = {shipped.get(it.id) for it in references}
-    left = itertools.cycle([it for it in COLOURS if it not in taken] or COLOURS)
-    return [shipped.get(it.id) or next(left) for it in references]
+    taken = {shipped.get(reference.id) for reference in references}
+    left = itertools.cycle([colour for colour in COLOURS if colour not in taken] or COLOURS)
+    return [shipped.get(reference.id) or next(left) for reference in references]
 
 
 def ranges_of_own(dataset: xr.Dataset) -> str:
     """Where the curves of the study's own references are drawn, in sentences."""
-    own = [it for it in stored_references(dataset) if isinstance(it, OwnReference) and it.ranges]
-    return " ".join(f"{plain(it.label)} is drawn within its range: {it.validity}." for it in own)
+    own = [
+        reference
+        for reference in stored_references(dataset)
+        if isinstance(reference, OwnReference) and reference.ranges
+    ]
+    return " ".join(
+        f"{plain(reference.label)} is drawn within its range: {reference.validity}."
+        for reference in own
+    )

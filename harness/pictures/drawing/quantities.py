@@ -73,8 +73,8 @@ def plain(text: object) -> str:
 
 def named(dataset: xr.Dataset, name: Hashable) -> str:
     """Name and symbol of a variable."""
-    told = str(dataset[name].attrs.get("long_name", spoken(name)))
-    return f"{plain(spelt(told))} {symbol(name)}".rstrip()
+    text = str(dataset[name].attrs.get("long_name", spoken(name)))
+    return f"{plain(spelt(text))} {symbol(name)}".rstrip()
 
 
 def unit_of(dataset: xr.Dataset, name: Hashable) -> str:
@@ -83,11 +83,11 @@ def unit_of(dataset: xr.Dataset, name: Hashable) -> str:
     return "" if unit == "1" else _UNITS.get(unit, unit)
 
 
-def spelt(told: str) -> str:
+def spelt(text: str) -> str:
     """Words of a name as readers write them."""
     for name, spelling in _SPELT.items():
-        told = told.replace(name, spelling)
-    return told
+        text = text.replace(name, spelling)
+    return text
 
 
 def axis_label(dataset: xr.Dataset, name: Hashable) -> str:
@@ -114,9 +114,9 @@ def quantity(value: object, unit: str = "") -> str:
 
 def assigned(dataset: xr.Dataset, name: Hashable, value: object) -> str:
     """A parameter and its value, by its symbol where it has one: I_r = 100."""
-    told = quantity(value, unit_of(dataset, name))
+    text = quantity(value, unit_of(dataset, name))
     own = symbol(name)
-    return f"{own} = {told}" if own else f"{plain(spelt(spoken(name)))} = {told}"
+    return f"{own} = {text}" if own else f"{plain(spelt(spoken(name)))} = {text}"
 
 
 Floats = NDArray[np.float64]
@@ -195,7 +195,9 @@ class Values:
     @property
     def has_single_ticks(self) -> bool:
         """Whether each number has a tick of its own: they are few, and short to write."""
-        short = all(float(f"{it:.{TICK_DIGITS}g}") == it for it in self.different.tolist())
+        short = all(
+            float(f"{number:.{TICK_DIGITS}g}") == number for number in self.different.tolist()
+        )
         return short and self.different.size <= MOST_SINGLE_TICKS
 
     def text(self, number: float) -> str:
@@ -219,7 +221,7 @@ class Values:
         set_scale = axes.set_xscale if is_x else axes.set_yscale
         set_margin = axes.set_xmargin if is_x else axes.set_ymargin
         if self.categories:
-            names = [it.replace("_", " ") for it in self.categories]
+            names = [category.replace("_", " ") for category in self.categories]
             axis.set_ticks(range(len(names)), names)
             set_margin(0.2)
             return
@@ -243,7 +245,7 @@ class Values:
 def apart(ascending: Floats, scale: str, room: int) -> Sequence[float]:
     """The numbers whose labels do not meet on an axis with so much room; the ends among them."""
     if ascending.size <= 2:
-        return [float(it) for it in ascending]
+        return [float(number) for number in ascending]
     places = ascending
     if scale != "linear":
         smallest = ascending[ascending > 0.0].min()
