@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
-from harness.errors import HarnessError, in_one_line
+from harness.errors import HarnessError
 from harness.pictures.cases import cases_figure, shows_cases
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, shows_curve
@@ -51,11 +51,13 @@ class NothingToDrawError(HarnessError):
 
 
 Rendered = TypeVar("Rendered")
+Failures = dict[str, Exception]
+"""Errors of this program in pictures, by the name of the picture."""
 
 
 def draw(
     dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)
-) -> tuple[list[Path], list[str]]:
+) -> tuple[list[Path], Failures]:
     """Write the pictures of a study's result.
 
     Each file is written whole or not at all.
@@ -67,7 +69,7 @@ def draw(
 
     Returns:
         Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result;
-        and a line for each picture that could not be drawn.
+        and the errors of the pictures that could not be drawn.
 
     Raises:
         NothingToDrawError: none is meant for it.
@@ -96,7 +98,7 @@ def draw(
 
 def rendered(
     dataset: xr.Dataset, render: Callable[[Figure], Rendered]
-) -> tuple[dict[str, Rendered], list[str]]:
+) -> tuple[dict[str, Rendered], Failures]:
     """The pictures that are meant for a study's result, by name; the main one first.
 
     A failed case has no curve there. A picture that fails, which is an error of this program, takes
@@ -107,10 +109,11 @@ def rendered(
         render: what is made of a figure.
 
     Returns:
-        What is made of each figure, and a line for each picture that failed.
+        What is made of each figure, and the errors of those that failed.
     """
     sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
-    made, failed = {}, []
+    made: dict[str, Rendered] = {}
+    failed: Failures = {}
     for name, (shows, figure) in PICTURES.items():
         try:
             if shows(sound):
@@ -118,5 +121,5 @@ def rendered(
         except HarnessError:
             raise
         except Exception as error:
-            failed.append(f"the picture {name} could not be drawn: {in_one_line(error)}")
+            failed[name] = error
     return made, failed

@@ -16,7 +16,7 @@ from harness.archive.conventions import COMPLETED, over_cases, uncertainty_of
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
-from harness.pictures.pictures import rendered
+from harness.pictures.pictures import Failures, rendered
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import ConeFactor
@@ -56,7 +56,7 @@ class StudySection:
         summary: the outcome in a line.
         small: the main picture in small, None where there is none.
         pictures: all pictures.
-        failed: a line for each picture that could not be drawn.
+        failed: the errors of the pictures that could not be drawn.
         missed: tolerances that it misses.
         stability: the stability map in words, its heading first; empty where there is none.
         table: its cases.
@@ -71,7 +71,7 @@ class StudySection:
     summary: str
     small: Picture | None
     pictures: list[Picture]
-    failed: list[str]
+    failed: Failures
     missed: list[str]
     stability: list[tuple[str, ...]]
     table: CaseTable
@@ -79,7 +79,7 @@ class StudySection:
     provenance: list[tuple[str, str]]
 
 
-def write_report(datasets: Sequence[xr.Dataset], path: Path) -> list[str]:
+def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
     """Write the page, whole or not at all.
 
     Args:
@@ -87,7 +87,7 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> list[str]:
         path: the HTML file; an earlier page is replaced.
 
     Returns:
-        A line for each picture that could not be drawn; the page is whole without it.
+        The errors of the pictures that could not be drawn; the page is whole without them.
 
     Raises:
         NotOwnFileError: a file is in the way that was not written by this program.
@@ -98,11 +98,15 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> list[str]:
     return failed
 
 
-def page(datasets: Sequence[xr.Dataset]) -> tuple[str, list[str]]:
-    """The page as text, and a line for each picture that could not be drawn."""
+def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
+    """The page as text, and the errors of the pictures that could not be drawn."""
     sections = [_section(dataset, place) for place, dataset in enumerate(datasets, start=1)]
     text = _PAGE.render(maker=MAKER, sections=sections, comparisons=comparisons(list(datasets)))
-    return text, [f"{section.study}: {line}" for section in sections for line in section.failed]
+    return text, {
+        f"{section.study}_{name}": error
+        for section in sections
+        for name, error in section.failed.items()
+    }
 
 
 def _section(dataset: xr.Dataset, place: int) -> StudySection:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import xarray as xr
@@ -14,10 +17,12 @@ from harness.compare.compared import NothingToCompareError, has_tolerances, miss
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
-from harness.errors import HarnessError, tell
+from harness.errors import HarnessError, defect, tell
 from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable
-from harness.pictures.pictures import NothingToDrawError, draw
+from harness.pictures.pictures import Failures, NothingToDrawError, draw
+from harness.references.registry import UnknownReferenceError
 from harness.report.report import write_report
+from harness.study.tables import StudyError
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -27,12 +32,22 @@ def compare(options: argparse.Namespace) -> int:
     dataset = read_study(options.file)
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
+    with _result_of(options.file):
+        try:
+            print(result_table(dataset))
+        except NothingToCompareError:
+            if not has_tolerances(dataset):
+                raise
+        return list_misses(dataset)
+
+
+@contextmanager
+def _result_of(*files: Path) -> Iterator[None]:
+    """What a result says that cannot be, an unknown reference say, is reported with its file."""
     try:
-        print(result_table(dataset))
-    except NothingToCompareError as error:
-        if not has_tolerances(dataset):
-            raise HarnessError(f"{options.file}: {error}") from None
-    return list_misses(dataset)
+        yield
+    except (NothingToCompareError, NothingToDrawError, StudyError, UnknownReferenceError) as error:
+        raise HarnessError(f"{', '.join(map(str, files))}: {error}") from None
 
 
 def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int:
@@ -53,24 +68,27 @@ def list_misses(dataset: xr.Dataset) -> int:
     return INCOMPLETE if lines else DONE
 
 
-def show(dataset: xr.Dataset, folder: Path) -> int:
+def show(dataset: xr.Dataset, folder: Path, *, debug: bool) -> int:
     """Print the table and draw the pictures, as far as the scene has what they show; exit code."""
     try:
         print(result_table(dataset))
     except NothingToCompareError as error:
         tell(str(error))
     try:
-        return _list_pictures(*draw(dataset, folder))
+        return _list_pictures(*draw(dataset, folder), debug=debug)
     except (NotOwnFileError, NothingToDrawError) as error:
         tell(str(error))
     return DONE
 
 
-def _list_pictures(paths: list[Path], failed: list[str]) -> int:
+def _list_pictures(paths: list[Path], failed: Failures, *, debug: bool) -> int:
     """Print which pictures were written, and tell of those that failed; exit code."""
-    print(*paths, sep="\n" if paths else "")
-    for line in failed:
-        tell(line)
+    for path in paths:
+        print(path)
+    for name, error in failed.items():
+        if debug:
+            traceback.print_exception(error)
+        tell(f"the picture {name} could not be drawn: {defect(error)}")
     return INCOMPLETE if failed else DONE
 
 
@@ -79,18 +97,18 @@ def plot(options: argparse.Namespace) -> int:
     dataset = read_study(options.file)
     folder = options.out or options.file.parent
     prepare(folder)
-    try:
+    with _result_of(options.file):
         drawn = draw(dataset, folder, options.format)
-    except (NothingToCompareError, NothingToDrawError) as error:
-        raise HarnessError(f"{options.file}: {error}") from None
-    return _list_pictures(*drawn)
+    return _list_pictures(*drawn, debug=options.debug)
 
 
 def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
     check_replaceable(options.out)  # before all is drawn
     datasets = [read_study(file) for file in options.file]
-    return _list_pictures([options.out], write_report(datasets, options.out))
+    with _result_of(*options.file):
+        failed = write_report(datasets, options.out)
+    return _list_pictures([options.out], failed, debug=options.debug)
 
 
 def show_recommendation(options: argparse.Namespace) -> int:

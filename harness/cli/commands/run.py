@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
         else on_cluster(study, options.dask)
     )
     dataset = run_study(study, options.out, runner, fresh=options.fresh)
-    undrawn = show(dataset, options.out)
+    undrawn = show(dataset, options.out, debug=options.debug)
     print(study_file(options.out, study))
     incomplete = _list_incomplete(study, dataset)
     return list_misses(dataset) or incomplete or undrawn

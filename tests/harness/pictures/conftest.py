@@ -156,7 +156,7 @@ MADE: Mapping[str, Callable[[], xr.Dataset]] = {
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     """The pictures of a result, none of which fails."""
     made, failed = rendered(dataset, lambda figure: figure)
-    assert failed == []
+    assert failed == {}
     return made
 
 

@@ -70,7 +70,7 @@ def test_markup_in_what_a_file_says_stays_text(page_file: Path) -> None:
 
 
 def test_the_same_results_give_the_same_page(results: list[xr.Dataset], page_file: Path) -> None:
-    assert page(results) == (page_file.read_text(), [])
+    assert page(results) == (page_file.read_text(), {})
 
 
 def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:
