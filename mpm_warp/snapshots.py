@@ -130,11 +130,11 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
     """Material points and nodal velocities of a run as it is now.
 
     Args:
-        simulation: of soil in a grid, a scene with `history`.
+        simulation: of soil in a grid, a scene with a `History`.
 
     Raises:
         TypeError: what is run is not soil in a grid.
-        KeyError: its points do not keep where they entered: the scene has no `history`.
+        KeyError: its points do not keep where they entered: the scene has no `History`.
     """
     scene, array = soil_scene(simulation), simulation.array
     travel = simulation.travel if scene.find(MovingGrid) else 0.0

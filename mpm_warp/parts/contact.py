@@ -22,7 +22,6 @@ and v the velocities before and after the force,
 
 import functools
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -166,18 +165,10 @@ class SurfaceContact(Part):
         Args:
             forces: mean normal forces of the simulated stress over some time [N], [node_count].
         """
-        touching = forces > self._parting_forces
-        return float(self.normal_areas @ touching) / self._area
-
-    @cached_property
-    def _parting_forces(self) -> Floats:
-        parting: Floats = (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
-        return parting
-
-    @cached_property
-    def _area(self) -> float:
-        # Added up as the parts in touch are, so that all of it is exactly 1.
-        return float(self.normal_areas @ np.ones(len(self.normal_areas), dtype=bool))
+        touching = forces > (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
+        # All is added up as the area in touch is, so that all of it is exactly 1.
+        area = float(self.normal_areas @ np.ones_like(touching))
+        return float(self.normal_areas @ touching) / area
 
     def can_part(self, material: Material, speed: float) -> bool:
         """Whether the soil may pull at the surface by more than the in-situ stress presses.

@@ -30,7 +30,7 @@ from mpm_warp.arguments import POSITIVE, Range, check_number
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.window import MovingGrid, height_of_leaving
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene, refuse_together
@@ -131,7 +131,7 @@ class CyclicWindow(MovingGrid):
             _make_leave_and_return(plan.precision),
             plan.arrays["particle.mass"].shape,
             bottom=float(grid.rows[0]),
-            top=height_of_leaving(scene),
+            top=super().top(scene),
             highest_row=grid.row_count - 1,
         )
         plan.add_launch(

@@ -1,8 +1,7 @@
-"""Free surfaces: cells that soil fills in part.
+"""Free surfaces: cells that soil fills in part, whose stress acts as far as they are filled.
 
-The stress of such a cell acts as far as it is filled (`mpm_warp.step.cell_stress`). The surface of
-the ground in a window that goes down through it is left behind above: it passes. Cells are filled
-in part only near it. In those
+The surface of the ground passes a window that goes down through it, and is left behind above. Only
+near it cells are filled in part. In those
 
 - the stress acts as far as the cell is filled (`mpm_warp.step.cell_stress`),
 - a material point takes a share a of its velocity from the grid as it is, in every step:

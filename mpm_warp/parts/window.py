@@ -39,7 +39,7 @@ class MovingGrid(Part):
 
     @property
     def first_speed(self) -> float:
-        """The greatest speed, that after the first ramp [m/s]."""
+        """The greatest speed: that after the first ramp [m/s]."""
         raise NotImplementedError
 
     def spare_fraction_in(self, grid: Grid) -> float:
@@ -50,8 +50,12 @@ class MovingGrid(Part):
         """Put points into the empty slots, before parts add what points carry; none by default."""
 
     def top(self, scene: Scene) -> float:
-        """Height above which particles leave the grid for good [m]."""
-        raise NotImplementedError
+        """Height above which particles leave the grid [m].
+
+        Half a layer stays above the top, else the mass of the nodes there could vanish.
+        """
+        rows = scene.grid.rows
+        return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / scene.particles_per_side)
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has rows that soil can rise through."""
@@ -91,7 +95,7 @@ class Approach:
 
 @dataclass(frozen=True, kw_only=True)
 class Window(MovingGrid):
-    """The grid moves down through the soil; velocities stay those relative to undisturbed soil.
+    """The grid moves down through the soil.
 
     Whenever the grid has travelled by the height of a layer of particles, a layer of undisturbed
     soil enters the lowest row, into the slots of particles that left above the highest.
@@ -152,12 +156,8 @@ class Window(MovingGrid):
         return self.speed + min(1.0, max(0.0, left)) * (self.approach.speed - self.speed)
 
     def spare_fraction_in(self, grid: Grid) -> float:
-        """Empty slots at the start, over the number of particles that fill a grid."""
+        """See `MovingGrid`."""
         return self.spare_fraction
-
-    def top(self, scene: Scene) -> float:
-        """Height above which particles leave the grid for good [m]."""
-        return height_of_leaving(scene)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
         """Add the launch that moves it on, and what lets soil enter."""
@@ -176,15 +176,6 @@ class Window(MovingGrid):
     def between_steps(self, run: Run, scene: Scene) -> BetweenSteps:
         """What lets soil enter."""
         return Inflow(run, scene, self)
-
-
-def height_of_leaving(scene: Scene) -> float:
-    """Height above which particles leave a grid that travels [m].
-
-    Half a layer stays above the top, else the mass of the nodes there could vanish.
-    """
-    rows = scene.grid.rows
-    return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / scene.particles_per_side)
 
 
 def add_inflow(plan: Plan, scene: Scene) -> None:

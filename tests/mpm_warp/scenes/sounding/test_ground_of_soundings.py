@@ -10,6 +10,7 @@ import pytest
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
@@ -105,8 +106,7 @@ def test_soil_and_springs_that_enter_have_the_stress_of_their_depth(
     assert len(entered) > 0
     np.testing.assert_allclose(entered[:, [0, 3]] - nothing_before[:, [0, 3]], 30e3, rtol=1e-9)
     np.testing.assert_array_equal(entered[:, [1, 2]], nothing_before[:, [1, 2]])
-    ground = soil_scene(runs[0]).surroundings
-    assert ground is not None
+    ground = soil_scene(runs[0])[SurroundingGround]
     held, free = (ground.entering_spring(soil_scene(it), it.travel)[0] for it in runs)
     stretched = -ground.side_areas[0] * 30e3 / ground.spring[0, 0]
     assert held - free == pytest.approx(stretched, rel=1e-9)
