@@ -19,6 +19,8 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
+pytestmark = pytest.mark.slow
+
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
 OF_PROCESSORS = (

@@ -83,17 +83,18 @@ def test_the_size_of_every_scene_is_predicted(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "grid",
+    "make",
     [
-        ConePenetration(apex_angle=150, cells_per_radius=3).build().grid,
-        ConePenetration(apex_angle=30, cells_per_radius=2, cell_growth=1.6).build().grid,
-        CavitySphere().grid(),
-        CircularFooting().grid(),
-        FullFlowCylinder(cells_per_radius=5).grid(),
+        lambda: ConePenetration(apex_angle=150, cells_per_radius=3).build().grid,
+        lambda: ConePenetration(apex_angle=30, cells_per_radius=2, cell_growth=1.6).build().grid,
+        lambda: CavitySphere().grid(),
+        lambda: CircularFooting().grid(),
+        lambda: FullFlowCylinder(cells_per_radius=5).grid(),
     ],
     ids=["flat cone", "sharp cone", "sphere", "disc", "rays"],
 )
-def test_the_shortest_crossing_is_that_of_cells_at_the_surface(grid: Grid) -> None:
+def test_the_shortest_crossing_is_that_of_cells_at_the_surface(make: Callable[[], Grid]) -> None:
+    grid = make()
     assert shortest_crossing(grid) == pytest.approx(grid.cell_lengths.min(), rel=1e-12)
 
 

@@ -17,6 +17,8 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 NOTICED_WITHIN = 500
 BLOCK = 3
 """Cells along the side of a block that is watched for its soil."""
