@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import DeviceRun, Execution
+from mpm_warp.execution.threads import in_turn
 from mpm_warp.parts.window import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -40,6 +41,7 @@ class Simulation:
         compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
     """
 
+    @in_turn
     def __init__(self, scene: object, execution: Execution | None = None) -> None:
         execution = execution or Execution()
         start = time.perf_counter()

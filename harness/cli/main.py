@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
 
 from harness.cli.arguments.command_line import make_parser
@@ -62,6 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "_ARGCOMPLETE" in os.environ:
         importlib.import_module("harness.cli.commands.completion").complete(parser)
     given = sys.argv[1:] if arguments is None else list(arguments)
+    # What a file calls its results may have letters that no font has.
+    warnings.filterwarnings("ignore", message="Glyph .* missing from font")
     with safe_remarks():
         return _exit_code(parser, given)
 

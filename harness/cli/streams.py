@@ -11,10 +11,11 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
 from harness.errors import HarnessError, printable
-from harness.terminal import BAD, GOOD, PLAIN
+from harness.terminal import CODES
 
-OURS = re.compile("(" + "|".join(map(re.escape, (GOOD, BAD, PLAIN, "\n", "\t"))) + ")")
+OURS = CODES | {"\n": "\n", "\t": "\t"}
 """What controls a terminal and is the harness's own: colours, ends of lines, tabs."""
+_OURS = re.compile("(" + "|".join(map(re.escape, OURS)) + ")")
 
 
 def complete_streams() -> None:
@@ -65,10 +66,6 @@ def _escape_letters(stream: TextIO) -> None:
         stream.reconfigure(errors="backslashreplace")
 
 
-def _safe(text: str) -> str:
-    return text if OURS.fullmatch(text) else printable(text)
-
-
 class _Stream:
     """A stream before another one."""
 
@@ -84,7 +81,9 @@ class _Output(_Stream):
 
     def write(self, text: str) -> int:
         try:
-            return self.stream.write("".join(map(_safe, OURS.split(text))))
+            return self.stream.write(
+                "".join(OURS.get(it) or printable(it) for it in _OURS.split(text))
+            )
         except BrokenPipeError:
             raise
         except OSError as error:

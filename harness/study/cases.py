@@ -21,6 +21,7 @@ from harness.study.scene_part import LARGEST_STUDY, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping
+from mpm_warp.scenes import CatalogueScene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +52,11 @@ class Case:
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
 
 
+def most_cases(parts: Sequence[ScenePart], design: Design) -> int:
+    """Number of cases of a study, those that it excludes among them; known at once."""
+    return sum(combination_count(design, it.varied, it.listed) for it in parts)
+
+
 def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Case, ...]:
     """All cases of a study, each once, scene by scene in the order of the design.
 
@@ -66,8 +72,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
         StudyError: a scene does not allow a combination, or none of a Latin hypercube; or there are
             too many cases, or none.
     """
-    count = sum(combination_count(design, part.varied, part.listed) for part in parts)
-    if count > LARGEST_STUDY:
+    if (count := most_cases(parts, design)) > LARGEST_STUDY:
         raise StudyError(f"{where}: gives {count} cases; a study has at most {LARGEST_STUDY}")
     cases: dict[str, Case] = {}
     refusals: dict[str, StudyError] = {}
@@ -109,9 +114,14 @@ def _complete(
     given: dict[str, Value] = {**part.fixed, **values}
     try:
         for name, expression in part.derived.items():
-            value = expression.value(dataclasses.asdict(part.scene(**given)))
+            value = expression.value(_parameters(part.scene(**given)))
             given[name] = rounded(value) if isinstance(value, float) else value
-        return dataclasses.asdict(from_mapping(part.scene, given)), None
+        return _parameters(from_mapping(part.scene, given)), None
     except ParameterError as error:
         defaults = {name: it.default for name, it in part.parameters.items()}
         return {**defaults, **given}, error
+
+
+def _parameters(scene: CatalogueScene) -> dict[str, Value | None]:
+    """The parameters of a scene; `dataclasses.asdict` would copy each of them first."""
+    return {it.name: getattr(scene, it.name) for it in dataclasses.fields(scene)}

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from harness.errors import tell
 from harness.references.cone_factors import ENVELOPE
 from harness.references.experience import EXPERIENCE
+from harness.study.cases import most_cases
 from harness.study.compared import takes_references
 from harness.study.designs import FULL, LATIN_HYPERCUBE, Range
 from harness.study.scene_part import ScenePart
@@ -23,6 +24,9 @@ from harness.study.study import Study
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
+
+MOST_BUILT = 1000
+"""Cases of a study that are made to count them; of more it takes too long to wait for."""
 
 
 def scene_rows(name: str) -> list[str]:
@@ -44,12 +48,13 @@ def _default(definition: Parameter) -> str:
 
 def study_rows(study: Study) -> list[str]:
     """What a study runs, what it varies and fixes, and what it is compared with."""
-    count = len(study.cases)
+    count = most_cases(study.parts, study.design)
+    told = f"{count} at most" if count > MOST_BUILT else f"{len(study.cases)}"
     rows = [
         f"{study.name}: {study.title}",
         "",
         f"{'file':12} {study.source}",
-        f"{'cases':12} {count}, {_DESIGNS.get(study.design.kind, study.design.kind)}",
+        f"{'cases':12} {told}, {_DESIGNS.get(study.design.kind, study.design.kind)}",
     ]
     for part in study.parts:
         rows += [f"{title:12} {text}" for title, text in _of_part(part)]

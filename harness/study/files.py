@@ -13,6 +13,7 @@ parameter `profile` of the scene, a text of one line.
 from __future__ import annotations
 
 import re
+import stat
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -223,17 +224,25 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_file(folder: Path, table: Table) -> str:
+    """The text of a profile's file: a regular one beside the study, or in a folder below."""
     table.allow("file")
+    path = folder / table.text("file", "")
     try:
-        path = folder / table.text("file", "")
-        content = path.read_bytes()[: LARGEST_PROFILE + 1]
-        if len(content) > LARGEST_PROFILE:
+        if not path.resolve().is_relative_to(folder.resolve()):
+            raise table.refuse("file", "must be beside the study, or in a folder below")
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):  # whoever opens a FIFO waits, a device may have no end
+            raise table.refuse("file", "is no ordinary file")
+        if about.st_size > LARGEST_PROFILE:
             raise table.refuse("file", f"has more than {LARGEST_PROFILE} bytes")
-        return content.decode("utf-8-sig")
+        with path.open("rb") as file:
+            return file.read(LARGEST_PROFILE).decode("utf-8-sig")
     except OSError as error:
         raise table.refuse("file", f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise table.refuse("file", f"not UTF-8 at byte {error.start}") from None
+    except ValueError as error:  # a null character in its name
+        raise table.refuse("file", f"cannot be read: {error}") from None
 
 
 def _of_columns(table: Table) -> str:

@@ -17,6 +17,7 @@ from mpm_warp.execution.threads import (
     CHUNKS_PER_THREAD,
     LEFT,
     has_dynamic_chunks,
+    in_turn,
     make_barrier,
     make_claim_chunk,
     share_of,
@@ -181,6 +182,7 @@ class Replay:
         device: name of the device.
     """
 
+    @in_turn
     def __init__(self, plan: Plan, arrays: Mapping[str, Any], device: str) -> None:
         self._plan = plan
         self._arrays = arrays
@@ -192,6 +194,7 @@ class Replay:
         self._graphs: dict[bool, Any] = {}  # on a GPU: of a step, audited or not
         self._commands: dict[Launch, tuple[list[Any], list[Any]]] = {}
 
+    @in_turn
     def launch(self, launch: Launch) -> None:
         """Launch one kernel of the plan, all of it, now."""
         # A batch may have replaced arrays since the last time.
@@ -204,6 +207,7 @@ class Replay:
         for command in commands:
             command.launch()
 
+    @in_turn
     def replay(self, steps: range, threads: int) -> None:
         """Take steps.
 

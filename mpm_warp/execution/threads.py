@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from queue import SimpleQueue
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import warp as wp
 
@@ -26,6 +26,25 @@ PARTS_PER_THREAD = 4
 """Equal parts of what a thread has to do; all are static but the last."""
 CHUNKS_PER_THREAD = 4
 """Dynamic chunks of the last part."""
+
+_WARP = threading.RLock()
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def in_turn(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """The same function, which no two threads of the process are in at the same time.
+
+    What Warp records into a graph is whatever any thread launches meanwhile. So simulations in
+    several threads of one process take turns; in several processes they do not need to.
+    """
+
+    @functools.wraps(function)
+    def alone(*args: Arguments.args, **options: Arguments.kwargs) -> Result:
+        with _WARP:
+            return function(*args, **options)
+
+    return alone
 
 
 @dataclass(frozen=True)

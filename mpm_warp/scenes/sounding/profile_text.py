@@ -77,9 +77,7 @@ def _header(line: str) -> dict[str, float]:
     for cell in line.split(","):
         match = re.fullmatch(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
         if match is None:
-            raise refused(
-                f"header {line!r}: must name columns with units, as in 'depth [m], strength [kPa]'"
-            )
+            raise refused("header: must name columns with units, as in 'depth [m], strength [kPa]'")
         name, unit = match.groups()
         if name not in UNITS:
             raise refused(f"unknown column {name!r}{nearest_name(name, UNITS)}")

@@ -18,7 +18,7 @@ from harness.cli.main import main
 from harness.cli.streams import safe_output
 from harness.errors import LONGEST_LINE
 from harness.study.study import Study
-from harness.terminal import GOOD
+from harness.terminal import CODES, GREEN
 
 pytestmark = pytest.mark.slow
 
@@ -38,8 +38,8 @@ def test_output_has_no_characters_that_control_a_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with safe_output():
-        print("a\x1b[2Jb\u202e\tc", "ä 中", GOOD)
-    assert capsys.readouterr().out == f"a\\x1b[2Jb\\u202e\tc ä 中 {GOOD}\n"
+        print("a\x1b[2Jb\u202e\tc", "ä 中", GREEN, "\x1b[31m")
+    assert capsys.readouterr().out == f"a\\x1b[2Jb\\u202e\tc ä 中 {CODES[GREEN]} \\x1b[31m\n"
 
 
 def test_a_message_in_a_case_file_does_not_control_a_terminal(
@@ -47,7 +47,7 @@ def test_a_message_in_a_case_file_does_not_control_a_terminal(
 ) -> None:
     folder = case_folder(tmp_path, small)
     prepare(folder)
-    write_case(folder, small.cases[0], xr.Dataset(), "failed", "\x1b]0;owned\x07")
+    write_case(folder, small.cases[0], xr.Dataset(), "failed", "\x1b]0;owned\x07 \x1b[31m")
     assert main(["status", str(small.source), "--out", str(tmp_path)]) == 1
     told = capsys.readouterr().out
     assert "\\x1b]0;owned\\x07" in told

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
@@ -142,3 +143,49 @@ def test_what_is_wrong_is_told_in_one_line(write: Write, said: str, message: str
     assert message in str(refusal.value)
     assert str(refusal.value).isprintable()
     assert "site.toml" in str(refusal.value)
+
+
+def device(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def fifo(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def elsewhere(path: Path) -> None:
+    (path.parent.parent / "secret").write_text("root:x:0:0:")
+    path.symlink_to("../secret")
+
+
+def large(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(1 << 40)
+
+
+def secret(path: Path) -> None:
+    path.write_text("root:x:0:0:")
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (device, "must be beside the study, or in a folder below"),
+        (fifo, "is no ordinary file"),
+        (elsewhere, "must be beside the study, or in a folder below"),
+        (large, "has more than 1000000 bytes"),
+        (secret, "must name columns with units"),
+    ],
+)
+def test_nothing_but_a_profile_beside_the_study_is_read(
+    make: Callable[[Path], None], message: str, write: Write, tmp_path: Path
+) -> None:
+    make(tmp_path / "odd.csv")
+    with pytest.raises(StudyError, match=message) as error:
+        load_study(str(write('[profile]\nfile = "odd.csv"\n')))
+    assert "root:x" not in str(error.value)
+
+
+def test_a_profile_in_another_folder_is_not_read(write: Write) -> None:
+    with pytest.raises(StudyError, match="must be beside the study"):
+        load_study(str(write('[profile]\nfile = "/etc/passwd"\n')))

@@ -59,6 +59,28 @@ def test_threads_do_not_change_a_bit(threads: int) -> None:
 
 
 @pytest.mark.usefixtures("all_take_part")
+def test_simulations_in_threads_of_one_process_take_turns() -> None:
+    scene = GravityColumn(cell_count=10)
+    alone = Simulation(scene.build())
+    alone.advance(200)
+    positions = list[Floats]()
+
+    def simulate() -> None:
+        simulation = Simulation(scene.build())
+        for _ in range(20):
+            simulation.advance(10)
+        positions.append(simulation.array("particle.position").copy())
+
+    threads = [threading.Thread(target=simulate) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(positions) == len(threads)
+    for position in positions:
+        np.testing.assert_array_equal(position, alone.array("particle.position"))
+
+
 def test_threads_may_come_and_go_during_a_run() -> None:
     # The same stops, because a run takes whole steps up to each.
     steady = penetrated(Execution(), (1, 1, 1, 1))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from harness.cli.main import main
 from harness.study.files import study_names
-from harness.study.study import load_study
+from harness.study.study import Study, load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -38,3 +40,22 @@ def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFix
 def test_describe_gives_the_unit_of_what_has_no_default(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["describe", "sounding"]) == 0
     assert f"{'layer_top':26} derived [m]" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("excluded", [0, 100])
+def test_a_study_of_very_many_cases_is_described_at_once(
+    excluded: int,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    conditions = [f"rigidity_index > {1000 + it} and density > 1" for it in range(excluded)]
+    path = tmp_path / "many.toml"
+    path.write_text(
+        'title = "t"\nscene = "cone_penetration"\n'
+        f"exclude = {conditions}\n"
+        "[vary]\nrigidity_index = { from = 50, to = 250, count = 99999 }\n"
+    )
+    monkeypatch.setattr(Study, "cases", property(lambda _: pytest.fail("each case was made")))
+    assert main(["describe", str(path)]) == 0
+    assert "cases        99999 at most, all combinations" in capsys.readouterr().out

@@ -50,7 +50,7 @@ def test_columns_that_are_left_out_have_their_defaults() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "header '': must name columns"),
+        ("", "header: must name columns"),
         ("0, 40; 2, 10", "must name columns with units"),
         ("depth, strength [kPa]; 0, 1", "column depth has no unit, must have [m] or [cm] or [mm]"),
         ("depth [m], strength [kg]; 0, 1", "column strength has the unit [kg], must have [Pa]"),
