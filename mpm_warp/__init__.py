@@ -41,6 +41,6 @@ def __dir__() -> list[str]:
 def _public_names() -> dict[str, object]:
     """Those that are listed, and the scenes of the catalogue, listed or not."""
     listed = vars(import_module("mpm_warp.public_names"))
-    scenes = import_module("mpm_warp.scenes.discovery").own_scenes()
+    scenes = import_module("mpm_warp.scenes.catalogue").own_scenes()
     public = {name: value for name, value in listed.items() if not name.startswith("_")}
     return public | {scene.__name__: scene for scene in scenes.values()}

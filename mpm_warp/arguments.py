@@ -45,7 +45,7 @@ class Range:
     def allowed(self) -> str:
         """The bounds in words; "" where there are none."""
         bounds = (">", self.above), (">=", self.minimum), ("<", self.below), ("<=", self.maximum)
-        return " and ".join(f"{sign} {it:g}" for sign, it in bounds if math.isfinite(it))
+        return " and ".join(f"{sign} {bound:g}" for sign, bound in bounds if math.isfinite(bound))
 
 
 FINITE = Range()
@@ -95,7 +95,7 @@ def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
     """
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
-        words = " or ".join("None" if it is type(None) else it.__name__ for it in kinds)
+        words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
         raise SceneError(f"{name} = {_text(value)} must be of type {words}")
 
 
@@ -126,12 +126,13 @@ def check_array(
         raise error(f"{name} = {_text(values)} must be an array of {what}")
     lengths = zip(values.shape, shape, strict=False)
     if values.ndim != len(shape) or any(b is not None and a != b for a, b in lengths):
-        wanted = ", ".join("any" if it is None else str(it) for it in shape)
+        wanted = ", ".join("any" if length is None else str(length) for length in shape)
         raise error(
             f"{name} has shape {values.shape}, must have ({wanted}{',' * (len(shape) < 2)})"
         )
     if values.size and not allowed.holds(values.min(), values.max()):
-        worst = next(it for it in np.ndindex(values.shape) if not allowed.holds(*2 * [values[it]]))
+        places = np.ndindex(values.shape)
+        worst = next(place for place in places if not allowed.holds(values[place], values[place]))
         place = ", ".join(map(str, worst))
         check_number(f"{name}[{place}]", values[worst].item(), allowed, error=error)
 

@@ -157,7 +157,7 @@ def redefined(group: type, name: str, **changes: Any) -> Any:
         name: of the parameter in the group.
         changes: what differs of the arguments of :func:`parameter`.
     """
-    field = {it.name: it for it in dataclasses.fields(group)}[name]
+    field = {field.name: field for field in dataclasses.fields(group)}[name]
     return parameter(**{"default": field.default, **field.metadata, **changes})
 
 

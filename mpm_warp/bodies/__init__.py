@@ -3,4 +3,4 @@
 Each body has a velocity field of its own; soil that fills its grid is the first solver's.
 """
 
-from mpm_warp.bodies import planning as planning  # tells make_plan how bodies are planned
+from mpm_warp.bodies import step as step  # tells make_plan how bodies are planned

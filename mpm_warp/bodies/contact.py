@@ -84,7 +84,7 @@ class BodyContact:
         area = plan.add_zeros(f"{contact}.area", "real", grid.node_count)
         extent = plan.add_zeros(f"{contact}.extent", "vec2", grid.node_count)
         if plan.find("body.half_spacing") is None:  # a contact before this one may have added it
-            half_spacing = np.array([0.5 * it.spacing for it in bodies])
+            half_spacing = np.array([0.5 * body.spacing for body in bodies])
             plan.add_array("body.half_spacing", "real", half_spacing)
         meeting = {"normal": normal, "area": area, "extent": extent}
         plan.add_launch(interface, over_nodes, **pair, node_counts=node_counts, **meeting)

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.arguments import POSITIVE, check_kind, check_number
-from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.body import Body, Load
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
-from mpm_warp.bodies.loads import Load
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 

@@ -1,20 +1,37 @@
-"""What a scene of the catalogue is: it can be named, parametrised, verified and run."""
+"""What a scene of the catalogue is, and which scenes there are: those of this package, and others.
+
+A scene can be named, parametrised, verified and run. It is a subclass of `CatalogueScene` without
+abstract methods, in any module below `mpm_warp.scenes`. Its name is that of the class in small
+letters, with underscores between the words: `ConePenetration` is "cone_penetration". A new scene is
+one new file and nothing else.
+
+Other packages offer scenes by the entry point group `mpm_warp.scenes`, in their pyproject.toml:
+
+    [project.entry-points."mpm_warp.scenes"]
+    pile_driving = "their_package.pile_driving:PileDriving"
+"""
 
 from __future__ import annotations
 
+import functools
+import importlib
+import inspect
+import pkgutil
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any, ClassVar
 
 import xarray as xr
 from tqdm import tqdm
 
-from mpm_warp.errors import SceneError
+from mpm_warp.errors import SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parameters import Value, check_parameters
+from mpm_warp.parameters import Value, check_parameters, nearest_name
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import parameter_variables
@@ -189,3 +206,94 @@ def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]
             bar.update(fraction - bar.n)
 
         yield show
+
+
+GROUP = "mpm_warp.scenes"
+"""Group of the entry points by which other packages offer scenes."""
+
+Offered = type[CatalogueScene] | EntryPoint
+"""A scene of this package, or where to find one of another."""
+
+
+def scene_names() -> tuple[str, ...]:
+    """Names of all scenes, sorted.
+
+    Raises:
+        UnknownSceneError: two scenes have the same name.
+    """
+    return tuple(sorted(_all_scenes()))
+
+
+def scene_class(name: str) -> type[CatalogueScene]:
+    """The class of the scene of that name.
+
+    Raises:
+        UnknownSceneError: there is none, and the message names the nearest one; or two scenes have
+            the same name; or the entry point of the scene gives none.
+    """
+    scenes = _all_scenes()
+    if name not in scenes:
+        raise UnknownSceneError(f"unknown scene {name!r}{nearest_name(name, scenes)}")
+    scene = scenes[name]
+    return _loaded(scene) if isinstance(scene, EntryPoint) else scene
+
+
+@functools.cache
+def _all_scenes() -> Mapping[str, Offered]:
+    """All scenes, by name; looked for once, because that opens a file of each installed package."""
+    others = [(offered.name, offered) for offered in entry_points(group=GROUP)]
+    return _by_name([*own_scenes().items(), *others])
+
+
+@functools.cache
+def own_scenes() -> Mapping[str, Offered]:
+    """The scenes of this package, by name."""
+    names = pkgutil.walk_packages([str(Path(__file__).parent)], f"{__package__}.")
+    modules = [importlib.import_module(module.name) for module in names]
+    return _by_name(
+        (found.catalogue_name(), found)
+        for module in modules
+        for found in vars(module).values()
+        if _is_scene(found) and found.__module__ == module.__name__
+    )
+
+
+def _by_name(offered: Iterable[tuple[str, Offered]]) -> Mapping[str, Offered]:
+    scenes: dict[str, Offered] = {}
+    for name, scene in offered:
+        if name in scenes:
+            raise UnknownSceneError(
+                f"two scenes are called {name!r}: {_origin(scenes[name])} and {_origin(scene)}; "
+                "rename one of them"
+            )
+        scenes[name] = scene
+    return scenes
+
+
+def _is_scene(found: object) -> bool:
+    is_class = isinstance(found, type) and issubclass(found, CatalogueScene)
+    return is_class and not inspect.isabstract(found)
+
+
+def _origin(scene: Offered) -> str:
+    if isinstance(scene, EntryPoint):
+        package = "an unknown package" if scene.dist is None else scene.dist.name
+        return f"the entry point {scene.value!r} of {package}"
+    return f"{scene.__module__}.{scene.__qualname__}"
+
+
+def _loaded(entry_point: EntryPoint) -> type[CatalogueScene]:
+    """The class of an entry point.
+
+    Raises:
+        UnknownSceneError: it cannot be loaded, or is not a scene.
+    """
+    where = f"scene {entry_point.name!r}: {_origin(entry_point)}"
+    try:
+        scene: type[CatalogueScene] = entry_point.load()
+    except Exception as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise UnknownSceneError(f"{where} cannot be loaded: {reason}") from error
+    if not _is_scene(scene):
+        raise UnknownSceneError(f"{where} is not a CatalogueScene without abstract methods")
+    return scene

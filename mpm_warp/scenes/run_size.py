@@ -69,8 +69,8 @@ def of_several(sizes: Sequence[RunSize]) -> RunSize:
 
     It has the memory of the largest, and the steps that this one would do in the time of all.
     """
-    largest = max(sizes, key=lambda it: it.byte_count)
-    updates = sum(it.particle_updates for it in sizes)
+    largest = max(sizes, key=lambda size: size.byte_count)
+    updates = sum(size.particle_updates for size in sizes)
     return replace(largest, step_count=updates / largest.particle_count)
 
 

@@ -91,7 +91,9 @@ def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
             simulation.launch(launch)
             wp.synchronize()
             seconds[place] += time.perf_counter() - start
-    return {it.name: float(taken) / step_count for it, taken in zip(step, seconds, strict=True)}
+    return {
+        launch.name: float(taken) / step_count for launch, taken in zip(step, seconds, strict=True)
+    }
 
 
 @dataclass(frozen=True, kw_only=True)

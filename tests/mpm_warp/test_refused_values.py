@@ -18,7 +18,7 @@ import pytest
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
-from mpm_warp.bodies.loads import Load
+from mpm_warp.bodies.body import Load
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid, GroundGrid, graded

@@ -101,7 +101,9 @@ class SlidingCurves:
     @property
     def _recorded(self) -> Recorded:
         mass = self._block.mass
-        values = {name: np.array([it[name] for it in self._samples]) for name in self._samples[0]}
+        values = {
+            name: np.array([sample[name] for sample in self._samples]) for name in self._samples[0]
+        }
         change = {name: value - value[0] for name, value in values.items()}
         time = values["time"]
         moved = np.diff(values["position"], axis=0)
@@ -134,7 +136,7 @@ class SlidingCurves:
     @property
     def _since(self) -> Floats:
         """Times since the beginning of the drive [s], shape [sample_count]."""
-        return np.array([it["time"] for it in self._samples]) - self._start
+        return np.array([sample["time"] for sample in self._samples]) - self._start
 
     def dataset(self) -> xr.Dataset:
         """The computed curves so far."""

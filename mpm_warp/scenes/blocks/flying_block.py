@@ -174,7 +174,7 @@ class FreeFlight:
 
     def dataset(self) -> xr.Dataset:
         """The changes so far, over the time as a share of the duration."""
-        momentum, spin, distance = (np.array(it) for it in zip(*self._samples, strict=True))
+        momentum, spin, distance = map(np.array, zip(*self._samples, strict=True))
         shape = np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max()
         drift = np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0])
         return curves(

@@ -9,9 +9,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.bodies.body import Body, InterfaceFrame
+from mpm_warp.bodies.body import Body, InterfaceFrame, Load
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.loads import Load
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.linear_elastic import LinearElastic
 from mpm_warp.sampling import follow

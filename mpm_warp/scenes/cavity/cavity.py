@@ -170,7 +170,7 @@ class Cavity(ClayScene):
         grid, exact, wall_area = soil_scene(simulation).grid, self.exact, self.wall_area
         curve = PressureCurve(simulation, exact, lambda radius: wall_area(grid, radius))
         duration = self.duration(self.wall)
-        moments = [duration * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
+        moments = [duration * number / SAMPLE_COUNT for number in range(1, SAMPLE_COUNT + 1)]
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
         error = variable(

@@ -120,8 +120,8 @@ class ExactCavity:
         if self._changes:
             rest = distance**m - 1.0 + expansion ** -float(m)
             strains = np.log(distance**m / rest)
-            radial = np.array([self._radial_stress(it, expansion) for it in strains.tolist()])
-            mean: Floats = radial - self.factor * self._shear_stress(strains, expansion)
+            radial = [self._radial_stress(strain, expansion) for strain in strains.tolist()]
+            mean: Floats = np.array(radial) - self.factor * self._shear_stress(strains, expansion)
             return mean
         local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
         shear = np.minimum(self._index * m * np.log(local), 1.0)

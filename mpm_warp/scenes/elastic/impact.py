@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-import scipy  # loads what finds roots where it is first used: no other scene waits for it
+import scipy  # loads its solvers where one is first used: no other scene waits for them
 import xarray as xr
 
 from mpm_warp.bodies.body import InterfaceFrame

@@ -9,9 +9,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.body import Body, Load
 from mpm_warp.bodies.grid import UniformGrid
-from mpm_warp.bodies.loads import Load
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic

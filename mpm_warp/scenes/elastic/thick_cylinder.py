@@ -216,7 +216,9 @@ def _wall_displacement(grid: Grid, before: Floats, after: Floats) -> float:
         before: positions of the particles at the start [m], shape [particle_count, 2].
         after: the same at rest.
     """
-    distance, now = (np.hypot(*it.T) if grid.polar else it[:, 0] for it in (before, after))
+    distance, now = (
+        np.hypot(*position.T) if grid.polar else position[:, 0] for position in (before, after)
+    )
     rings = distance.reshape(2 * grid.row_count, -1)[:, :2]
     change = (now - distance).reshape(2 * grid.row_count, -1)[:, :2]
     slope = (change[:, 1] - change[:, 0]) / (rings[:, 1] - rings[:, 0])

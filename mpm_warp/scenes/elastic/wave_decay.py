@@ -60,8 +60,8 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     # At the right and at the upper nodes of a cell +, else -: X and Y of the correction.
     across, up = np.array([-1.0, 1.0, -1.0, 1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
     part = (1.0 - scene.particles_per_side**-2.0) / 24.0 * material.density * grid.cell_volumes
-    differences = [_by_cell(grid, np.tile(it, (grid.cell_count, 1))) for it in (across, up)]
-    correction = sum(it.T @ scipy.sparse.diags_array(part) @ it for it in differences)
+    differences = [_by_cell(grid, np.tile(sign, (grid.cell_count, 1))) for sign in (across, up)]
+    correction = sum(of.T @ scipy.sparse.diags_array(part) @ of for of in differences)
     pulls = [_by_cell(grid, grid.gradient_integrals[..., axis]) for axis in (1, 0)]
 
     before_by_particles = (
@@ -71,10 +71,11 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
         scipy.sparse.diags_array(1.0 / np.maximum(mass, 2.0 * least_mass)) @ correction
     )
     gain = scipy.sparse.diags_array(time_step / np.maximum(mass, least_mass))
-    before = [before_by_particles, before_by_nodes, *(0.0 * it.T for it in pulls)]
+    before = [before_by_particles, before_by_nodes, *(0.0 * pull.T for pull in pulls)]
     held = scipy.sparse.diags_array(free)
     after = [
-        held @ it for it in (before_by_particles, before_by_nodes, *(-gain @ it.T for it in pulls))
+        held @ part
+        for part in (before_by_particles, before_by_nodes, *(-gain @ pull.T for pull in pulls))
     ]
     constrained = material.bulk_modulus + 4.0 / 3.0 * material.shear_modulus
     stressing = [
@@ -84,14 +85,14 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     rows = [
         [share.T @ (new - old) for new, old in zip(after, before, strict=True)],
         after,
-        *([it @ new for new in after] for it in stressing),
+        *([stress @ new for new in after] for stress in stressing),
     ]
-    kept = [len(particle_mass), 0, grid.cell_count, grid.cell_count]
+    points, cells = (
+        scipy.sparse.eye_array(len(particle_mass)),
+        scipy.sparse.eye_array(grid.cell_count),
+    )
     unchanged = scipy.sparse.block_diag(
-        [
-            scipy.sparse.eye_array(it) if it else scipy.sparse.csc_array((grid.node_count,) * 2)
-            for it in kept
-        ]
+        [points, scipy.sparse.csc_array((grid.node_count,) * 2), cells, cells]
     )
     return scipy.sparse.csc_array(scipy.sparse.block_array(rows) + unchanged, dtype=complex)
 

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.body import InterfaceFrame
+from mpm_warp.bodies.body import InterfaceFrame, Load
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.loads import Load
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.linear_elastic import LinearElastic

@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.body import Body
+from mpm_warp.bodies.body import Body, Load
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
-from mpm_warp.bodies.loads import Load
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.materials.linear_elastic import LinearElastic

@@ -15,7 +15,7 @@ import xarray as xr
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import Value, parameter, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
-from mpm_warp.scenes import CatalogueScene, Progress, discovery, scene_class, scene_names
+from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.simulation import Simulation
@@ -167,9 +167,9 @@ def offer(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """Entry points, as if packages that offer them were installed."""
 
     def offered(**values: str) -> None:
-        points = [EntryPoint(name, value, discovery.GROUP) for name, value in values.items()]
-        monkeypatch.setattr(discovery, "entry_points", lambda group: points)
-        monkeypatch.setattr(discovery, "_all_scenes", discovery._all_scenes.__wrapped__)
+        points = [EntryPoint(name, value, catalogue.GROUP) for name, value in values.items()]
+        monkeypatch.setattr(catalogue, "entry_points", lambda group: points)
+        monkeypatch.setattr(catalogue, "_all_scenes", catalogue._all_scenes.__wrapped__)
         monkeypatch.setattr("mpm_warp.HalfColumn", HalfColumn, raising=False)
 
     return offered
@@ -188,7 +188,7 @@ def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None])
 def test_packages_are_asked_for_scenes_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """That opens a file of each installed package; a command asks for names a thousand times."""
     scene_names()
-    monkeypatch.setattr(discovery, "entry_points", lambda group: pytest.fail("asked again"))
+    monkeypatch.setattr(catalogue, "entry_points", lambda group: pytest.fail("asked again"))
     scene_names()
     assert scene_class("gravity_column") is GravityColumn
 

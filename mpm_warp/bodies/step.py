@@ -1,4 +1,4 @@
-"""From particles to the nodes of the field of their body, and back: two transfers of a step.
+"""The step of bodies: from particles to the nodes of the field of their body, contact, and back.
 
 Each body has a velocity field of its own, as if it were alone. Symbols: m mass, V volume, v
 velocity, B affine velocity, sigma stress (xx, yy, xy, zz), f_p load, d_i = x_i - x offset of node
@@ -22,6 +22,8 @@ and back, after contact, L the velocity gradient (xx, xy, yx, yy, zz):
     W <- W + dt V sigma_v : L                        what it has dissipated
 
 The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans. Graph. 34(4):51).
+
+Arrays over "field" have a row for each body and a column for each node.
 """
 
 import functools
@@ -30,7 +32,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.bodies.body import Body
+from mpm_warp.arguments import FROM_ONE, check_whole
+from mpm_warp.bodies.body import Body, add_clock, add_loads, add_particles
+from mpm_warp.bodies.contact import add_clear_surfaces
 from mpm_warp.bodies.grid import (
     UniformGrid,
     first_node,
@@ -52,11 +56,53 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_increment
 from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.time_step import TimeStepControl
+from mpm_warp.planning import make_plan
 from mpm_warp.precision import FLOAT64
 
 four = wp.constant(real(4.0))
 elastic_trial = make_elastic_trial(FLOAT64)
 stress_increment = make_stress_increment(FLOAT64)
+
+
+@make_plan.register
+def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | None = None) -> Plan:
+    """The plan of a run of `scene`, complete.
+
+    Args:
+        scene: what to run.
+        share_count: not used: no launch over bodies is split into shares.
+        time_step: length of a step [s], > 0; default: the scene's fraction of the critical one.
+    """
+    check_whole("share_count", share_count, FROM_ONE)
+    critical_time_step = scene.critical_time_step()
+    if time_step is None:
+        time_step = scene.time_step_fraction * critical_time_step
+    plan = Plan(
+        precision=FLOAT64,
+        time_step=time_step,
+        longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
+        speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),
+        particle_bounds=scene.grid.particle_bounds,
+        control=TimeStepControl(
+            first=scene.time_step_fraction * critical_time_step,
+            fraction=scene.time_step_fraction,
+            critical=lambda array: scene.critical_time_step(array("particle.volume")),
+        ),
+        remedy="try a smaller time_step_fraction, or a wider grid where a body has left it",
+    )
+    add_particles(plan, scene.bodies)
+    if scene.loads:
+        add_loads(plan, scene.loads)
+    add_body_to_grid(plan, scene)
+    for index, contact in enumerate(scene.contacts):
+        contact.add_to(plan, index, scene.bodies, scene.grid)
+    if scene.contacts:
+        add_clear_surfaces(plan)
+    add_grid_to_body(plan, scene)
+    if scene.loads:
+        add_clock(plan)
+    return plan
 
 
 def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
@@ -195,7 +241,7 @@ def body_prediction(
 def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
     """Add the motion and the stress of particles, after the velocities of the nodes are final."""
     materials = [body.material for body in scene.bodies]
-    moduli = np.array([(it.shear_modulus, it.bulk_modulus) for it in materials])
+    moduli = np.array([(elastic.shear_modulus, elastic.bulk_modulus) for elastic in materials])
     plan.add_array("body.moduli", "vec2", moduli)
     retardation, viscous_stress, dissipated = None, None, None
     if scene.is_damped:
