@@ -220,7 +220,7 @@ def test_two_scenes_of_one_name_are_refused(offer: Callable[..., None]) -> None:
     with pytest.raises(UnknownSceneError) as refusal:
         scene_names()
     assert str(refusal.value) == (
-        "two scenes are called 'gravity_column': mpm_warp.scenes.elastic.gravity_column."
+        "two scenes are called 'gravity_column': mpm_warp.scenes.elastic.columns."
         "GravityColumn and the entry point 'mpm_warp:HalfColumn' of an unknown package; rename one "
         "of them"
     )
