@@ -129,9 +129,9 @@ class Parameter:
 
 def parameter(
     default: Value | None,
-    *,
-    unit: str,
     meaning: str,
+    *,
+    unit: str = "1",
     minimum: float | None = None,
     maximum: float | None = None,
     above: float | None = None,

@@ -34,7 +34,7 @@ PARAMETER_SUFFIX = "_parameter"
 def variable(
     value: ArrayLike,
     *,
-    unit: str,
+    unit: str = "1",
     meaning: str,
     description: str | None = None,
     dims: tuple[str, ...] = (),
@@ -46,7 +46,7 @@ def variable(
 
     Args:
         value: a number or a text, or numbers over `dims`.
-        unit: SI unit, "1" for a dimensionless number.
+        unit: SI unit; "1" for a dimensionless number.
         meaning: a few words, fit for the axis of a picture.
         description: how the value came about, where that needs saying.
         dims: names of the dimensions.

@@ -25,30 +25,27 @@ class ChangingStrength:
 
     rate_factor: float = parameter(
         0.0,
-        unit="1",
-        meaning="rate factor mu: what a log cycle of strain rate above the reference adds to su, "
+        "rate factor mu: what a log cycle of strain rate above the reference adds to su, "
         "over it; usual: 0.05 to 0.2",
         minimum=0,
         maximum=1,
     )
     reference_strain_rate: float | None = parameter(
         None,
+        "shear strain rate at which su holds, in real time; to be given with a rate_factor",
         unit="s-1",
-        meaning="shear strain rate at which su holds, in real time; to be given with a rate_factor",
         minimum=1e-12,
         maximum=1e6,
     )
     remoulded_strength_ratio: float = parameter(
         1.0,
-        unit="1",
-        meaning="strength of remoulded over that of intact clay, 1 / sensitivity; 1: no softening",
+        "strength of remoulded over that of intact clay, 1 / sensitivity; 1: no softening",
         above=0,
         maximum=1,
     )
     ductility: float | None = parameter(
         None,
-        unit="1",
-        meaning="plastic shear strain xi_95 at which 95 % of the loss of strength is done, usual: "
+        "plastic shear strain xi_95 at which 95 % of the loss of strength is done, usual: "
         "10 to 50; to be given with a remoulded_strength_ratio",
         above=0,
         maximum=1e6,
@@ -70,18 +67,13 @@ class ClayScene(ChangingStrength, CatalogueScene):
             steeply.
     """
 
-    rigidity_index: float = parameter(
-        100.0, unit="1", meaning="rigidity index G/su", minimum=2, maximum=5000
-    )
+    rigidity_index: float = parameter(100.0, "rigidity index G/su", minimum=2, maximum=5000)
     material: str = parameter(
         "tresca",
-        unit="1",
-        meaning="yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
+        "yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
         choices=tuple(CRITERIA),
     )
-    poissons_ratio: float = parameter(
-        0.49, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.4999
-    )
+    poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -144,20 +136,16 @@ class FieldClayScene(ClayScene):
     """A scene in clay whose strength is given in pascals, penetrated at a real speed."""
 
     undrained_shear_strength: float = parameter(
-        20e3,
-        unit="Pa",
-        meaning="undrained shear strength su in pure shear",
-        minimum=1e-3,
-        maximum=1e9,
+        20e3, "undrained shear strength su in pure shear", unit="Pa", minimum=1e-3, maximum=1e9
     )
     density: float = parameter(
-        1700.0, unit="kg m-3", meaning="density of the clay", minimum=1e-3, maximum=1e9
+        1700.0, "density of the clay", unit="kg m-3", minimum=1e-3, maximum=1e9
     )
     penetration_speed: float = parameter(
         0.02,
-        unit="m s-1",
-        meaning="speed of the real penetration, which strain rates are of; the run has its own, "
+        "speed of the real penetration, which strain rates are of; the run has its own, "
         "speed_ratio",
+        unit="m s-1",
         minimum=1e-9,
         maximum=1e3,
     )

@@ -108,24 +108,17 @@ class StepCost(CatalogueScene):
     version: ClassVar[int] = 7
     runs_alone: ClassVar[bool] = True
 
-    size: int = parameter(
-        5000, unit="1", meaning="material points, about", minimum=500, maximum=10_000_000
-    )
+    size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
     physics: str = parameter(
         "cone",
-        unit="1",
-        meaning="all of a cone penetration, or soil alone: plastic (Tresca), or elastic",
+        "all of a cone penetration, or soil alone: plastic (Tresca), or elastic",
         choices=("cone", "plastic", "elastic"),
     )
-    threads: int = parameter(1, unit="1", meaning="threads of the processor", choices=THREAD_COUNTS)
-    cases: int = parameter(
-        1, unit="1", meaning="cases that are computed together", minimum=1, maximum=10_000
-    )
+    threads: int = parameter(1, "threads of the processor", choices=THREAD_COUNTS)
+    cases: int = parameter(1, "cases that are computed together", minimum=1, maximum=10_000)
     precision: str = redefined(ConePenetration, "precision")
-    samples: int = parameter(7, unit="1", meaning="timed samples", minimum=1, maximum=1000)
-    sample_time: float = parameter(
-        0.3, unit="s", meaning="time of a sample, about", above=0, maximum=100
-    )
+    samples: int = parameter(7, "timed samples", minimum=1, maximum=1000)
+    sample_time: float = parameter(0.3, "time of a sample, about", unit="s", above=0, maximum=100)
 
     def cone(self) -> ConePenetration:
         """The cone penetration of the size, or of the nearest found that grids can have."""
@@ -229,7 +222,6 @@ class StepCost(CatalogueScene):
         if gains:
             result["thread_gain"] = variable(
                 float(np.median(gains)),
-                unit="1",
                 meaning="times as fast as on one thread",
                 description="each sample beside one of one thread right after it; median",
             )

@@ -60,17 +60,13 @@ class Bearing(CatalogueScene):
         "speed_ratio",
     )
 
-    cells_per_radius: int = parameter(
-        8, unit="1", meaning="cells per radius of the body", minimum=1, maximum=40
-    )
-    rigidity_index: float = parameter(
-        10_000.0, unit="1", meaning="rigidity index G/su", minimum=100, maximum=1e6
-    )
+    cells_per_radius: int = parameter(8, "cells per radius of the body", minimum=1, maximum=40)
+    rigidity_index: float = parameter(10_000.0, "rigidity index G/su", minimum=100, maximum=1e6)
     displacement: float = parameter(
-        30.0, unit="1", meaning="displacement over radius times G/su", above=0, maximum=300
+        30.0, "displacement over radius times G/su", above=0, maximum=300
     )
     speed_ratio: float = parameter(
-        0.2, unit="1", meaning="speed over shear wave speed times G/su", above=0, maximum=10
+        0.2, "speed over shear wave speed times G/su", above=0, maximum=10
     )
 
     @property

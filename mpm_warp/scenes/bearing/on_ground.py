@@ -41,8 +41,7 @@ class OnGround(Bearing):
 
     strength_gradient_ratio: float = parameter(
         0.0,
-        unit="1",
-        meaning="growth of strength with depth, k R / su0, su0 the strength su at the surface",
+        "growth of strength with depth, k R / su0, su0 the strength su at the surface",
         minimum=0,
         maximum=10,
     )
@@ -117,9 +116,7 @@ class Footing(OnGround):
         for adhesion_factor in (0.0, 1.0)
     )
 
-    adhesion_factor: float = parameter(
-        0.0, unit="1", meaning="adhesion factor of the footing", choices=(0.0, 1.0)
-    )
+    adhesion_factor: float = parameter(0.0, "adhesion factor of the footing", choices=(0.0, 1.0))
 
     @property
     def slip_lines(self) -> SlipLines | None:

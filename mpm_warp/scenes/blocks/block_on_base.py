@@ -90,93 +90,68 @@ class BlockOnBase(CatalogueScene):
     block sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
     """
 
-    friction: float = parameter(
-        0.3, unit="1", meaning="friction coefficient of the interface", minimum=0, maximum=10
-    )
-    adhesion: float = parameter(500.0, unit="Pa", meaning="adhesion of the interface", minimum=0)
-    slope: float = parameter(
-        30.0, unit="degree", meaning="slope of the interface", minimum=0, below=90
-    )
-    gravity: float = parameter(9.81, unit="m s-2", meaning="gravity", minimum=0)
+    friction: float = parameter(0.3, "friction coefficient of the interface", minimum=0, maximum=10)
+    adhesion: float = parameter(500.0, "adhesion of the interface", unit="Pa", minimum=0)
+    slope: float = parameter(30.0, "slope of the interface", unit="degree", minimum=0, below=90)
+    gravity: float = parameter(9.81, "gravity", unit="m s-2", minimum=0)
     normal_pressure: float = parameter(
-        0.0, unit="Pa", meaning="normal pressure on the block beside gravity", minimum=0
+        0.0, "normal pressure on the block beside gravity", unit="Pa", minimum=0
     )
     drive: float = parameter(
-        0.0, unit="Pa", meaning="driving force beside gravity per area of the interface", minimum=0
+        0.0, "driving force beside gravity per area of the interface", unit="Pa", minimum=0
     )
     driving: str = parameter(
         "constant",
-        unit="1",
-        meaning="how the driving forces, gravity's included, rise: to a constant value in ten "
+        "how the driving forces, gravity's included, rise: to a constant value in ten "
         "crossing times of a wave, or, where the block slides, ramped until the end",
         choices=("constant", "ramped"),
     )
     grid_angle: float = parameter(
-        0.0, unit="degree", meaning="angle between interface and grid", minimum=-180, maximum=180
+        0.0, "angle between interface and grid", unit="degree", minimum=-180, maximum=180
     )
     grid_offset: float = parameter(
-        0.0,
-        unit="1",
-        meaning="offset to the grid along both axes over cell size",
-        minimum=0,
-        below=1,
+        0.0, "offset to the grid along both axes over cell size", minimum=0, below=1
     )
     interface_radius: float | None = parameter(
         None,
+        "radius of the interface of a ring in a sleeve (default: plane strain)",
         unit="m",
-        meaning="radius of the interface of a ring in a sleeve (default: plane strain)",
         above=0,
     )
-    length: float = parameter(1.0, unit="m", meaning="length of the block", above=0, maximum=1e6)
+    length: float = parameter(1.0, "length of the block", unit="m", above=0, maximum=1e6)
     height_ratio: float = parameter(
-        0.3, unit="1", meaning="height of the block over its length", minimum=0.1, maximum=2
+        0.3, "height of the block over its length", minimum=0.1, maximum=2
     )
     shear_modulus: float = parameter(
-        4e6, unit="Pa", meaning="shear modulus of the softer of block and base", above=0
+        4e6, "shear modulus of the softer of block and base", unit="Pa", above=0
     )
     stiffness_ratio: float | None = parameter(
         None,
-        unit="1",
-        meaning="stiffness of the base over that of the block (default: rigid base)",
+        "stiffness of the base over that of the block (default: rigid base)",
         minimum=1e-6,
         maximum=1e6,
     )
-    poissons_ratio: float = parameter(
-        0.3, unit="1", meaning="Poisson's ratio", minimum=0, maximum=0.45
-    )
-    density: float = parameter(2000.0, unit="kg m-3", meaning="density of the block", above=0)
-    mass_scale: float = parameter(
-        1.0, unit="1", meaning="factor on all masses but not on gravity's force", above=0
-    )
-    travel: float = parameter(
-        0.4, unit="1", meaning="distance to slide over length", above=0, maximum=5
-    )
+    poissons_ratio: float = parameter(0.3, "Poisson's ratio", minimum=0, maximum=0.45)
+    density: float = parameter(2000.0, "density of the block", unit="kg m-3", above=0)
+    mass_scale: float = parameter(1.0, "factor on all masses but not on gravity's force", above=0)
+    travel: float = parameter(0.4, "distance to slide over length", above=0, maximum=5)
     rest_time: float = parameter(
         None,
-        unit="s",
-        meaning="time for which a block that sticks is watched, once at rest (default: that in "
+        "time for which a block that sticks is watched, once at rest (default: that in "
         "which it would slide its own length without friction and adhesion)",
+        unit="s",
         above=0,
     )
     damping_ratio: float = parameter(
         0.05,
-        unit="1",
-        meaning="share of critical damping of the block's slowest shear wave; 0 for none",
+        "share of critical damping of the block's slowest shear wave; 0 for none",
         minimum=0,
         maximum=2,
     )
-    cells_per_length: int = parameter(
-        10, unit="1", meaning="cells along the block", minimum=4, maximum=400
-    )
-    particles_per_cell: int = parameter(
-        4, unit="1", meaning="material points per cell", choices=(4, 9, 16)
-    )
+    cells_per_length: int = parameter(10, "cells along the block", minimum=4, maximum=400)
+    particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16))
     time_step_fraction: float = parameter(
-        0.6,
-        unit="1",
-        meaning="time step over that in which a wave crosses a cell",
-        above=0,
-        maximum=1,
+        0.6, "time step over that in which a wave crosses a cell", above=0, maximum=1
     )
 
     def __post_init__(self) -> None:

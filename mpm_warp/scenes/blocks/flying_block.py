@@ -50,21 +50,13 @@ class FlyingBlock(CatalogueScene):
         ),
     )
 
-    cells_per_side: int = parameter(
-        4, unit="1", meaning="cells along a side of the block", minimum=2, maximum=100
-    )
+    cells_per_side: int = parameter(4, "cells along a side of the block", minimum=2, maximum=100)
     step_count: int = parameter(
-        10_000, unit="1", meaning="time steps of the flight", minimum=100, maximum=100_000_000
+        10_000, "time steps of the flight", minimum=100, maximum=100_000_000
     )
-    travel: float = parameter(
-        10.0, unit="1", meaning="distance of the flight over side", above=0, maximum=100
-    )
+    travel: float = parameter(10.0, "distance of the flight over side", above=0, maximum=100)
     rim_speed: float = parameter(
-        0.01,
-        unit="1",
-        meaning="angular velocity times side, over the speed of shear waves",
-        above=0,
-        maximum=0.1,
+        0.01, "angular velocity times side, over the speed of shear waves", above=0, maximum=0.1
     )
 
     @property
@@ -117,7 +109,6 @@ class FlyingBlock(CatalogueScene):
         greatest = {
             name: variable(
                 float(recorded[curve].max()),
-                unit="1",
                 meaning=f"{recorded[curve].attrs['long_name']}, at most",
                 role="headline" if name == "error" else "error",
             )
@@ -128,7 +119,7 @@ class FlyingBlock(CatalogueScene):
             )
         }
         turns = variable(
-            self._angular_velocity * simulation.time / (2.0 * math.pi), unit="1", meaning="turns"
+            self._angular_velocity * simulation.time / (2.0 * math.pi), meaning="turns"
         )
         return recorded.assign(greatest).assign(turns=turns)
 

@@ -55,26 +55,20 @@ class Cavity(ClayScene):
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.495, minimum=0.4)
     expansion_rate: float = parameter(
         1.0,
+        "real speed of the wall over the radius at the start, which strain rates are of",
         unit="s-1",
-        meaning="real speed of the wall over the radius at the start, which strain rates are of",
         minimum=1e-12,
         maximum=1e6,
     )
     expansion: float = parameter(
-        4.0, unit="1", meaning="final over initial radius of the cavity", minimum=1.1, maximum=10
+        4.0, "final over initial radius of the cavity", minimum=1.1, maximum=10
     )
     cells_per_radius: int = parameter(
-        8, unit="1", meaning="cells per initial radius at the wall", minimum=1, maximum=40
+        8, "cells per initial radius at the wall", minimum=1, maximum=40
     )
-    particles_per_cell: int = parameter(
-        4, unit="1", meaning="material points per cell", choices=(1, 4, 9, 16, 25)
-    )
+    particles_per_cell: int = parameter(4, "material points per cell", choices=(1, 4, 9, 16, 25))
     speed_ratio: float = parameter(
-        0.03,
-        unit="1",
-        meaning="speed of the wall over sqrt(su / density)",
-        minimum=1e-3,
-        maximum=0.3,
+        0.03, "speed of the wall over sqrt(su / density)", minimum=1e-3, maximum=0.3
     )
 
     @abstractmethod
@@ -175,7 +169,6 @@ class Cavity(ClayScene):
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
         error = variable(
             float(np.abs(difference.values).max()) / exact.limit(self.expansion),
-            unit="1",
             meaning="error of the cavity pressure",
             description="greatest difference over the whole curve, over the limit pressure, "
             "or the exact one at the end where the strength changes",
@@ -277,7 +270,6 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity) -> xr.Data
     )
     error = variable(
         np.abs(pressure - expected).max() / expected.max(),
-        unit="1",
         meaning="error of the excess pore pressure",
         description="greatest difference over the whole profile, over the exact one in the "
         "innermost cell",

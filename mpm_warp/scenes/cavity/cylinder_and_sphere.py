@@ -192,7 +192,6 @@ class CavitySphere(Cavity):
         return {
             "departure": variable(
                 float(np.ptp(pressure) / pressure.mean()),
-                unit="1",
                 meaning="departure from a sphere",
                 description="range of the pressure over the wall at the end, over its mean",
             )

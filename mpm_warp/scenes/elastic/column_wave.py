@@ -77,17 +77,10 @@ class ElasticColumnWave(CatalogueScene):
     )
 
     excitation: str = parameter(
-        "standing_wave",
-        unit="1",
-        meaning="what moves the column",
-        choices=("sudden_load", "standing_wave"),
+        "standing_wave", "what moves the column", choices=("sudden_load", "standing_wave")
     )
-    cell_count: int = parameter(
-        40, unit="1", meaning="cells along the height", minimum=4, maximum=1000
-    )
-    period_count: int = parameter(
-        10, unit="1", meaning="periods of the standing wave", minimum=2, maximum=1_000_000
-    )
+    cell_count: int = parameter(40, "cells along the height", minimum=4, maximum=1000)
+    period_count: int = parameter(10, "periods of the standing wave", minimum=2, maximum=1_000_000)
 
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps of all periods."""
@@ -212,7 +205,6 @@ def front_error(curves: xr.Dataset) -> xr.Variable:
     arrival_error = float(np.abs(crossings[[0, -1]] / [0.25, 0.75] - 1).max())
     return variable(
         max(plateau_error, arrival_error),
-        unit="1",
         meaning="error of plateaus and arrivals",
         description="greatest relative error of the plateaus of stress at the base and of velocity "
         "at half height, each a mean over its middle half, and of the times at which the stress at "
@@ -270,6 +262,6 @@ def standing_wave_errors(curves: xr.Dataset, kept_per_second: float) -> dict[str
         ),
     }
     return {
-        name: variable(float(value), unit="1", meaning=meaning, description=description, role=role)
+        name: variable(float(value), meaning=meaning, description=description, role=role)
         for name, (value, meaning, description, role) in quantities.items()
     }

@@ -106,13 +106,9 @@ class GravityColumn(CatalogueScene):
         Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
     )
 
-    cell_count: int = parameter(
-        40, unit="1", meaning="cells along the height", minimum=2, maximum=1000
-    )
+    cell_count: int = parameter(40, "cells along the height", minimum=2, maximum=1000)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
-    settlement_ratio: float = parameter(
-        1e-4, unit="1", meaning="settlement over height", minimum=1e-9, maximum=1e-3
-    )
+    settlement_ratio: float = parameter(1e-4, "settlement over height", minimum=1e-9, maximum=1e-3)
 
     @property
     def material(self) -> LinearElastic:

@@ -124,11 +124,9 @@ class Impact(CatalogueScene):
     is accurate for small strain."""
 
     speed_ratio: float = parameter(
-        0.5, unit="1", meaning="speed of the impact over that of waves", above=0, maximum=0.9
+        0.5, "speed of the impact over that of waves", above=0, maximum=0.9
     )
-    cell_count: int = parameter(
-        80, unit="1", meaning="cells along the length", minimum=20, maximum=1000
-    )
+    cell_count: int = parameter(80, "cells along the length", minimum=20, maximum=1000)
 
     @property
     def cell_size(self) -> float:

@@ -63,12 +63,8 @@ class StretchedBar(CatalogueScene):
         ),
     )
 
-    stretch: float = parameter(
-        4.0, unit="1", meaning="length at the end over that at rest", above=1, maximum=50
-    )
-    cell_count: int = parameter(
-        4, unit="1", meaning="cells along the bar at rest", minimum=2, maximum=20
-    )
+    stretch: float = parameter(4.0, "length at the end over that at rest", above=1, maximum=50)
+    cell_count: int = parameter(4, "cells along the bar at rest", minimum=2, maximum=20)
 
     @property
     def cell_size(self) -> float:

@@ -59,16 +59,11 @@ class ThickCylinder(CatalogueScene):
 
     section: str = parameter(
         "axisymmetric",
-        unit="1",
-        meaning="the half plane through the axis, or the plane across it",
+        "the half plane through the axis, or the plane across it",
         choices=("axisymmetric", "plane_strain"),
     )
-    cell_count: int = parameter(
-        40, unit="1", meaning="cells across the wall", minimum=2, maximum=1000
-    )
-    radius_ratio: float = parameter(
-        3.0, unit="1", meaning="outer over inner radius", minimum=1.1, maximum=100
-    )
+    cell_count: int = parameter(40, "cells across the wall", minimum=2, maximum=1000)
+    radius_ratio: float = parameter(3.0, "outer over inner radius", minimum=1.1, maximum=100)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
 
     @property
