@@ -56,18 +56,13 @@ class Samples:
         return self._curves(*np.array(self._rows).T) if self._rows else xr.Dataset()
 
 
-def never() -> bool:
-    """Of a run that goes on to its last moment."""
-    return False
-
-
 def follow(
     simulation: Simulation,
     moments: Sequence[float],
     reach: Callable[[float], None],
     samplers: Sequence[Sampler],
     progress: Callable[[float], None] | None = None,
-    is_over: Callable[[], bool] = never,
+    is_over: Callable[[], bool] | None = None,
 ) -> xr.Dataset:
     """Run a simulation through some moments, and sample it at each.
 
@@ -78,7 +73,7 @@ def follow(
         samplers: each takes a sample at every moment. A step may go past several moments, so that
             the simulation may not have moved since the sample before.
         progress: receives the fraction done, at last 1.
-        is_over: asked after every sample whether the run may end there.
+        is_over: asked after every sample whether the run may end there; never by default.
 
     Returns:
         What the samplers have recorded, and what the run has cost.
@@ -93,7 +88,7 @@ def follow(
                 sampler.sample()
             if progress is not None and count < len(moments):
                 progress(count / len(moments))
-            if is_over():
+            if is_over is not None and is_over():
                 break
         simulation.check()
     except SimulationDiverged as error:

@@ -3,18 +3,18 @@
 A step and the places in it at which parts act, in order; where several act at one place they do so
 in the order of the tuple. A part that is not in the tuple has no kernel, no array and no branch.
 
-    material points                     add_to_points       what a point carries, options of stages
+    material points                 add_to_points       what points carry, options of stages
     1 particles to grid
-    2 cell stress
+    2 stress of cells
     3 momentum of nodes
-                                        add_forces          loads, gravity, damping
-                                        add_boundary        what holds nodes at the grid's edges
-                                        add_contact         a rigid body, with all else known
+    4 on nodes                      add_forces          loads, gravity, damping
+                                    add_boundary        what holds nodes at the edges of the grid
+                                    add_contact         a rigid body, when all else is known
     5 rates of cells
     6 grid to particles
-                                        add_after_motion    what moves the grid
-    every 16th step                     add_records         the audited step
-    between steps, by the host          between_steps       soil that enters; `enter`, `follow`
+    after the motion                add_after_motion    what moves the grid
+    every 16th step                 add_records         what this step records besides
+    between steps, by the host      between_steps       soil enters: `enter`, then `follow`
 """
 
 from __future__ import annotations
