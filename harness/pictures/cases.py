@@ -24,13 +24,8 @@ def shows_cases(dataset: xr.Dataset) -> bool:
 
 @STYLED
 def cases_figure(dataset: xr.Dataset) -> Figure:
-    """A row for each case, the first of the study on top.
-
-    Args:
-        dataset: result for which :func:`shows_cases` holds.
-    """
-    studied = Studied.of(dataset)
-    assert studied is not None, "the dataset has no headline"
+    """A row for each case, the first of the study on top."""
+    studied = Studied.known(dataset)
     count = studied.computed.size
     figure = Figure(figsize=(Figure().get_figwidth(), ROW_HEIGHT * count + MARGIN))
     axes = figure.subplots()

@@ -137,13 +137,9 @@ def convergence_figure(dataset: xr.Dataset) -> Figure:
     """The headline over what goes to zero with refinement, and its limit there.
 
     An error against an exact solution, whose limit is zero, is drawn on logarithmic axes.
-
-    Args:
-        dataset: result for which :func:`shows_convergence` holds.
     """
-    studied = Studied.of(dataset)
-    name = None if studied is None else _refined(studied)
-    assert studied is not None, "the dataset has no headline"
+    studied = Studied.known(dataset)
+    name = _refined(studied)
     assert name is not None, "the dataset has no refinement"
     other = [it for it in studied.varied if it != name]
     h = REFINED_BY[name][1](studied.varied[name].numbers)

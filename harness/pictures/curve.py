@@ -59,8 +59,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
     Cone factors have the envelope of the literature beside them. The references have their curves
     where these hold for all series; otherwise each series has the envelope in its own colour.
     """
-    studied = Studied.of(dataset)
-    assert studied is not None, "the dataset has no headline"
+    studied = Studied.known(dataset)
     name, other = _axis_and_series(studied)
     figure, axes = empty_figure()
     if studied.headline == COMPARED:

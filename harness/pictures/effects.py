@@ -111,13 +111,8 @@ def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
 
 @STYLED
 def effects_figure(dataset: xr.Dataset) -> Figure:
-    """A panel for each parameter, those of most effect first: the cases without all others' effect.
-
-    Args:
-        dataset: result for which :func:`shows_effects` holds.
-    """
-    studied = Studied.of(dataset)
-    assert studied is not None, "the dataset has no headline"
+    """A panel for each parameter, most effect first: the cases without the effect of all others."""
+    studied = Studied.known(dataset)
     found = effects(studied)
     names = sorted(studied.varied, key=found.strength, reverse=True)[:MOST_LABELS]
     row_count = math.ceil(len(names) / COLUMNS)

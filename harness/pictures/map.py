@@ -51,13 +51,8 @@ def shows_map(dataset: xr.Dataset) -> bool:
 
 @STYLED
 def map_figure(dataset: xr.Dataset) -> Figure:
-    """Contours of what was computed over two parameters; beside them curves over the first.
-
-    Args:
-        dataset: result for which :func:`shows_map` holds.
-    """
-    studied = Studied.of(dataset)
-    assert studied is not None, "the dataset has no headline"
+    """Contours of what was computed over two parameters; beside them curves over the first."""
+    studied = Studied.known(dataset)
     across, up = _axes_of(studied)
     figure = Figure(figsize=(Figure().get_figwidth(), HEIGHT))
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))

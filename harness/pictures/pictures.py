@@ -43,7 +43,8 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "stability": (shows_stability, stability_figure),
     "sounding": (shows_sounding, sounding_figure),
 }
-"""By name: whether a picture is meant for a result, and the picture; the main ones first."""
+"""By name: whether a picture is meant for a result, and the picture, drawn of such results alone;
+the main ones first."""
 
 
 class NothingToDrawError(HarnessError):

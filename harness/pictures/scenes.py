@@ -94,11 +94,7 @@ def shows_scenes(dataset: xr.Dataset) -> bool:
 
 @STYLED
 def scenes_figure(dataset: xr.Dataset) -> Figure:
-    """A row for each soil, with a mark for each scene; the first of the study on top.
-
-    Args:
-        dataset: result for which :func:`shows_scenes` holds.
-    """
+    """A row for each soil, with a mark for each scene; the first of the study on top."""
     rows = _Rows.of(dataset)
     assert rows is not None, "the scenes share no rows"
     count, kinds = len(rows.labels), list(rows.cases)

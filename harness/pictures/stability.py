@@ -84,11 +84,7 @@ def shows_stability(dataset: xr.Dataset) -> bool:
 
 @STYLED
 def stability_figure(dataset: xr.Dataset) -> Figure:
-    """A strip for each parameter: of single cases, or of the shares of random ones.
-
-    Args:
-        dataset: result for which :func:`shows_stability` holds.
-    """
+    """A strip for each parameter: of single cases, or of the shares of random ones."""
     limits = limits_of(dataset).items()
     limit = " or ".join(f"{spoken(name)} over its limit of {size:g}" for name, size in limits)
     if dataset.attrs["design"] == ONE_AT_A_TIME:
@@ -96,7 +92,9 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
         explanation = "One parameter at a time differs from the default."
     else:
         figure = _figure_of_shares(shares(dataset), limit)
-        explanation = "Each range is cut into parts of equally many cases; bars are shares of them."
+        explanation = (
+            "Each range is cut into parts of equally many cases; bars are shares of a part."
+        )
     write_caption(figure, dataset, explanation)
     return figure
 

@@ -51,6 +51,13 @@ class Studied:
         several = len(set(scenes_of(dataset))) > 1
         return None if several or len(found) != 1 else cls(dataset, found[0])
 
+    @classmethod
+    def known(cls, dataset: xr.Dataset) -> Studied:
+        """What a result is about whose cases share a headline."""
+        studied = cls.of(dataset)
+        assert studied is not None, "the dataset has no headline"
+        return studied
+
     @functools.cached_property
     def computed(self) -> Floats:
         """The headline of each case, not a number where it did not complete."""

@@ -72,13 +72,8 @@ class _Row:
 
 @STYLED
 def tornado_figure(dataset: xr.Dataset) -> Figure:
-    """A bar for each parameter: how far the headline goes with it from the first case's.
-
-    Args:
-        dataset: result for which :func:`shows_tornado` holds.
-    """
-    studied = Studied.of(dataset)
-    assert studied is not None, "the dataset has no headline"
+    """A bar for each parameter: how far the headline goes with it from the first case's."""
+    studied = Studied.known(dataset)
     rows = sorted(_rows(studied), key=lambda row: row.reach, reverse=True)
     shown = rows[:MOST_ROWS]
     figure = Figure(figsize=(Figure().get_figwidth(), ROW_HEIGHT * len(shown) + MARGIN))

@@ -193,9 +193,6 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     compute, but another. An error is no less than the half width that the case states. A case that
     states none, among others that do, is on no front: its error may be small by luck. A case that
     did not complete has no error: it stands on the upper edge, at the time it took.
-
-    Args:
-        dataset: result for which :func:`shows_work_precision` holds.
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"

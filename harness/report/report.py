@@ -21,8 +21,7 @@ from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import ConeFactor
 from harness.report import words
-from harness.report.cases import CaseTable, case_table
-from harness.report.comparison import comparisons
+from harness.report.tables import CaseTable, case_table, comparisons
 
 PICTURE_DPI, SMALL_DPI = 150, 75
 """Points an inch of the pictures, and of the small ones of the summary."""

@@ -42,8 +42,8 @@ SYMBOLS = {
 """Symbols that a formula may have, and what they are among the `Conditions`."""
 OPTIONAL = {
     "how_known": "as the study's own file says",
-    "criterion": "not stated",
-    "method": "not stated",
+    "criterion": "not stated here",
+    "method": "not stated here",
 }
 """Texts that may be left out, and what they are then."""
 

@@ -79,7 +79,7 @@ def test_the_table_shows_it_and_says_where_it_does_not_hold(
     )
     assert "[outside]" in outside
     assert "11.50  -1.3%" in within
-    assert "our_lab: unpublished; not stated; Ir 80 to 200" in table
+    assert "our_lab: unpublished; not stated here; Ir 80 to 200" in table
     assert "measured" in table
 
 

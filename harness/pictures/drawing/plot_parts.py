@@ -209,7 +209,7 @@ def _spread(heights: Sequence[float]) -> list[float]:
     return places
 
 
-def legend_above(figure: Figure, axes: Axes, title: str = "") -> None:
+def legend_above(figure: Figure, axes: Axes) -> None:
     """A legend above the axes, no wider than the page."""
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
@@ -220,7 +220,6 @@ def legend_above(figure: Figure, axes: Axes, title: str = "") -> None:
         legend = figure.legend(
             handles,
             labels,
-            title=title or None,
             loc="outside upper left",
             ncols=columns,
             alignment="left",

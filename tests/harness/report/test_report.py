@@ -12,9 +12,8 @@ import xarray as xr
 
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.report.cases import case_table
-from harness.report.comparison import comparisons
 from harness.report.report import page, write_report
+from harness.report.tables import case_table, comparisons
 
 LARGEST_PAGE = 5_000_000
 
