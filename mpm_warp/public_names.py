@@ -46,12 +46,9 @@ from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.impact import StruckBar, StruckColumn
 from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
-from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
-from mpm_warp.scenes.full_flow.cyclic.cyclic_ball import CyclicBall
-from mpm_warp.scenes.full_flow.cyclic.cyclic_t_bar import CyclicTBar
-from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
-from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
-from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicTBar
+from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder, FullFlowSphere
+from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.profile import Profile

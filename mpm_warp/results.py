@@ -10,16 +10,28 @@ from numpy.typing import ArrayLike
 
 from mpm_warp.parameters import Parameter, Value, parameters_of
 
-ROLES = ("headline", "uncertainty", "settled", "exact", "error", "measured", "parameter")
+ROLES = (
+    "headline",
+    "uncertainty",
+    "reason",
+    "settled",
+    "exact",
+    "error",
+    "measured",
+    "built",
+    "parameter",
+)
 """The parts that a variable can play in a dataset, its attribute `role`:
 
 - headline: the scalar that the scene is run for; one in each dataset.
 - uncertainty: half width of the interval that holds the true headline with 95 %; not a number where
-  it is not known, and the attribute `not_known` then says why.
+  it is not known.
+- reason: why it is not known, each reason as "word: sentence"; "" where it is.
 - settled: whether the headline has settled; 0 where the run was too short for it.
 - exact: an exact value or curve; the attribute `exact_of` names the variable that it belongs to.
 - error: a scalar error against an exact solution.
 - measured: a time, a speed or a size in memory, which is another in every run.
+- built: what the scene was built of, whatever its parameters are called.
 - parameter: what was put in.
 
 A variable without a role is an ordinary result.

@@ -10,6 +10,8 @@ import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import built_name
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import labelled
@@ -94,7 +96,7 @@ def follow(
     except SimulationDiverged as error:
         error.curves = _merged(samplers)
         raise
-    result = _merged(samplers).assign(cost(simulation))
+    result = _merged(samplers).assign(cost(simulation)).assign(built(simulation))
     if progress is not None:
         progress(1.0)
     return result
@@ -121,6 +123,26 @@ def soil_scene(simulation: Simulation) -> Scene:
     if not isinstance(simulation.scene, Scene):
         raise TypeError(f"a {type(simulation.scene).__name__} is not soil in a grid")
     return simulation.scene
+
+
+def built(simulation: Simulation) -> Mapping[str, xr.Variable]:
+    """What law the soil of a simulation has, and what contact; nothing where there is no soil.
+
+    Whatever the parameters of a scene are called: a scene derived from another may build another.
+    """
+    if not isinstance(simulation.scene, Scene):
+        return {}
+    contact = simulation.scene.contact
+    return labelled(
+        role="built",
+        built_law=(built_name(simulation.scene.material), "1", "law of the soil as built"),
+    ) | (
+        {}
+        if contact is None
+        else labelled(
+            role="built", built_contact=(built_name(contact), "1", "contact of the soil as built")
+        )
+    )
 
 
 def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:

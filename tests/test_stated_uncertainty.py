@@ -13,11 +13,11 @@ import pytest
 
 from harness.references.cone_factors import Conditions
 from harness.references.registry import cone_factor_reference
-from mpm_warp.scenes.cone.error_laws import (
-    FACE,
-    FACE_ERRORS,
+from mpm_warp.uncertainty.laws import (
     GROWTH_ERROR,
     LARGEST_CELL,
+    MESH,
+    MESH_ERRORS,
     RIGIDITY_INDICES,
     WIDE,
     WIDE_ERROR,
@@ -63,8 +63,8 @@ def test_the_law_of_the_mesh_is_that_of_the_meshes_measured(
     slope, limit = np.polyfit(sizes, without_growth, 1)
     assert len(cases) >= 3
     # The code has two decimals.
-    assert FACE_ERRORS[adhesion_factor][rank] == pytest.approx(slope, abs=0.0051)
-    assert np.abs(without_growth - limit - slope * sizes).max() < FACE * sizes.min()
+    assert MESH_ERRORS[adhesion_factor][rank] == pytest.approx(slope, abs=0.0051)
+    assert np.abs(without_growth - limit - slope * sizes).max() < MESH * sizes.min()
 
 
 def test_the_law_of_wide_cells_is_that_of_the_coarsest_mesh_measured() -> None:

@@ -23,8 +23,7 @@ from harness.study.designs import EITHER_FIXED_OR_VARIED
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
-from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.scenes.sounding.profile_text import PROFILE
+from mpm_warp.scenes.sounding.profile import PROFILE, Profile
 
 STUDY_NAME = r"\w[\w.-]*"
 """What the name of a study looks like, as a pattern."""

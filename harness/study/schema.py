@@ -19,7 +19,7 @@ from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
 from harness.study.study import LARGEST_SEED, MOST_REPEATS
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
-from mpm_warp.scenes.sounding.profile_text import PROFILE
+from mpm_warp.scenes.sounding.profile import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}

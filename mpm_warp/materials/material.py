@@ -8,6 +8,7 @@ annotations`: Warp reads the types of a kernel from its annotations, and would r
 
 import functools
 import math
+import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any
@@ -195,6 +196,18 @@ class Material(ABC):
     def pressure_wave_speed(self) -> float:
         """sqrt((K + 4 G / 3) / rho) [m/s]."""
         return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
+
+
+def built_name(part: object) -> str:
+    """What a part of a scene is, whatever its parameters are called.
+
+    `tresca`, `penetrometer_contact`: the class in small letters; that of another package by its
+    place, as `their_package.clay.HardeningClay`.
+    """
+    kind = type(part)
+    if kind.__module__.partition(".")[0] == __package__.partition(".")[0]:
+        return re.sub(r"(?<!^)(?=[A-Z])", "_", kind.__name__).lower()
+    return f"{kind.__module__}.{kind.__qualname__}".replace("<locals>.", "")
 
 
 @functools.cache

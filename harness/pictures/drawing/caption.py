@@ -16,7 +16,7 @@ from harness.pictures.drawing.quantities import assigned, plain
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.sounding.profile_text import PROFILE, replaced_by
+from mpm_warp.scenes.sounding.profile import PROFILE, replaced_by
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import xarray as xr
 
@@ -23,29 +24,31 @@ from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.energy_balance import EnergyBalanceCurves, check_balance
-from mpm_warp.scenes.cone.known_error import known_error
-from mpm_warp.scenes.cone.measured_error import further_tests, with_measured_error
-from mpm_warp.scenes.cone.parameters import ConeTest
-from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, steady_values
+from mpm_warp.scenes.cone.parameters import (
+    ConeTest,
+    extent_ratio,
+    slowing_penetration,
+    unsteady_penetration,
+)
+from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
+    EnergyBalanceCurves,
+    check_balance,
     check_bound,
     check_energy,
     check_levelled,
     energy_error,
 )
-from mpm_warp.scenes.cone.window import (
-    slowing_penetration,
-    steady_penetration,
-    unsteady_penetration,
-    window_of_test,
-)
 from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
+from mpm_warp.uncertainty import cone, further_runs
+from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.laws import ErrorLaws
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
@@ -79,7 +82,7 @@ class ConePenetration(ConeTest):
                 f"{self.material} yields at {bound:.4g}",
             )
         if self.uncertainty == "measured":
-            further_tests(self)  # all are allowed
+            self.further_tests()  # all are allowed
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
@@ -102,7 +105,7 @@ class ConePenetration(ConeTest):
                     friction=self.friction_coefficient,
                     in_situ_stress=self.in_situ_stress,
                 ),
-                self._window,
+                self.window,
                 ConservativeInterpolation(),
                 EnergyAudit(),
                 *([EnergyBalance()] if self.energy_audit == "balance" else []),
@@ -129,19 +132,6 @@ class ConePenetration(ConeTest):
             shear_modulus=self.clay.shear_modulus,
         )
 
-    @property
-    def _window(self) -> Window:
-        return window_of_test(
-            radius=self.cone_radius,
-            shear_wave_speed=self.clay.shear_wave_speed,
-            speed_ratio=self.speed_ratio,
-            approach_speed_ratio=self.approach_speed_ratio,
-            approach=self.approach,
-            penetration=self.penetration,
-            steady_penetration=steady_penetration(self.rigidity_index),
-            rubs=self.friction_coefficient > 0.0,
-        )
-
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the greatest penetration.
 
@@ -150,12 +140,12 @@ class ConePenetration(ConeTest):
         """
         if self.uncertainty == "known":
             return self._run_size
-        tests = (self, *further_tests(self).values())
+        tests = (self, *self.further_tests().values())
         return of_several([test._run_size for test in tests])
 
     @property
     def _run_size(self) -> RunSize:
-        grid, window, size = self._grid, self._window, self.cell_size
+        grid, window, size = self._grid, self.window, self.cell_size
         # Above and below the cone all cells at the surface are alike: one row of them will do.
         around_cone = self.penetrometer.fitted_grid(
             rows_on_face=self.penetrometer.rows_on_face(size),
@@ -179,7 +169,7 @@ class ConePenetration(ConeTest):
     @property
     def _time_to_the_end(self) -> float:
         """Time to the greatest penetration [s]."""
-        return self._window.time_to(self.penetration * self.cone_radius)
+        return self.window.time_to(self.penetration * self.cone_radius)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
@@ -201,9 +191,84 @@ class ConePenetration(ConeTest):
             report(0.0)
             return test.record(simulation, report, shown)
 
-        if self.uncertainty == "known":
+        if self.uncertainty == "known" or why_not_as_measured(self.build(), self._expected):
             return run(self, progress)
-        return with_measured_error(self, run, progress)
+        return self.with_measured_error(run, progress)
+
+    def further_tests(self) -> dict[str, Self]:
+        """The tests that measure the error of this one, by the effect that each measures.
+
+        Raises:
+            ParameterError: one of them is outside the allowed range, or no law of the error holds.
+        """
+        cone.check_measurable(self._laws(way=self.penetration))
+        wider = {name: cone.WIDER * getattr(self, name) for name in self.default_extents}
+        # In a higher window the cone has more soil to pass.
+        further = wider["domain_above"] - self.domain_above
+        wider |= {"approach": self.approach + further, "penetration": self.penetration + further}
+        changes = {
+            "mesh": {"cells_per_radius": cone.FINER * self.cells_per_radius},
+            "growth": {"cell_growth": cone.GROWING * self.cell_growth},
+            "speed": {"speed_ratio": cone.SLOWER * self.speed_ratio},
+            "domain": wider,
+        }
+        alone = replace(self, uncertainty="known")
+        return further_runs.further_tests(alone, changes, cone.DIFFERENCES)
+
+    def with_measured_error(
+        self, run: Callable[[ConePenetration, Progress], xr.Dataset], progress: Progress
+    ) -> xr.Dataset:
+        """Run the test and its further tests.
+
+        Args:
+            run: runs one test; its results have the curve `penetration_resistance`,
+                `cone_factor_simulated`, `cone_factor_shear` and `penetration_reached`.
+            progress: receives the fraction done of all.
+
+        Returns:
+            The results of the test with its measured error, and what the further runs took, in
+            `run_time` and `particle_updates` too.
+        """
+        case, made = further_runs.run_all(self, self.further_tests(), run, progress)
+        further = {
+            effect: it if isinstance(it, str) else it.test._error_of(it.results)
+            for effect, it in made.items()
+        }
+        known = [it for it in case.results if str(it).startswith("cone_factor_uncertainty")]
+        results = further_runs.with_cost(case.results.drop_vars(known), made)
+        return results.assign(cone.measured_error(self._error_of(case.results), further))
+
+    def _error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
+        """A run of the test, as far as its error goes."""
+        simulated = min(self.poissons_ratio, self.poissons_ratio_bound)
+        return cone.ConeRun(
+            laws=self._laws(way=float(recorded.penetration_reached)),
+            strength=self.undrained_shear_strength,
+            bounded=self.poissons_ratio - simulated,
+            recorded=recorded,
+        )
+
+    def _laws(self, way: float) -> ErrorLaws:
+        """The laws of the error after a way, over the cone's radius."""
+        return ErrorLaws(
+            rigidity_index=self.rigidity_index,
+            adhesion_factor=self.adhesion_factor,
+            stress_anisotropy=self.stress_anisotropy,
+            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
+            inertia=self.rigidity_index * self.speed_ratio * self.speed_ratio,
+            cell_size=self.relative_cell_size,
+            cell_growth=self.cell_growth,
+            outer=self.domain_radius,
+            above=self.domain_above,
+            below=self.domain_below,
+            extent_ratio=extent_ratio(self, self.default_extents),
+            way=way,
+        )
+
+    @property
+    def _expected(self) -> Scene | None:
+        """What a cone test of the catalogue builds of these parameters."""
+        return expected_scene(ConePenetration, replace(self, uncertainty="known"))
 
     def record(
         self, simulation: Simulation, progress: Progress, snapshots: Snapshots | None = None
@@ -216,7 +281,8 @@ class ConePenetration(ConeTest):
             UnfinishedRun: a steady resistance was asked for (`steady_tolerance` > 0), and at the
                 greatest penetration it still changes.
         """
-        window = soil_scene(simulation)[Window]
+        built = soil_scene(simulation)
+        window = built[Window]
         slowing = slowing_penetration(window, self.cone_radius)
         pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=slowing)
         curves = PenetrationCurves(
@@ -257,9 +323,7 @@ class ConePenetration(ConeTest):
                 meaning="time steps to the greatest penetration",
             ),
         )
-        results = results.assign(
-            known_error(self, cell_size=self.relative_cell_size, recorded=results)
-        )
+        results = results.assign(cone.known_error(self._error_of(results), built, self._expected))
         check_energy(results)
         if balances:
             check_balance(results)

@@ -1,4 +1,8 @@
-"""The parameters of a cone penetration test, and what follows from them: clay, penetrometer."""
+"""The parameters of a cone penetration test, and what follows: clay, penetrometer, window.
+
+Until the resistance is of interest the penetrometer goes faster; at last it has the speed asked
+for.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +16,11 @@ import numpy as np
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import parameter
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.clay import FieldClayScene
-from mpm_warp.scenes.cone import window
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
+from mpm_warp.uncertainty.steadiness import forgetting, steady_penetration
 
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
 WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
@@ -26,6 +31,20 @@ VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
 """Strength of soil of von Mises in compression along one axis, over that of Tresca."""
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
+RAMP = 1.0
+"""Penetration in which the speed rises from rest, in cone radii."""
+SLOWING = 2.0
+"""Penetration in which the speed falls to the final one, in cone radii."""
+PUSHED = 0.5
+"""Penetration after the approach in which the soil that was slowed down still pushes, in cone
+radii."""
+FROM_REST = 2.0
+"""Penetration without an approach before which no resistance counts as steady, in cone radii."""
+SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
+"""Slots for material points beside those that fill the grid, over their number: the cells along a
+rough shaft come to hold the many small ones from near the axis, with friction more of them."""
+INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
+"""What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,9 +188,9 @@ class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
             "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
             "speed_ratio": SPEED_RATIO[self.accuracy],
             "shaft_adhesion_factor": self.adhesion_factor,
-            "approach_speed_ratio": window.approach_speed_ratio(self.rigidity_index),
+            "approach_speed_ratio": approach_speed_ratio(self.rigidity_index),
             "approach": approach,
-            "penetration": approach + window.steady_penetration(self.rigidity_index) + SPARE,
+            "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }
 
     @property
@@ -209,6 +228,29 @@ class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
         )
 
     @property
+    def window(self) -> Window:
+        """The travel of the grid; without an approach where that would be no faster, or too short.
+
+        The last of the way, in which the resistance may become steady, is at the final speed.
+        """
+        speed = self.speed_ratio * self.clay.shear_wave_speed
+        travel = min(self.approach, self.penetration - steady_penetration(self.rigidity_index))
+        faster = None
+        if travel > RAMP + SLOWING and self.approach_speed_ratio > self.speed_ratio:
+            faster = Approach(
+                speed=speed * self.approach_speed_ratio / self.speed_ratio,
+                travel=travel * self.cone_radius,
+                slowing_travel=SLOWING * self.cone_radius,
+            )
+        rubs = self.friction_coefficient > 0.0
+        return Window(
+            speed=speed,
+            ramp_travel=RAMP * self.cone_radius,
+            approach=faster,
+            spare_fraction=SPARE_SLOTS_WITH_FRICTION if rubs else SPARE_SLOTS,
+        )
+
+    @property
     def strength_in_compression(self) -> float:
         """Strength of intact clay in compression along one axis, over 2 su, at the cone's rate."""
         of_criterion = VON_MISES_STRENGTH if self.material == "von_mises" else 1.0
@@ -218,3 +260,42 @@ class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
         rate = self.penetration_speed / self.cone_radius
         cycles = math.log10(max(rate / self.reference_strain_rate, 1.0))
         return of_criterion * (1.0 + self.rate_factor * cycles)
+
+
+def approach_speed_ratio(rigidity_index: float) -> float:
+    """Speed of the approach by default, over that of shear waves."""
+    return min(SPEED_RATIO_OF_APPROACH, math.sqrt(INERTIA_OF_APPROACH / rigidity_index))
+
+
+def unsteady_penetration(window: Window, radius: float, rigidity_index: float) -> float:
+    """Penetration before which no mean of the resistance is taken, over the radius.
+
+    Args:
+        window: of the test.
+        radius: of the penetrometer [m].
+        rigidity_index: G/su.
+    """
+    if window.approach is None:
+        return FROM_REST
+    return window.approach.travel / radius + forgetting(rigidity_index)
+
+
+def slowing_penetration(window: Window, radius: float) -> tuple[float, float] | None:
+    """Penetrations between which the soil is slowed down, over the radius; or none.
+
+    Its inertia then takes from the resistance up to 1.3 su.
+
+    Args:
+        window: of the test.
+        radius: of the penetrometer [m].
+    """
+    approach = window.approach
+    if approach is None:
+        return None
+    return (approach.travel - approach.slowing_travel) / radius, approach.travel / radius + PUSHED
+
+
+def extent_ratio(test: ConeGrid, default_extents: Mapping[str, float]) -> float:
+    """Greatest ratio of an extent of the window by default to that of a test."""
+    ratios: list[float] = [it / getattr(test, name) for name, it in default_extents.items()]
+    return max(ratios)

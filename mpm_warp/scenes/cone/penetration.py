@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from statistics import fmean
 
 import numpy as np
 import xarray as xr
@@ -12,14 +10,21 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import ContactForces, soil_scene
-from mpm_warp.scenes.cone.measuring_places import SLEEVE_LENGTH, sleeve_mean
-from mpm_warp.scenes.cone.penetrometer import PenetrometerContact, PenetrometerForces
+from mpm_warp.scenes.cone.penetrometer import (
+    SLEEVE_LENGTH,
+    PenetrometerContact,
+    PenetrometerForces,
+    sleeve_mean,
+)
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.steadiness import (
+    SAMPLE_SPACING,
+    STEADY_SAMPLES,
+    is_steady,
+    last_part,
+    steady_mean,
+)
 
-SAMPLE_SPACING = 0.1
-"""Penetration between two samples of the curves, in cone radii."""
-STEADY_SAMPLES = 20
-"""Samples whose mean is the steady value: two radii."""
 Slowing = tuple[float, float]
 """Begin and end of the penetration in which the penetrometer slows down, over its radius."""
 
@@ -178,35 +183,6 @@ def without_slowing(values: Floats, slowing: Slowing | None) -> Floats:
     return given
 
 
-def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
-    """Whether the mean of the last values differs little from the mean of those before.
-
-    What decays exponentially by the factor q over a span, and differs by `tolerance` from one span
-    to the next, has tolerance q / (1 - q) to go: about as much where a span halves it.
-
-    Args:
-        values: the curve so far, at even distances, from where it may be steady at all.
-        span: how many of them a mean is over, >= 1; never steady before two spans.
-        tolerance: difference of the two means over the last one, dimensionless; never steady at 0.
-    """
-    if len(values) < 2 * span:
-        return False
-    before, last = fmean(values[-2 * span : -span]), fmean(values[-span:])
-    return abs(last - before) < tolerance * abs(last)
-
-
-def steady_mean(curve: xr.DataArray) -> tuple[float, str]:
-    """Mean of a curve over its last two radii or its last half, and over what it is in words."""
-    last = _last_part(curve)
-    return float(last.mean()), f"over the last {len(last) * SAMPLE_SPACING:g} radii"
-
-
-def _last_part(curve: xr.DataArray) -> Floats:
-    count = min(STEADY_SAMPLES, len(curve) // 2)
-    last: Floats = curve.values[-count:]
-    return last
-
-
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
     """What the curves come to at the end, each as a `steady_mean`.
 
@@ -231,7 +207,7 @@ def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variabl
             f"what the shear traction on the face adds to Nc, mean {over}",
         ),
         cone_factor_variation=(
-            np.ptp(_last_part(recorded.penetration_resistance)) / resistance,
+            np.ptp(last_part(recorded.penetration_resistance)) / resistance,
             "1",
             "variation of the cone factor",
             f"range {over} of penetration, over the mean",

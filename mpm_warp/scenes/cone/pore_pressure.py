@@ -14,15 +14,10 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import Quantity, curves, variable
 from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, soil_scene
-from mpm_warp.scenes.cone.measuring_places import SHAFT_FILTER, SHOULDER_FILTER
-from mpm_warp.scenes.cone.penetration import (
-    Slowing,
-    penetration_axis,
-    steady_mean,
-    without_slowing,
-)
-from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.scenes.cone.penetration import Slowing, penetration_axis, without_slowing
+from mpm_warp.scenes.cone.penetrometer import SHAFT_FILTER, SHOULDER_FILTER, Penetrometer
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.steadiness import steady_mean
 
 PLACES: Mapping[str, str] = {
     "face": "u1: in the middle of the cone's face",

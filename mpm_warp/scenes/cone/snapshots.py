@@ -8,10 +8,11 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 from mpm_warp.sampling import soil_scene
-from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves
+from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots, Variables, grid_places, soil_fields
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 AXIS = "penetration"
 """What the moments of a cone test are called; the parameter of that name bounds them."""

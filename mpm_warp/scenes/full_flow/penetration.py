@@ -3,31 +3,40 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.execution.execution import Execution
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
-from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.penetration import (
-    SAMPLE_SPACING,
-    STEADY_SAMPLES,
-    penetration_axis,
-    steady_mean,
-)
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.cone.penetration import penetration_axis
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
-from mpm_warp.scenes.full_flow.measured_error import further_tests, with_measured_error
-from mpm_warp.scenes.full_flow.penetrometer import FullFlowPenetrometer, ResistanceSamples
+from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
+from mpm_warp.scenes.full_flow.penetrometer import (
+    Ball,
+    FullFlowPenetrometer,
+    ResistanceSamples,
+    TBar,
+)
 from mpm_warp.scenes.full_flow.round_body import RoundBody
 from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty import full_flow, further_runs
+from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES, steady_mean
 
 SPARE_FRACTION = 0.4
 """Slots for material points beside those that fill the grid, over their number."""
@@ -61,7 +70,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.uncertainty == "measured":
-            further_tests(self._alone)  # all are allowed
+            self.further_tests()  # all are allowed
 
     @property
     def _alone(self) -> Self:
@@ -86,8 +95,8 @@ class FullFlowPenetration(FullFlowPenetrometer):
         """See `FullFlowPenetrometer`; that of several runs where the uncertainty is measured."""
         if self.uncertainty == "none":
             return super().run_size()
-        alone = self._alone
-        return of_several([it.run_size() for it in (alone, *further_tests(alone).values())])
+        tests = (self._alone, *self.further_tests().values())
+        return of_several([it.run_size() for it in tests])
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
@@ -99,7 +108,67 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
         if self.uncertainty == "none":
             return self.with_exact_value(run(self, progress))
-        return self.with_exact_value(with_measured_error(self._alone, run, progress))
+        reasons = why_not_as_measured(self.build(), self._expected)
+        if reasons:
+            alone = run(self._alone, progress)
+            stated = full_flow.stated_without(self._error_of(alone), reasons)
+            return self.with_exact_value(alone.assign(stated))
+        return self.with_exact_value(self.with_measured_error(run, progress))
+
+    def further_tests(self) -> dict[str, Self]:
+        """The tests that measure the error of this one, by the choice whose error each measures.
+
+        Raises:
+            ParameterError: one of them is outside the allowed range, or the cells are too wide.
+        """
+        full_flow.check_measurable(self.cells_per_radius)
+        finer = {"cells_per_radius": math.ceil(full_flow.FINER * self.cells_per_radius)}
+        slower = {"speed_ratio": full_flow.SLOWER * self.speed_ratio}
+        changes: dict[str, dict[str, Any]] = {
+            "mesh": finer,
+            "speed": slower,
+            "mesh_and_speed": finer | slower,
+            "domain": {"domain_extent": math.ceil(full_flow.WIDER * self.domain_extent)},
+        }
+        return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
+
+    def with_measured_error(
+        self, run: Callable[[FullFlowPenetration, Progress], xr.Dataset], progress: Progress
+    ) -> xr.Dataset:
+        """Run the test and its further tests.
+
+        Args:
+            run: runs one test; its results have `resistance_factor`, `resistance_factor_change` and
+                `empty_cells`.
+            progress: receives the fraction done of all.
+
+        Returns:
+            The results of the test with its measured error, and what the further runs took, in
+            `run_time` and `particle_updates` too.
+        """
+        case, made = further_runs.run_all(self._alone, self.further_tests(), run, progress)
+        further = {
+            choice: it if isinstance(it, str) else it.test._error_of(it.results)
+            for choice, it in made.items()
+        }
+        measured = full_flow.measured_error(self._error_of(case.results), further)
+        return further_runs.with_cost(case.results, made).assign(measured)
+
+    def _error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
+        """A run of the test, as far as its error goes."""
+        few = self.particles_per_cell == full_flow.FEWEST_POINTS
+        return full_flow.FullFlowRun(
+            cells_per_radius=self.cells_per_radius,
+            relative_speed=self.speed_ratio * math.sqrt(self.rigidity_index),
+            extent=self.domain_extent,
+            has_few_points=self.body.planar and few,
+            recorded=recorded,
+        )
+
+    @property
+    @abstractmethod
+    def _expected(self) -> Scene | None:
+        """What the catalogue builds of these parameters."""
 
     def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
         """The results beside the exact resistance factor, where there is one."""
@@ -196,4 +265,86 @@ class _ResistanceCurve:
                 "resistance over projected area",
                 "excess over the in-situ stress",
             ),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BallPenetration(Ball, FullFlowPenetration):
+    """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
+
+    summary: ClassVar[str] = "ball penetrometer pushed through undrained clay to steady flow"
+    version: ClassVar[int] = 3
+
+    shaft_radius_ratio: float = parameter(
+        0.316,
+        unit="1",
+        meaning="radius of the shaft over that of the ball: 10 cm2 below 100 cm2; 0: no shaft",
+        minimum=0,
+        maximum=0.8,
+    )
+
+    @property
+    def body(self) -> RoundBody:
+        """The ball and its shaft."""
+        return RoundBody(
+            radius=self.ball_radius, shaft_radius=self.shaft_radius_ratio * self.ball_radius
+        )
+
+    @property
+    def _expected(self) -> Scene | None:
+        return expected_scene(BallPenetration, self._alone)
+
+    def surroundings(self, grid: Grid) -> SurroundingGround | None:
+        """The ground that makes room for the shaft, seen from afar as a travelling source."""
+        if self.shaft_radius_ratio == 0.0:
+            return super().surroundings(grid)
+        clay = self.clay
+        source = TravellingSource(
+            radius=self.body.shaft_radius, height=0.0, shear_modulus=clay.shear_modulus
+        )
+        return SurroundingGround.around(grid, clay, source)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TBarPenetration(TBar, FullFlowPenetration):
+    """A T-bar in plane strain, pushed through uniform clay to steady flow.
+
+    In perfectly plastic clay its resistance is the limit load of `full_flow_cylinder`.
+    """
+
+    summary: ClassVar[str] = "T-bar pushed through undrained clay to steady flow, plane strain"
+    version: ClassVar[int] = 3
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(3, 4),
+            bounds={"error": 0.02},
+            settings={"adhesion_factor": adhesion_factor},
+        )
+        for adhesion_factor in (0.0, 0.5, 1.0)
+    )
+
+    @property
+    def _expected(self) -> Scene | None:
+        return expected_scene(TBarPenetration, self._alone)
+
+    def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
+        """The results beside the limit load, in perfectly plastic clay."""
+        if str(results.built_law.values) not in CRITERIA:
+            return results
+        exact = limit_load(self.adhesion_factor)
+        error = abs(float(results.resistance_factor) / exact - 1.0)
+        return results.assign(
+            labelled(
+                resistance_factor_exact=(
+                    exact,
+                    "1",
+                    "limit load over projected area and su",
+                    LIMIT_LOAD_SOURCE,
+                )
+            )
+            | labelled(
+                role="error",
+                error=(error, "1", "error of the resistance", "relative to the limit load"),
+            )
         )

@@ -87,7 +87,7 @@ class FullFlowPenetrometer(FieldClayScene):
     @property
     @abstractmethod
     def body(self) -> RoundBody:
-        """What is moved."""
+        """Its outline, and the grid fitted to it."""
 
     def surroundings(self, grid: Grid) -> SurroundingGround | None:
         """The ground around the window; none where it rests.
@@ -172,6 +172,34 @@ class FullFlowPenetrometer(FieldClayScene):
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the end."""
         return math.ceil(self.end_time / plan.time_step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball(FullFlowPenetrometer):
+    """A ball without a shaft."""
+
+    ball_radius: float = parameter(
+        0.0565, unit="m", meaning="radius of the ball", minimum=1e-6, maximum=1e3
+    )
+
+    @property
+    def body(self) -> RoundBody:
+        """The ball."""
+        return RoundBody(radius=self.ball_radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TBar(FullFlowPenetrometer):
+    """A bar that moves across its axis, in plane strain."""
+
+    bar_radius: float = parameter(
+        0.02, unit="m", meaning="radius of the T-bar", minimum=1e-6, maximum=1e3
+    )
+
+    @property
+    def body(self) -> RoundBody:
+        """The T-bar."""
+        return RoundBody(radius=self.bar_radius, planar=True)
 
 
 class ResistanceSamples:

@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.clay import ChangingStrength, FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
 from mpm_warp.scenes.sounding.profile import Profile, layered
-from mpm_warp.scenes.sounding.surface import LAYER
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
 """Way before the first depth of the curves, beyond the extent of the window above the shoulder, in
@@ -27,6 +27,9 @@ WAY = 30.0
 ROUNDING = 1e-6
 """Share of a sample that counts as rounding of a depth."""
 APEX_ANGLE = math.radians(60.0)
+LAYER = 1.0
+"""Thickness of the layer of soil that counts as near the surface, over the cone's radius; when it
+has left the window above, nothing of the surface is in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -257,3 +260,69 @@ class SoundingTest(ConeInGround, ConeGrid, ChangingStrength, CatalogueScene):
     def _lead(self) -> float:
         """Way of a cone that starts in place before its first depth, over its radius."""
         return self.domain_above + LEAD
+
+
+def check_sounding(test: SoundingTest) -> None:
+    """Refuse depths, stretches, layers and properties that do not go together.
+
+    Raises:
+        ParameterError: the first of what does not; its key names the parameter.
+    """
+    _check_depths(test)
+    _check_stretches(test)
+    _check_ground(test)
+
+
+def _check_depths(test: SoundingTest) -> None:
+    if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
+        raise ParameterError(
+            "to_depth",
+            f"to_depth = {test.to_depth:g} is not allowed: must be > from_depth = "
+            f"{test.from_depth:g} by {SAMPLE_SPACING:g} radii",
+        )
+
+
+def _check_stretches(test: SoundingTest) -> None:
+    if test.stretch_number > test.stretch_count:
+        raise ParameterError(
+            "stretch_number",
+            f"stretch_number = {test.stretch_number} is not allowed: must be <= "
+            f"stretch_count = {test.stretch_count}",
+        )
+    if test.stretch_count > test.sample_count:
+        raise ParameterError(
+            "stretch_count",
+            f"stretch_count = {test.stretch_count} is not allowed: must be <= "
+            f"{test.sample_count}, the samples of {SAMPLE_SPACING:g} radii from from_depth "
+            "to to_depth",
+        )
+
+
+def _check_ground(test: SoundingTest) -> None:
+    ground = test.ground
+    first, last = float(ground.depth[0]), float(ground.depth[-1])
+    if last < test.to_depth:
+        raise ParameterError(
+            "profile",
+            f"profile: ends at {last:g} m, must reach to_depth = {test.to_depth:g} m",
+        )
+    if test.starts_at_surface and first > 0.0:
+        raise ParameterError(
+            "from_depth",
+            f"from_depth = {test.from_depth:g} is not allowed: must be >= "
+            f"{test.highest_in_place:.4g}, or the profile, which begins at {first:g} m, must "
+            "begin at 0, where the cone then starts",
+        )
+    thinnest, cell = ground.thinnest_layer, test.cell_size
+    if thinnest < cell:
+        raise ParameterError(
+            "layer_thickness" if test.profile is None else "profile",
+            f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
+        )
+    for name in ("adhesion_factor", "stress_anisotropy"):
+        value = getattr(test, name)
+        if getattr(ground, name) is not None and value != 0.0:
+            raise ParameterError(
+                name,
+                f"{name} = {value:g} is not allowed: the profile has it by depth; keep one of them",
+            )

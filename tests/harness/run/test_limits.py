@@ -24,7 +24,7 @@ from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import FullFlowCylinder
+from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing
 
 from .conftest import Record

@@ -9,8 +9,9 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetration import SAMPLE_SPACING, PenetrationCurves, is_steady
+from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, is_steady
 
 ROUNDING = 1e-12
 SMOOTH = ConePenetration(

@@ -10,7 +10,7 @@ import xarray as xr
 
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.measuring_places import SHAFT_FILTER, SHOULDER_FILTER
+from mpm_warp.scenes.cone.penetrometer import SHAFT_FILTER, SHOULDER_FILTER
 from mpm_warp.scenes.cone.pore_pressure import PLACES, PorePressureCurves, pore_pressure_factors
 from mpm_warp.simulation import Simulation
 

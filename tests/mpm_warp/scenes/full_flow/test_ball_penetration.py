@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
-from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
+from mpm_warp.scenes.full_flow.limit_load import FullFlowSphere
+from mpm_warp.scenes.full_flow.penetration import BallPenetration
 
 pytestmark = pytest.mark.slow
 

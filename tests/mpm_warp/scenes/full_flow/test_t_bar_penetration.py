@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+from mpm_warp.scenes.full_flow.penetration import TBarPenetration
 
 pytestmark = pytest.mark.slow
 

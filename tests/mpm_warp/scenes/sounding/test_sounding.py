@@ -13,8 +13,9 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.sounding.layer import change_of_resistance, layer_values
+from mpm_warp.scenes.sounding.curves import change_of_resistance, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.uncertainty.samples import why_not_known
 
 pytestmark = pytest.mark.slow
 
@@ -192,7 +193,10 @@ def test_the_share_of_a_layer_that_softens_has_no_half_width(
     )
     through = changed(to_depth=24.0, layer_top=20.0, layer_thickness=2.0, layer_strength_ratio=2.0)
     soft = dataclasses.replace(through, remoulded_strength_ratio=0.2, ductility=10.0)
-    known, unknown = (layer_values(it, recorded) for it in (through, soft))
+    known, unknown = (
+        layer_values(it, recorded, is_known=not why_not_known(it.build(), it.build()))
+        for it in (through, soft)
+    )
     assert np.isfinite(known["layer_share_uncertainty"])
     assert np.isnan(unknown["layer_share_uncertainty"])
     assert unknown["layer_share"] == known["layer_share"]

@@ -10,8 +10,7 @@ import pytest
 
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import soil_scene
-from mpm_warp.scenes.sounding.layer import layer_values
-from mpm_warp.scenes.sounding.sample_error import sample_error
+from mpm_warp.scenes.sounding.curves import error_of_samples, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
 
@@ -123,10 +122,10 @@ def test_near_the_surface_the_error_is_not_known_and_the_reason_is_told() -> Non
     passed = sounding.surface_passed
     assert passed == pytest.approx((13.0 + math.sqrt(3.0) + 1.0) * radius)
     depth = (np.arange(sounding.sample_count) + 0.5) * sounding.spacing
-    correction, half_width = sample_error(sounding, depth, np.full_like(depth, 350e3))
+    error = error_of_samples(sounding, depth, np.full_like(depth, 350e3))
     before = np.arange(depth.size) * sounding.spacing < passed
-    np.testing.assert_array_equal(np.isnan(half_width), before)
-    np.testing.assert_array_equal(correction == 0.0, before)
+    np.testing.assert_array_equal(np.isnan(error.half_width), before)
+    np.testing.assert_array_equal(error.correction == 0.0, before)
 
 
 def test_a_sounding_tells_where_the_surface_leaves(changed: Callable[..., Sounding]) -> None:
@@ -134,8 +133,8 @@ def test_a_sounding_tells_where_the_surface_leaves(changed: Callable[..., Soundi
     result = changed(
         from_depth=0.0, to_depth=2.0, undrained_shear_strength=5e3, strength_gradient=5e3
     ).run()
-    told = result.net_resistance_uncertainty.attrs["description"]
-    assert told.endswith(f"the surface of the ground is in the window to a depth of {PASSED:.4g} m")
+    told = str(result.why_no_uncertainty.values)
+    assert told.endswith(f"surface: it is in the window to a depth of {PASSED:.4g} m")
     assert np.isnan(result.last_cone_factor_uncertainty)
     np.testing.assert_allclose(result.strength, 5e3 + 5e3 * result.depth)
 
@@ -143,4 +142,4 @@ def test_a_sounding_tells_where_the_surface_leaves(changed: Callable[..., Soundi
 def test_a_layer_near_the_surface_has_no_share(changed: Callable[..., Sounding]) -> None:
     """There is no resistance of undisturbed ground to hold it against."""
     near = changed(from_depth=0.0, layer_top=4.0, layer_strength_ratio=2.0)
-    assert layer_values(near, near.run()) == {}
+    assert layer_values(near, near.run(), is_known=True) == {}

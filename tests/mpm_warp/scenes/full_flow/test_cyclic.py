@@ -9,13 +9,13 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
-from mpm_warp.scenes.full_flow.cyclic.cyclic_ball import CyclicBall
-from mpm_warp.scenes.full_flow.cyclic.cyclic_penetration import CyclicPenetration
-from mpm_warp.scenes.full_flow.cyclic.cyclic_t_bar import CyclicTBar
-from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import limit_load
-from mpm_warp.scenes.full_flow.penetration import FullFlowPenetration
-from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicPenetration, CyclicTBar
+from mpm_warp.scenes.full_flow.limit_load import limit_load
+from mpm_warp.scenes.full_flow.penetration import (
+    BallPenetration,
+    FullFlowPenetration,
+    TBarPenetration,
+)
 from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow

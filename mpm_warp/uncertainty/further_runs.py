@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -19,9 +19,27 @@ import xarray as xr
 from mpm_warp.errors import InaccurateRun, ParameterError, SimulationDiverged, UnfinishedRun
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 
-Test = TypeVar("Test", bound=CatalogueScene)
+Progress = Callable[[float], None]
+"""Is called now and then with the fraction done, 0 to 1."""
+
+
+class Size(Protocol):
+    """How large a run is."""
+
+    @property
+    def particle_updates(self) -> float:
+        """Material points times steps."""
+
+
+class Sized(Protocol):
+    """A test: a frozen dataclass of parameters whose run has a size."""
+
+    def run_size(self) -> Size:
+        """Of its run."""
+
+
+Test = TypeVar("Test", bound=Sized)
 
 
 @dataclass(frozen=True)
@@ -63,7 +81,7 @@ def further_tests(
     tests = {}
     for choice, changed in changes.items():
         try:
-            tests[choice] = replace(test, **changed)
+            tests[choice] = replace(test, **changed)  # type: ignore[type-var]
         except ParameterError as error:
             raise ParameterError(
                 error.key,
@@ -73,23 +91,23 @@ def further_tests(
 
 
 def run_all(
-    tests: Sequence[Test],
-    *,
-    updates: Sequence[float],
+    case: Test,
+    further: Mapping[str, Test],
     run: Callable[[Test, Progress], xr.Dataset],
     progress: Progress,
-) -> tuple[Run[Test], list[Run[Test] | str]]:
+) -> tuple[Run[Test], dict[str, Run[Test] | str]]:
     """Run a case and its further tests, one after the other.
 
     Args:
-        tests: the case, then the further tests.
-        updates: material points times steps of each test, which its time is in proportion to.
+        case: the test whose error is measured.
+        further: the further tests, by choice of the method.
         run: runs one test.
         progress: receives the fraction done of all.
 
     Returns:
         The run of the case, and those of the further tests; for one that failed, why.
     """
+    updates = [it.run_size().particle_updates for it in (case, *further.values())]
     done = np.cumsum([0.0, *updates]) / sum(updates)
 
     def part(number: int) -> Progress:
@@ -97,19 +115,19 @@ def run_all(
         # Rounding must not take it beyond the begin of the next.
         return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
 
-    case = Run(tests[0], run(tests[0], part(0)))
-    further: list[Run[Test] | str] = []
-    for number, test in enumerate(tests[1:], start=1):
+    of_case = Run(case, run(case, part(0)))
+    made: dict[str, Run[Test] | str] = {}
+    for number, (choice, test) in enumerate(further.items(), start=1):
         try:
-            further.append(Run(test, run(test, part(number))))
+            made[choice] = Run(test, run(test, part(number)))
         except (SimulationDiverged, InaccurateRun, UnfinishedRun) as error:
-            further.append(str(error))
-    return case, further
+            made[choice] = str(error)
+    return of_case, made
 
 
-def with_cost(case: xr.Dataset, further: Sequence[Run[Test] | str]) -> xr.Dataset:
+def with_cost(case: xr.Dataset, further: Mapping[str, Run[Test] | str]) -> xr.Dataset:
     """The results of a case with the cost of its further runs in `run_time`, `particle_updates`."""
-    made = [it.results for it in further if isinstance(it, Run)]
+    made = [it.results for it in further.values() if isinstance(it, Run)]
     whole = {
         name: case[name].copy(data=sum((float(it[name]) for it in made), float(case[name])))
         for name in ("run_time", "particle_updates")

@@ -10,10 +10,9 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.full_flow.ball_penetration import BallPenetration
-from mpm_warp.scenes.full_flow.limit_load.full_flow_cylinder import limit_load
-from mpm_warp.scenes.full_flow.measured_error import DIFFERENCES, further_tests, with_measured_error
-from mpm_warp.scenes.full_flow.t_bar_penetration import TBarPenetration
+from mpm_warp.scenes.full_flow.limit_load import limit_load
+from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
+from mpm_warp.uncertainty.full_flow import DIFFERENCES
 
 pytestmark = pytest.mark.slow
 
@@ -51,17 +50,17 @@ def run(test: BallPenetration, progress: Progress) -> xr.Dataset:
 
 
 def test_errors_that_follow_the_laws_are_taken_off_exactly() -> None:
-    results = with_measured_error(TEST, run, lambda fraction: None)
+    results = TEST.with_measured_error(run, lambda fraction: None)
     assert float(results.resistance_factor) == pytest.approx(FACTOR, rel=1e-12)
     correction = FACTOR - simulated(TEST)
     assert float(results.resistance_factor_correction) == pytest.approx(correction, abs=1e-10)
-    finer = further_tests(TEST)["mesh"]
+    finer = TEST.further_tests()["mesh"]
     assert float(results.resistance_factor_further_mesh) == simulated(finer)
 
 
 def test_of_what_the_best_run_still_has_the_mesh_leaves_all_open_and_the_rest_half() -> None:
-    results = with_measured_error(TEST, run, lambda fraction: None)
-    finest = further_tests(TEST)["mesh"].cells_per_radius
+    results = TEST.with_measured_error(run, lambda fraction: None)
+    finest = TEST.further_tests()["mesh"].cells_per_radius
     left = float(results.resistance_factor_uncertainty_mesh)
     assert left == pytest.approx(-MESH / finest**2)
     slowest = (0.5 * 0.3) ** 1.4
@@ -74,7 +73,7 @@ def test_of_what_the_best_run_still_has_the_mesh_leaves_all_open_and_the_rest_ha
 
 def test_what_the_runs_took_is_told() -> None:
     fractions: list[float] = []
-    results = with_measured_error(TEST, run, fractions.append)
+    results = TEST.with_measured_error(run, fractions.append)
     assert float(results.uncertainty_run_time) == 8.0
     assert float(results.run_time) == 10.0
     assert float(results.particle_updates) == 5e6
@@ -88,9 +87,9 @@ def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
             raise UnfinishedRun("the resistance still changes", xr.Dataset())
         return run(test, progress)
 
-    results = with_measured_error(TEST, failing, lambda fraction: None)
-    reason = "the run with a wider window: the resistance still changes"
-    assert results.resistance_factor_uncertainty.attrs["not_known"] == reason
+    results = TEST.with_measured_error(failing, lambda fraction: None)
+    reason = "further runs: the run with a wider window: the resistance still changes"
+    assert results.why_no_uncertainty == reason
     assert np.isnan(results.resistance_factor_uncertainty)
     assert np.isnan(results.resistance_factor_further_domain)
     assert float(results.resistance_factor) == simulated(TEST)
@@ -111,9 +110,9 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
         is_finer = test.cells_per_radius > TEST.cells_per_radius
         return run(test, progress).assign(empty_cells=float(is_finer))
 
-    results = with_measured_error(TEST, leaving_a_hole, lambda fraction: None)
-    reason = "soil leaves a hole behind the body"
-    assert results.resistance_factor_uncertainty.attrs["not_known"] == reason
+    results = TEST.with_measured_error(leaving_a_hole, lambda fraction: None)
+    reason = "hole: soil leaves one behind the body"
+    assert results.why_no_uncertainty == reason
 
 
 def test_a_case_is_run_with_its_further_runs() -> None:

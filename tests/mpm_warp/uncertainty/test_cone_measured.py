@@ -13,13 +13,12 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.measured_error import DIFFERENCES, further_tests, with_measured_error
-from mpm_warp.scenes.cone.stated_error import NOISE
+from mpm_warp.uncertainty.cone import DIFFERENCES, NOISE
 
 pytestmark = pytest.mark.slow
 
 TEST = ConePenetration(uncertainty="measured", material="von_mises")
-FACTOR, FACE, GROWTH, SPEED, DOMAIN = 11.0, -0.4, 1.2, 0.07, 0.03
+FACTOR, MESH, GROWTH, SPEED, DOMAIN = 11.0, -0.4, 1.2, 0.07, 0.03
 """A cone factor, and what mesh, speed and window add to it."""
 
 
@@ -30,7 +29,7 @@ def simulated(test: ConePenetration) -> float:
     assert TEST.domain_radius is not None
     return (
         FACTOR
-        + FACE * size
+        + MESH * size
         + GROWTH * test.cell_growth**1.5 * size**1.3
         + SPEED * test.rigidity_index * test.speed_ratio**2
         + DOMAIN * (TEST.domain_radius / test.domain_radius) ** 2
@@ -62,16 +61,16 @@ def run(test: ConePenetration, progress: Progress) -> xr.Dataset:
 
 
 def test_effects_that_follow_the_laws_are_taken_off_exactly() -> None:
-    results = with_measured_error(TEST, run, lambda fraction: None)
+    results = TEST.with_measured_error(run, lambda fraction: None)
     assert float(results.cone_factor) == pytest.approx(FACTOR, rel=1e-12)
     correction = FACTOR - simulated(TEST)
     assert float(results.cone_factor_correction) == pytest.approx(correction, abs=1e-10)
 
 
 def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
-    results = with_measured_error(TEST, run, lambda fraction: None)
-    finest = cell_size(further_tests(TEST)["face"])
-    assert float(results.cone_factor_uncertainty_face) == pytest.approx(-0.5 * FACE * finest)
+    results = TEST.with_measured_error(run, lambda fraction: None)
+    finest = cell_size(TEST.further_tests()["mesh"])
+    assert float(results.cone_factor_uncertainty_mesh) == pytest.approx(-0.5 * MESH * finest)
     assert float(results.cone_factor_uncertainty_domain) == pytest.approx(0.5 * DOMAIN / 1.4**2)
     parts = [*DIFFERENCES, "steadiness", "points", "noise"]
     squares = [float(results[f"cone_factor_uncertainty_{it}"]) ** 2 for it in parts]
@@ -85,17 +84,19 @@ def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
         made["cone_factor_simulated"] -= 4.0 * cell_size(test)
         return made
 
-    results = with_measured_error(TEST, coarse, lambda fraction: None)
-    reason = str(results.cone_factor_uncertainty.attrs["not_known"])
+    results = TEST.with_measured_error(coarse, lambda fraction: None)
+    reason = str(results.why_no_uncertainty.values)
     left = simulated(TEST) - 4.0 * cell_size(TEST)
-    assert reason == f"its laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 12%"
+    assert reason == (
+        f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 12%"
+    )
     assert float(results.cone_factor) == left
 
 
 def test_the_noise_of_all_runs_counts() -> None:
     """Shift one run after the other by its noise: the shifts of Nc add up as squares."""
     shifts = []
-    for shifted in (TEST, *further_tests(TEST).values()):
+    for shifted in (TEST, *TEST.further_tests().values()):
 
         def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> xr.Dataset:
             made = run(test, progress)
@@ -103,7 +104,7 @@ def test_the_noise_of_all_runs_counts() -> None:
                 made["cone_factor_simulated"] += NOISE
             return made
 
-        results = with_measured_error(TEST, noisy, lambda fraction: None)
+        results = TEST.with_measured_error(noisy, lambda fraction: None)
         shifts.append(float(results.cone_factor) - FACTOR)
     noise = float(results.cone_factor_uncertainty_noise)
     assert noise == pytest.approx(math.hypot(*shifts), rel=1e-9)
@@ -111,7 +112,7 @@ def test_the_noise_of_all_runs_counts() -> None:
 
 def test_what_the_runs_took_is_told() -> None:
     fractions: list[float] = []
-    results = with_measured_error(TEST, run, fractions.append)
+    results = TEST.with_measured_error(run, fractions.append)
     assert float(results.uncertainty_run_time) == 8.0
     assert float(results.run_time) == 10.0
     assert results.run_time.attrs == {"role": "measured"}
@@ -126,16 +127,16 @@ def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
             raise UnfinishedRun("the resistance still changes", xr.Dataset())
         return run(test, progress)
 
-    results = with_measured_error(TEST, failing, lambda fraction: None)
-    reason = "the run with more growth: the resistance still changes"
-    assert results.cone_factor_uncertainty.attrs["not_known"] == reason
+    results = TEST.with_measured_error(failing, lambda fraction: None)
+    reason = "further runs: the run with more growth: the resistance still changes"
+    assert results.why_no_uncertainty == reason
     assert np.isnan(results.cone_factor_uncertainty)
     assert float(results.cone_factor) == simulated(TEST)
 
 
 @pytest.mark.parametrize(
     ("changed", "reason"),
-    [({"speed_ratio": 0.2}, "the speed is too high"), ({"accuracy": "quick"}, "too wide")],
+    [({"speed_ratio": 0.2}, "speed: it is too high"), ({"accuracy": "quick"}, "too wide")],
 )
 def test_where_no_law_holds_the_case_is_refused(changed: dict[str, Any], reason: str) -> None:
     with pytest.raises(ParameterError, match=f"uncertainty = measured: .*{reason}"):
@@ -161,9 +162,11 @@ def test_a_case_is_run_with_its_further_runs() -> None:
     alone = dataclasses.replace(test, uncertainty="known").run()
     results = test.run()
     assert float(results.cone_factor_simulated) == float(alone.cone_factor_simulated)
-    assert float(results.cone_factor_further_face) != float(alone.cone_factor_simulated)
-    reason = "the case: soil that the cone has not passed is still beside it"
-    assert reason in results.cone_factor_uncertainty.attrs["not_known"]
+    assert float(results.cone_factor_further_mesh) != float(alone.cone_factor_simulated)
+    reason = (
+        "further runs: the case: settling: soil that the cone has not passed is still beside it"
+    )
+    assert reason in str(results.why_no_uncertainty.values)
     size, whole = dataclasses.replace(test, uncertainty="known").run_size(), test.run_size()
     assert whole.particle_updates > 5.0 * size.particle_updates
     assert whole.byte_count > size.byte_count

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpm_warp.scenes.cone.error_laws import BOTTOM_ERROR, DOMAIN, NEAREST_BOTTOM
-from mpm_warp.scenes.sounding.sample_error import sample_error
+from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.uncertainty.laws import BOTTOM_ERROR, DOMAIN, NEAREST_BOTTOM
 
 FACTOR = 10.0
 
@@ -16,8 +16,8 @@ def stated(sounding: Sounding) -> tuple[float, float]:
     """Correction and half width of one sample, over the strength, whatever its noise."""
     strength = sounding.undrained_shear_strength
     samples = np.full(1, FACTOR * strength)
-    correction, half_width = sample_error(sounding, np.array([sounding.from_depth]), samples)
-    return float(correction[0]), float(half_width[0]) / strength
+    error = error_of_samples(sounding, np.array([sounding.from_depth]), samples)
+    return float(error.correction[0]), float(error.half_width[0]) / strength
 
 
 @pytest.mark.parametrize("name", ["domain_radius", "domain_above"])

@@ -1,13 +1,16 @@
-"""A value with its uncertainty, as variables of the results of a run."""
+"""A value with its uncertainty, or with the reason why it has none, as variables of a result."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
 from mpm_warp.results import variable
+
+REASON = "why_no_uncertainty"
+"""Name of the text that says why a result has no uncertainty; "" where it has one."""
 
 
 def stated_value(
@@ -16,7 +19,7 @@ def stated_value(
     *,
     correction: float,
     parts: Mapping[str, float],
-    not_known: str,
+    reasons: Sequence[str],
     description: str,
 ) -> dict[str, xr.Variable]:
     """A value less what is known of its error, and its uncertainty.
@@ -26,53 +29,59 @@ def stated_value(
         simulated: the value as simulated.
         correction: what is to be added to it.
         parts: half widths of 95 % by what they are of; their squares add up.
-        not_known: why nothing is known of the error, as a phrase; "" where it is known.
+        reasons: why nothing is known of the error, each as "word: sentence"; none where it is.
         description: how the value is defined.
 
     Returns:
-        The value, its correction; its uncertainty and the parts of it. Where nothing is known of
-        the error there is no correction, the uncertainty is not a number, and its attribute
-        `not_known` says why.
+        The value, its correction; its uncertainty, the parts of it, and the reason for none. Where
+        nothing is known of the error there is no correction, and the uncertainty is not a number.
     """
-    if not_known:
+    if reasons:
         correction, parts = 0.0, dict.fromkeys(parts, math.nan)
     spoken = name.replace("_", " ")
-    headline = {
+    return {
         name: variable(
             simulated + correction,
             unit="1",
             meaning=spoken,
             description=description,
             role="headline",
-        )
-    }
-    uncertainty = variable(
-        math.hypot(*parts.values()),
-        unit="1",
-        meaning=f"uncertainty of the {spoken}",
-        description="half width, 95 %",
-        role="uncertainty",
-    )
-    if not_known:
-        uncertainty.attrs["not_known"] = not_known
-    of_correction = variable(
-        correction,
-        unit="1",
-        meaning=f"correction of the {spoken}",
-        description="what is known of the error of mesh, speed and window, taken off; 0 where "
-        "nothing is",
-    )
-    of_parts = {
+        ),
+        f"{name}_uncertainty": variable(
+            math.nan if reasons else math.hypot(*parts.values()),
+            unit="1",
+            meaning=f"uncertainty of the {spoken}",
+            description="half width, 95 %",
+            role="uncertainty",
+        ),
+        f"{name}_correction": variable(
+            correction,
+            unit="1",
+            meaning=f"correction of the {spoken}",
+            description="what is known of the error of mesh, speed and window, taken off; 0 where "
+            "nothing is",
+        ),
+        REASON: reason("; ".join(reasons)),
+    } | {
         f"{name}_uncertainty_{part}": variable(
             half_width, unit="1", meaning=f"uncertainty of the {spoken}, {part}"
         )
         for part, half_width in parts.items()
     }
-    return (
-        headline
-        | {f"{name}_uncertainty": uncertainty, f"{name}_correction": of_correction}
-        | of_parts
-    )
+
+
+def reason(text: str) -> xr.Variable:
+    """The variable `REASON`.
+
+    Args:
+        text: "word: sentence", one or more, parted by semicolons; "" where the error is known.
+    """
+    return variable(text, unit="1", meaning="why there is no uncertainty", role="reason")
+
+
+def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
+    """The reasons that hold, of some with what says whether they do."""
+    return [text for text, holds in conditions.items() if holds]
 
 
 def further_values(

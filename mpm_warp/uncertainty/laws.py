@@ -20,8 +20,8 @@ of a test by default, both over the cone's radius:
     E_top = T (Ir / A^2)^1.5 (1 - exp(-w / (1.7 (A + H))))
 
 All are taken from the cone factor; what they leave open is given as half widths. How all of it was
-measured is in the README.md of this folder; `studies/mesh_error.toml` measures B. They are used for
-a cone test (`known_error`), and for each sample of a sounding (`scenes/sounding/sample_error`).
+measured is in `scenes/cone/README.md`; `studies/mesh_error.toml` measures B. They are used for a
+cone test (`cone`), and for each sample of a sounding (`samples`).
 """
 
 from __future__ import annotations
@@ -33,37 +33,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes.cone.window import ALL_PASSED, steady_penetration
+from mpm_warp.uncertainty.steadiness import ALL_PASSED, steady_penetration
 
 Value = Floats | float
 Condition = NDArray[np.bool_] | bool
 
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
-FACE_ERRORS = ((-0.66, -0.38, -0.43, -0.08, 0.18), (-0.36, -0.32, -0.28, -0.03, 0.15))
+MESH_ERRORS = ((-0.66, -0.38, -0.43, -0.08, 0.18), (-0.36, -0.32, -0.28, -0.03, 0.15))
 """B at these rigidity indices, of a smooth cone and of one with adhesion factor 1."""
 GROWTH_ERROR = 1.2
-"""C."""
+"""C of E_mesh, dimensionless."""
 WIDE_ERROR = 0.55
-"""W."""
+"""W of E_mesh, dimensionless."""
 LARGEST_CELL, WIDEST_CELL = 0.44, 0.58
 """Width of the cells at the cone over its radius up to which their error is linear, and up to which
 it is known: 4 and 3 rows of cells beside a face of 60 degrees."""
 SPEED_ERROR = 0.07
-"""S."""
+"""S of E_speed, dimensionless."""
 LARGEST_INERTIA = 3.0
 """rho V^2 / su up to which the law of the error of the speed holds."""
 BOTTOM_ERROR = 0.09
-"""D."""
+"""D of E_bottom, dimensionless."""
 NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
-"""T; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
-FACE, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.004
+"""T of E_top; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
+MESH, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.004
 """Half widths: of B; of W; of C; of what a default window changes, over Nc."""
-FORM_OF_GROWTH, SHARE_OF_GROWTH = 0.02, 1.0 / 3.0
-"""Half width of the form of the law of growth, where cells are not small; and what it is at most,
-over the effect of growth."""
+GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
+"""Half width of what other powers of h and g would change, where cells are not small; and its
+largest share of the effect of growth."""
 BOTTOM, TOP = 0.3, 0.5
 """Half widths of the effects of bottom and top, over them."""
 INERTIA = 0.05
@@ -77,17 +77,20 @@ LARGEST_ANISOTROPY = 0.5
 class ErrorLaws:
     """The laws, for one cone factor or for an array of them; lengths are over the cone's radius.
 
+    All is as simulated.
+
     Attributes:
         rigidity_index: G/su, shape [...].
         adhesion_factor: of the face, shape [...].
         stress_anisotropy: of the ground, shape [...].
-        poissons_ratio: as simulated.
+        poissons_ratio: of the clay.
         inertia: rho V^2 / su, shape [...].
         cell_size: width of the cells at the cone.
         cell_growth: growth of their width per distance from the penetrometer.
+        outer: radius of the window.
         above: extent of the window above the shoulder.
         below: extent of the window below the tip.
-        smallness: greatest ratio of an extent of the window that is by default to what it is.
+        extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
         way: of the cone since its start, shape [...].
     """
 
@@ -98,9 +101,10 @@ class ErrorLaws:
     inertia: Value
     cell_size: float
     cell_growth: float
+    outer: float
     above: float
     below: float
-    smallness: float
+    extent_ratio: float
     way: Value
 
     @property
@@ -121,35 +125,40 @@ class ErrorLaws:
             factor: the cone factor as simulated, shape [...].
         """
         return {
-            "face": FACE * self.cell_size + WIDE * _excess_width(self.cell_size),
+            "mesh": MESH * self.cell_size + WIDE * _excess_width(self.cell_size),
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
-            "domain": DOMAIN * factor * self.smallness**2,
+            "domain": DOMAIN * factor * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
             "top": TOP * self._top,
             "speed": INERTIA * self.inertia,
         }
 
     def why_none_holds(self, *, largest_cell: float) -> dict[str, Condition]:
-        """Phrases on what keeps the laws from holding, and whether it does, shape [...].
+        """What keeps the laws from holding, as "word: sentence", and whether it does, shape [...].
 
         Args:
             largest_cell: the greatest width of the cells at the cone that is allowed.
         """
         lowest, highest = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
         return {
-            f"rigidity_index is not {lowest:g} to {highest:g}": (
+            f"rigidity index: it is not {lowest:g} to {highest:g}": (
                 (self.rigidity_index < lowest) | (self.rigidity_index > highest)
             ),
-            f"stress_anisotropy is beyond {LARGEST_ANISOTROPY:g}": (
+            f"Delta: the stress anisotropy is beyond {LARGEST_ANISOTROPY:g}": (
                 np.abs(self.stress_anisotropy) > LARGEST_ANISOTROPY
             ),
-            f"poissons_ratio is below {SMALLEST_POISSONS_RATIO:g}": (
+            f"Poisson's ratio: it is below {SMALLEST_POISSONS_RATIO:g}": (
                 self.poissons_ratio < SMALLEST_POISSONS_RATIO
             ),
-            "the bottom is too near": self._nearness * NEAREST_BOTTOM**2 > 1.0,
-        } | why_not_linear(
-            cell_size=self.cell_size, inertia=self.inertia, largest_cell=largest_cell
-        )
+            "window: its bottom is too near": self._nearness * NEAREST_BOTTOM**2 > 1.0,
+        } | self.why_not_linear(largest_cell)
+
+    def why_not_linear(self, largest_cell: float = LARGEST_CELL) -> dict[str, Condition]:
+        """What keeps the laws of mesh and speed from holding, whatever B, C and S are; likewise."""
+        return {
+            "mesh: the cells are too wide": self.cell_size > largest_cell,
+            "speed: it is too high": self.inertia > LARGEST_INERTIA,
+        }
 
     @property
     def _nearness(self) -> Value:
@@ -163,22 +172,6 @@ class ErrorLaws:
         )
 
 
-def why_not_linear(
-    *, cell_size: float, inertia: Value, largest_cell: float = LARGEST_CELL
-) -> dict[str, Condition]:
-    """Phrases on what keeps the laws of mesh and speed from holding, whatever B, C and S are.
-
-    Args:
-        cell_size: as in `ErrorLaws`.
-        inertia: likewise.
-        largest_cell: as in `ErrorLaws.why_none_holds`.
-    """
-    return {
-        "the cells are too wide": cell_size > largest_cell,
-        "the speed is too high": inertia > LARGEST_INERTIA,
-    }
-
-
 def mesh_error(
     *, rigidity_index: Value, adhesion_factor: Value, cell_size: float, cell_growth: float
 ) -> Value:
@@ -188,7 +181,7 @@ def mesh_error(
     """
     smooth, rough = (
         np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), errors)
-        for errors in FACE_ERRORS
+        for errors in MESH_ERRORS
     )
     slope = smooth + adhesion_factor * (rough - smooth)
     linear = slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
@@ -204,7 +197,7 @@ def growth_measure(cell_size: float, cell_growth: float) -> float:
 def growth_uncertainty(cell_size: float, cell_growth: float) -> float:
     """Half width of what the growth of the cells adds to the cone factor; see `mesh_error`."""
     measure = growth_measure(cell_size, cell_growth)
-    form = min(FORM_OF_GROWTH, SHARE_OF_GROWTH * GROWTH_ERROR * measure)
+    form = min(GROWTH_MODEL, GROWTH_SHARE * GROWTH_ERROR * measure)
     return GROWTH * measure + form
 
 

@@ -1,10 +1,10 @@
-"""The force on a sphere in full flow against what is known of it."""
+"""The forces on a cylinder and a sphere in full flow against what is known of them."""
 
 from __future__ import annotations
 
 import pytest
 
-from mpm_warp.scenes.full_flow.limit_load.full_flow_sphere import FullFlowSphere
+from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder, FullFlowSphere
 
 pytestmark = pytest.mark.slow
 
@@ -27,3 +27,10 @@ def test_force_on_a_sphere_in_soil_of_tresca_is_within_its_bounds(adhesion_facto
 def test_where_nothing_is_known_nothing_is_compared() -> None:
     result = FullFlowSphere(cells_per_radius=1, adhesion_factor=0.5, displacement=60.0).run()
     assert not {"error", "bearing_capacity_exact"} & set(result)
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
+def test_force_on_a_cylinder_in_full_flow(adhesion_factor: float) -> None:
+    # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
+    result = FullFlowCylinder(cells_per_radius=CELLS, adhesion_factor=adhesion_factor).run()
+    assert float(result.error) <= 1 / (CELLS * result.bearing_capacity_exact)

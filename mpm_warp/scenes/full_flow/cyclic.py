@@ -1,0 +1,291 @@
+"""Ball and T-bar pushed down and pulled up over a stroke, time and again: clay is remoulded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials import CRITERIA
+from mpm_warp.parameters import parameter, redefined
+from mpm_warp.parts.cyclic_window import CyclicWindow
+from mpm_warp.results import labelled
+from mpm_warp.sampling import follow, transferred_energy
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.full_flow.degradation import (
+    FITTED,
+    T_BAR_STRAIN,
+    Degradation,
+    fitted_degradation,
+)
+from mpm_warp.scenes.full_flow.penetrometer import (
+    Ball,
+    FullFlowPenetrometer,
+    ResistanceSamples,
+    TBar,
+)
+from mpm_warp.scenes.full_flow.round_body import RoundBody
+from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
+
+MIDDLE = 2.0
+"""Length in the middle of the stroke over which the resistance of a passage is a mean, in radii."""
+FIRST_CYCLE = 0.25
+"""Number of the cycle in the middle of the first passage; each further passage adds a half."""
+BEYOND = "not a number where the test ends before n_95"
+"""What is said of all that is fitted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CyclicPenetration(FullFlowPenetrometer):
+    """A round body that goes down and up again in the same soil.
+
+    It starts at rest at the upper end of the stroke, in intact soil: its first passage is that of
+    the same body that goes on. Clay that softens resists the less from passage to passage;
+    perfectly plastic clay resists each of them alike.
+    """
+
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(2, 3),
+            bounds={"error": 0.01},
+            settings={
+                "adhesion_factor": 0.5,
+                "cycle_count": 2,
+                "stroke": 6.0,
+                "speed_ratio": 0.03,
+            },
+        ),
+    )
+
+    # Remoulded clay is weak: half the speed has a quarter of the inertia.
+    relative_speed: ClassVar[float] = 0.15
+    speed_ratio: float = redefined(
+        FullFlowPenetrometer,
+        "speed_ratio",
+        meaning="penetration speed over shear wave speed (default: 0.15 / sqrt(Ir))",
+    )
+    cycle_count: int = parameter(
+        5,
+        unit="1",
+        meaning="number of cycles, each a penetration and an extraction",
+        minimum=1,
+        maximum=100,
+    )
+    stroke: float = parameter(
+        8.0, unit="1", meaning="way from turn to turn over radius", minimum=6, maximum=50
+    )
+
+    @property
+    def window(self) -> CyclicWindow:
+        """The travel of the grid: the speed is reached in a radius after each turn."""
+        return CyclicWindow(
+            speed=self.speed,
+            ramp_travel=self.body.radius,
+            stroke=self.stroke * self.body.radius,
+        )
+
+    @property
+    def end_time(self) -> float:
+        """Time to the end of the last cycle [s]."""
+        return 2.0 * self.cycle_count * self.window.passage_time
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Move the body, and take its mean resistance in the middle of each passage.
+
+        Raises:
+            InaccurateRun: the transfers took too much of the work of the body.
+        """
+        loops = ResistanceLoops(
+            simulation,
+            self.body,
+            stroke=self.stroke,
+            cycle_count=self.cycle_count,
+            strength=self.undrained_shear_strength,
+        )
+        moments = [self.window.time_to(way) for way in loops.ways]
+        recorded = follow(simulation, moments, simulation.advance_to, [loops], progress)
+        results = recorded.assign(self._ratio(recorded)).assign(
+            energy_error=energy_error(transferred_energy(simulation) / loops.work)
+        )
+        check_energy(results)
+        return results
+
+    def _ratio(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
+        """What is left of the resistance, and what that says of the clay."""
+        factor = recorded.cyclic_resistance_factor
+        first, last = float(factor[0]), float(factor[-2:].mean())
+        ratio = labelled(
+            role="headline",
+            resistance_ratio=(
+                last / first,
+                "1",
+                "resistance left in the last cycle",
+                "mean of penetration and extraction, over that of the first passage",
+            ),
+        )
+        if str(recorded.built_law.values) in CRITERIA:
+            error = abs(last / first - 1.0)
+            what = "of perfectly plastic clay, which does not degrade"
+            return (
+                ratio
+                | labelled(resistance_ratio_exact=(1.0, "1", "resistance ratio", what))
+                | labelled(role="error", error=(error, "1", "error of the resistance ratio", what))
+            )
+        if self.remoulded_strength_ratio == 1.0 or factor.size <= FITTED:
+            return ratio
+        return ratio | self.fitted(fitted_degradation(factor["cycle"].values, factor.values))
+
+    def fitted(self, fit: Degradation) -> dict[str, xr.Variable]:
+        """The fit of practice; what lies beyond the end of the test is not a number."""
+        known = fit.cycles <= self.cycle_count
+        cycles, remoulded = (fit.cycles, fit.remoulded_share) if known else (math.nan, math.nan)
+        return labelled(
+            fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
+            fitted_remoulded_ratio=(
+                remoulded,
+                "1",
+                "remoulded over intact resistance, fitted",
+                f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0",
+            ),
+            fitted_resistance_factor=(
+                fit.intact if known else np.nan,
+                "1",
+                "resistance factor of intact clay, fitted",
+                BEYOND,
+            ),
+            fit_misfit=(
+                fit.misfit,
+                "1",
+                "misfit of the fit",
+                "root mean square of what it leaves, over the fitted resistance of intact clay",
+            ),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CyclicBall(Ball, CyclicPenetration):
+    """A ball that goes down and up again in the same soil.
+
+    Its shaft is left out: it would move the ground around the window, which rests between two
+    passages. The first passage is that of `ball_penetration` without a shaft.
+    """
+
+    summary: ClassVar[str] = "ball without a shaft, pushed down and pulled up in undrained clay"
+    version: ClassVar[int] = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class CyclicTBar(TBar, CyclicPenetration):
+    """A T-bar in plane strain that goes down and up again in the same soil.
+
+    Its first passage is that of `t_bar_penetration`.
+    """
+
+    summary: ClassVar[str] = "T-bar pushed down and pulled up in undrained clay, plane strain"
+    version: ClassVar[int] = 3
+
+    def fitted(self, fit: Degradation) -> dict[str, xr.Variable]:
+        """The fit of practice, and the ductility that it tells."""
+        fitted = super().fitted(fit)
+        return fitted | labelled(
+            fitted_ductility=(
+                2.0 * T_BAR_STRAIN * float(fitted["fitted_cycles"]),
+                "1",
+                "ductility xi_95, fitted",
+                f"by a plastic shear strain of {T_BAR_STRAIN:g} in a passage of a T-bar; {BEYOND}",
+            )
+        )
+
+
+class ResistanceLoops:
+    """Samples the resistance at even distances of the way, about `SAMPLE_SPACING` radii.
+
+    Args:
+        simulation: at its start; the body is at the upper end of its stroke.
+        body: that moves.
+        stroke: way from turn to turn over its radius.
+        cycle_count: cycles, of two passages each.
+        strength: undrained shear strength su [Pa].
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        body: RoundBody,
+        *,
+        stroke: float,
+        cycle_count: int,
+        strength: float,
+    ) -> None:
+        self._samples = ResistanceSamples(simulation, body)
+        self._radius = body.radius
+        self._stroke = stroke
+        self._strength = strength
+        self._shape = 2 * cycle_count, round(stroke / SAMPLE_SPACING)
+
+    @property
+    def ways(self) -> list[float]:
+        """Ways gone, down and up, at which samples are due [m]."""
+        passages, per_passage = self._shape
+        spacing = self._stroke * self._radius / per_passage
+        return [number * spacing for number in range(1, passages * per_passage + 1)]
+
+    def sample(self) -> None:
+        """Record the mean force since the sample before."""
+        self._samples.take()
+
+    @property
+    def work(self) -> float:
+        """Of the body so far [J], per radian or per unit length of half of it."""
+        downward = np.where(np.arange(self._shape[0]) % 2 == 0, 1.0, -1.0)
+        forces = self._by_passage(np.array(self._samples.forces))
+        spacing = self._stroke * self._radius / self._shape[1]
+        return float(np.nansum(forces * downward[:, None])) * spacing
+
+    def dataset(self) -> xr.Dataset:
+        """The loops, and the mean over the middle of each passage."""
+        passages, per_passage = self._shape
+        loops = self._by_passage(self._samples.resistance)
+        cycle = FIRST_CYCLE + 0.5 * np.arange(passages)
+        place = (np.arange(per_passage) + 0.5) / per_passage * self._stroke
+        is_middle = np.abs(place - 0.5 * self._stroke) < 0.5 * MIDDLE
+        factor = np.abs(loops[:, is_middle].mean(axis=1)) / self._strength
+        numbered = "that of the middle of a passage: 0.25 down, 0.75 up, 1.25 down, ..."
+        coordinates = labelled(
+            dims=("cycle",), cycle=(cycle, "1", "number of the cycle", numbered)
+        ) | labelled(
+            dims=("penetration",),
+            penetration=(place, "1", "penetration over radius of the body"),
+        )
+        results = labelled(
+            dims=("cycle", "penetration"),
+            cyclic_resistance=(
+                loops,
+                "Pa",
+                "resistance over projected area",
+                "upward positive: below 0 on the way up",
+            ),
+        ) | labelled(
+            dims=("cycle",),
+            cyclic_resistance_factor=(
+                factor,
+                "1",
+                "resistance over projected area and su",
+                f"size of the mean over the middle {MIDDLE:g} radii of the stroke",
+            ),
+        )
+        return xr.Dataset(results, coords=coordinates)
+
+    def _by_passage(self, values: Floats) -> Floats:
+        """Values of samples by passage and place from above; not a number where there is none."""
+        table = np.full(self._shape, np.nan)
+        table.reshape(-1)[: len(values)] = values
+        table[1::2] = table[1::2, ::-1]
+        return table

@@ -1,1 +1,0 @@
-"""Bodies that go down and up again in the same soil."""

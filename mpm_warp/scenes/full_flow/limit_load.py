@@ -1,0 +1,209 @@
+"""Limit loads of round bodies in soil on all sides, moved by a small part of their radius."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.parameters import redefined
+from mpm_warp.parts.boundaries import Fixed
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.results import labelled
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.shared_parameters import ConeInGround
+from mpm_warp.simulation import Simulation
+
+OUTER_RADIUS = 6.0
+"""Where the soil is held, over radius: the mechanism reaches to about three."""
+
+LIMIT_LOAD_SOURCE = (
+    "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
+    "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
+    "Geotechnique 56(2):141-145)"
+)
+ROUGH_VON_MISES = 2.0 / 0.143
+"""Load over (pi R^2 su): a sphere rests where its load is less than 2 pi R^2 su / 0.143."""
+BOUNDS_OF_TRESCA = {0.0: (11.0, 11.8), 1.0: (15.1, 15.5)}
+"""The same for Tresca by adhesion factor: bounds as commonly quoted, about."""
+
+
+def limit_load(adhesion_factor: float) -> float:
+    """Exact limit load of a cylinder in full flow over diameter and su; see `LIMIT_LOAD_SOURCE`."""
+    delta = math.asin(adhesion_factor)
+    fans = math.cos(0.5 * delta) + math.sin(0.5 * delta)
+    return math.pi + 2.0 * delta + 2.0 * math.cos(delta) + 4.0 * fans
+
+
+@dataclass(frozen=True, kw_only=True)
+class FullFlow(Bearing):
+    """Half a round body on rays, moved by a small part of its radius.
+
+    Soil surrounds the body, so that the limit load of a small displacement is that of steady flow.
+    """
+
+    planar: ClassVar[bool]
+    """Whether the body is a cylinder in plane strain; otherwise it is a sphere."""
+
+    adhesion_factor: float = redefined(
+        ConeInGround, "adhesion_factor", meaning="adhesion factor of the body"
+    )
+
+    def grid(self) -> PolarGrid:
+        """Half a ring around the body, on rays."""
+        size, span = RADIUS / self.cells_per_radius, (OUTER_RADIUS - 1.0) * RADIUS
+        row_count = round(np.pi * self.cells_per_radius)
+        return PolarGrid(
+            columns=graded(size, span, 1.0 + 0.3 * size / RADIUS) / span,
+            rows=np.linspace(0.0, np.pi, row_count + 1),
+            surface_radius=np.full(row_count + 1, RADIUS),
+            fitted_radius=OUTER_RADIUS * RADIUS,
+            planar=self.planar,
+        )
+
+    def fixed(self, grid: Grid) -> Fixed:
+        """Nodes on the line of travel, and those around the soil."""
+        vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        vertical[:, -1] = True
+        radial = vertical.copy()
+        radial[[0, -1]] = True
+        return Fixed.where(radial=radial, vertical=vertical)
+
+    def contact(self, grid: Grid) -> SurfaceContact:
+        """Contact all around the body."""
+        assert isinstance(grid, PolarGrid)
+        vectors = -grid.wall_vectors
+        vectors[[0, -1], 0] = 0.0  # nothing moves off the line of travel
+        areas = np.linalg.norm(vectors, axis=1)
+        rows = np.arange(grid.row_count + 1)
+        return SurfaceContact(
+            nodes=grid.node(np.zeros_like(rows), rows),
+            normals=vectors / areas[:, None],
+            normal_areas=areas,
+            adhesion_forces=self.adhesion_factor * STRENGTH * areas,
+            friction=0.0,
+            in_situ_stress=NO_PARTING,
+            speed=self.speed,
+        )
+
+    def load(self, scene: Scene, nodal: Floats) -> float:
+        """The force along the line of travel, over projected area and su."""
+        normals = scene[SurfaceContact].normals
+        upward = nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]
+        # Forces are those on half a cylinder, or on a radian of a sphere.
+        area = RADIUS if self.planar else 0.5 * RADIUS**2
+        return float(upward.sum()) / (area * STRENGTH)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FullFlowCylinder(FullFlow):
+    """Half a cylinder on rays, in plane strain.
+
+    Force over (diameter times su), with D = asin(adhesion factor):
+    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); the attribute `exact_source` says where from.
+    """
+
+    summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
+    version: ClassVar[int] = 3
+    planar: ClassVar[bool] = True
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(4, 8),
+            bounds={"error": 0.01},
+            settings={"adhesion_factor": adhesion_factor},
+        )
+        for adhesion_factor in (0.0, 0.25, 0.5, 0.75, 1.0)
+    )
+
+    @property
+    def exact_load(self) -> float:
+        """Exact limit load over diameter and su."""
+        return limit_load(self.adhesion_factor)
+
+    @property
+    def exact_source(self) -> str:
+        """Where the exact load comes from, and how exact it is."""
+        return LIMIT_LOAD_SOURCE
+
+
+@dataclass(frozen=True, kw_only=True)
+class FullFlowSphere(FullFlow):
+    """Force over (pi R^2 su) of a sphere: the axisymmetric sibling of `full_flow_cylinder`.
+
+    It is known for a rough sphere in soil of von Mises. For Tresca there are bounds of a smooth and
+    of a rough one, commonly quoted from Randolph, Martin & Hu (2000, GeoEng2000, Melbourne).
+    """
+
+    summary: ClassVar[str] = "force on a sphere that soil flows around (ball penetrometer)"
+    version: ClassVar[int] = 1
+    planar: ClassVar[bool] = False
+    verifications: ClassVar[tuple[Verification, ...]] = (
+        Verification(
+            resolution="cells_per_radius",
+            resolutions=(4, 8),
+            bounds={"error": 0.01},
+            settings={"adhesion_factor": 1.0, "material": "von_mises"},
+        ),
+        *(
+            Verification(
+                resolution="cells_per_radius",
+                resolutions=(4, 8),
+                bounds={"error": 0.01},  # they are given to a tenth
+                settings={"adhesion_factor": adhesion_factor},
+            )
+            for adhesion_factor in BOUNDS_OF_TRESCA
+        ),
+    )
+
+    material: str = redefined(ClayScene, "material")
+
+    @property
+    def clay(self) -> PerfectlyPlastic:
+        """The soil."""
+        tresca = super().clay
+        return CRITERIA[self.material](
+            shear_modulus=tresca.shear_modulus,
+            poissons_ratio=tresca.poissons_ratio,
+            density=tresca.density,
+            strength=tresca.strength,
+        )
+
+    @property
+    def exact_load(self) -> float:
+        """Exact limit load over projected area and su; not a number where none is known."""
+        is_known = self.material == "von_mises" and self.adhesion_factor == 1.0
+        return ROUGH_VON_MISES if is_known else math.nan
+
+    @property
+    def exact_source(self) -> str:
+        """Where the exact load comes from, and how exact it is."""
+        return (
+            "critical yield number 0.143 of a sphere in a Bingham fluid, Beris, Tsamopoulos, "
+            "Armstrong & Brown 1985, J. Fluid Mech. 158:219-244; its last digit is worth 0.35 %"
+        )
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """See `Bearing`; where there are bounds, how far the load is outside them too."""
+        results = super().record(simulation, progress)
+        if self.material != "tresca" or self.adhesion_factor not in BOUNDS_OF_TRESCA:
+            return results
+        lowest, highest = BOUNDS_OF_TRESCA[self.adhesion_factor]
+        load = float(results.bearing_capacity)
+        outside = (
+            max(lowest - load, load - highest, 0.0) / load,
+            "1",
+            "error of the load",
+            f"distance from its bounds over the load; 0 from {lowest:g} to {highest:g}",
+        )
+        return results.assign(labelled(role="error", error=outside))

@@ -1,0 +1,1 @@
+"""What is known of the error of a result, of a cone, a sounding, a ball or a T-bar."""

@@ -1,0 +1,130 @@
+"""What was built: whether a scene is of the soil, contact, grid and window that U was measured for.
+
+The error of a method is measured for scenes that the catalogue builds. What a run simulates is
+another matter: a subclass may build a soil, a contact or a grid of its own, and its parameters keep
+their names. So a scene as built is held beside the scene that the catalogue builds of the same
+parameters, part by part. Where they are the same, the parameters say what was simulated, and the
+laws of the error may be asked. Where they are not, nobody has measured the error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+from typing import Protocol
+
+import numpy as np
+
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.materials.material import Material, built_name
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.von_mises import VonMises
+from mpm_warp.parameters import parameters_of
+from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.window.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window.window import Window
+from mpm_warp.scene import Scene
+
+MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
+"""The laws of clay with which further runs were tested: in them the error follows width of cells
+and speed as the further runs take it. In a law of one's own the speed may change the soil itself,
+and softening may have no width but that of a cell: no further run could tell that from an error."""
+WITHOUT_EFFECT = ("energy_audit", "energy_balance", "history")
+"""What of a scene only records, and changes no result."""
+PARTS = (
+    (Material, "law", "soil"),
+    (SurfaceContact, "contact", "contact"),
+    (Grid, "grid", "grid"),
+    ((Window, SurroundingGround), "window", "window"),
+)
+"""What each kind of part is called in a reason, as its word and in its sentence."""
+
+
+class Buildable(Protocol):
+    """A scene of the catalogue."""
+
+    def build(self) -> Scene:
+        """What is simulated."""
+
+
+def expected_scene(catalogue: type[Buildable], test: object) -> Scene | None:
+    """What a class of the catalogue builds of the parameters of a test.
+
+    Args:
+        catalogue: the class.
+        test: a scene of this class, or of one that is derived from it and may build another scene.
+
+    Returns:
+        The scene; None where the class does not allow the parameters.
+    """
+    given = {name: getattr(test, name) for name in parameters_of(catalogue)}
+    try:
+        return catalogue(**given).build()
+    except (ParameterError, SceneError):
+        return None
+
+
+def why_not_as_measured(built: Scene, expected: Scene | None) -> list[str]:
+    """Why what was built is nothing that the error was measured for, each as "word: sentence".
+
+    Args:
+        built: the scene of the run.
+        expected: what the catalogue builds of the same parameters; None where it allows none.
+    """
+    if expected is None:
+        return ["scene: no scene of the catalogue has these parameters"]
+    reasons = []
+    for field in fields(Scene):
+        if field.name in WITHOUT_EFFECT:
+            continue
+        one, other = getattr(built, field.name), getattr(expected, field.name)
+        difference = _difference(one, other, field.name)
+        if difference is not None:
+            word, what = _called(one if other is None else other)
+            reasons.append(f"{word}: the error is not known with the {what} built, {difference}")
+    return reasons or _why_law_not_measured(built.material)
+
+
+def why_not_tresca(material: Material) -> list[str]:
+    """Why the laws of the error do not hold in a soil that one of the catalogue's scenes has."""
+    if type(material) is Tresca:
+        return []
+    name = built_name(material)
+    return [f"law: the error is known in tresca, not in {name}, but further runs may measure it"]
+
+
+def _why_law_not_measured(material: Material) -> list[str]:
+    if type(material) in MEASURED_LAWS:
+        return []
+    return [f"law: nobody has measured the error in {built_name(material)}"]
+
+
+def _called(part: object) -> tuple[str, str]:
+    """Word and name of a part in a reason."""
+    for kind, word, what in PARTS:
+        if isinstance(part, kind):
+            return word, what
+    return "scene", "scene"
+
+
+def _difference(built: object, expected: object, where: str) -> str | None:
+    """What differs, as "friction = 0.2 instead of 0"; None where nothing does."""
+    if type(built) is not type(expected):
+        return " instead of ".join(
+            "none" if it is None else built_name(it) for it in (built, expected)
+        )
+    if isinstance(expected, np.ndarray):
+        same = np.array_equal(np.asarray(built), expected)
+        return None if same else f"with other {where}"
+    if isinstance(built, tuple) and isinstance(expected, tuple):
+        if len(expected) != len(built):
+            return f"with {len(built)} {where} instead of {len(expected)}"
+        pairs = zip(built, expected, strict=True)
+        found = (_difference(one, other, where) for one, other in pairs)
+        return next(filter(None, found), None)
+    if is_dataclass(expected) and not isinstance(expected, type):
+        names = [field.name for field in fields(expected)]
+        found = (_difference(getattr(built, it), getattr(expected, it), it) for it in names)
+        return next(filter(None, found), None)
+    return None if built == expected else f"{where} = {built} instead of {expected}"

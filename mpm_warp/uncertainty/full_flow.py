@@ -1,0 +1,171 @@
+"""The error of the resistance of a ball or T-bar, measured by further runs of the case itself.
+
+The case and four runs, which differ from it in one or two choices of the method, determine the
+unknowns of
+
+    N_simulated = N + M h^2 + S V^1.4 + C h^2 V^1.4 + W / E
+
+with h the width of the cells at the body over its radius, V the speed over sqrt(su / rho), and E
+the extent of the window over that of the case. The powers are between those observed
+(`scenes/full_flow/README.md`). The error of the speed is larger with wider cells: hence C. At a
+pole the first chord is the longest, which adds an error in proportion to h. It is a part of the
+uncertainty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.uncertainty.further_runs import without_errors
+from mpm_warp.uncertainty.interval import further_values, stated_value
+from mpm_warp.uncertainty.steadiness import STILL_TO_COME
+
+FINER, SLOWER, WIDER = 1.5, 0.5, 1.5
+"""Cells per radius, speed and extent of the window in further runs, over those of the case."""
+DIFFERENCES = {
+    "mesh": "smaller cells",
+    "speed": "half the speed",
+    "mesh_and_speed": "smaller cells and half the speed",
+    "domain": "a wider window",
+}
+"""The effects of M h^2 and of the other terms, and what the run that measures each has."""
+LEFT_OPEN = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
+"""Half widths of the errors over what the best run still has of them. From 3 to 6 cells per radius
+some bodies follow h^2, some come to rest at once."""
+POWER_OF_SPEED = 1.4
+POLES = 0.03
+"""Half width of what the poles add, over N h: at a smooth bar, where they add most, it made N some
+0.05 N h too high where the rows at the poles were as high as all others, twice as high as now."""
+FEWEST_CELLS = 3
+"""Cells per radius from which on the laws hold."""
+FEWEST_POINTS = 4
+"""Material points per cell, the fewest that are allowed."""
+POINTS, FEW_POINTS = 0.002, 0.012
+"""Half widths of what more points change, over N: in general; of a bar with 4 of them in a cell."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FullFlowRun:
+    """A run of a ball or T-bar, as far as its error goes.
+
+    Attributes:
+        cells_per_radius: of the body.
+        relative_speed: over sqrt(su / rho).
+        extent: of the window, over the radius.
+        has_few_points: whether it is a bar with the fewest points that are allowed.
+        recorded: `resistance_factor`, `resistance_factor_change` and `empty_cells`.
+    """
+
+    cells_per_radius: int
+    relative_speed: float
+    extent: float
+    has_few_points: bool
+    recorded: xr.Dataset
+
+    @property
+    def factor(self) -> float:
+        """The resistance factor as simulated."""
+        return float(self.recorded.resistance_factor)
+
+    @property
+    def change(self) -> float:
+        """Of the resistance factor over its last two radii."""
+        return float(self.recorded.resistance_factor_change) * self.factor
+
+    @property
+    def leaves_hole(self) -> bool:
+        """Whether there is a hole behind the body."""
+        return float(self.recorded.empty_cells) > 0.0
+
+
+def check_measurable(cells_per_radius: int) -> None:
+    """Refuse a test whose error no further runs can measure.
+
+    Raises:
+        ParameterError: its cells are too wide.
+    """
+    if cells_per_radius < FEWEST_CELLS:
+        raise ParameterError(
+            "cells_per_radius",
+            f"cells_per_radius = {cells_per_radius} must be >= {FEWEST_CELLS} where "
+            "uncertainty = measured",
+        )
+
+
+def stated_without(case: FullFlowRun, reasons: list[str]) -> dict[str, xr.Variable]:
+    """The resistance factor as simulated, and the reasons why nothing is known of its error."""
+    return _stated(case, 0.0, {}, reasons)
+
+
+def measured_error(
+    case: FullFlowRun, further: Mapping[str, FullFlowRun | str]
+) -> dict[str, xr.Variable]:
+    """The resistance factor less its error, and its uncertainty, as measured by five runs.
+
+    Args:
+        case: the run whose error is measured.
+        further: the further runs, or why there is none, by choice of the method.
+
+    Returns:
+        `resistance_factor` less its error, its correction, its uncertainty and the parts of it, and
+        what each further run gave. Where a further run failed nothing is known of the error, nor
+        where one leaves a hole behind the body.
+    """
+    reasons = [
+        f"further runs: the run with {DIFFERENCES[choice]}: {it}"
+        for choice, it in further.items()
+        if isinstance(it, str)
+    ]
+    runs = [case, *(it for it in further.values() if isinstance(it, FullFlowRun))]
+    if any(it.leaves_hole for it in runs):
+        reasons.append("hole: soil leaves one behind the body")
+    correction = 0.0
+    finest = math.ceil(FINER * case.cells_per_radius)
+    parts = dict.fromkeys(DIFFERENCES, 0.0) | {
+        "steadiness": 0.0,
+        "points": (FEW_POINTS if case.has_few_points else POINTS) * case.factor,
+        "poles": POLES / finest * case.factor,
+    }
+    if not reasons:
+        found = without_errors([it.factor for it in runs], [_measures(it, case) for it in runs])
+        correction = found.value - case.factor
+        parts |= {choice: LEFT_OPEN[choice] * error for choice, error in found.left.items()}
+        to_come = STILL_TO_COME * np.array([it.change for it in runs])
+        parts["steadiness"] = float(np.linalg.norm(found.weights * to_come))
+    values = {
+        choice: math.nan if isinstance(it, str) else it.factor for choice, it in further.items()
+    }
+    return _stated(case, correction, parts, reasons) | further_values(
+        "resistance_factor", values, DIFFERENCES
+    )
+
+
+def _stated(
+    case: FullFlowRun, correction: float, parts: Mapping[str, float], reasons: list[str]
+) -> dict[str, xr.Variable]:
+    return stated_value(
+        "resistance_factor",
+        case.factor,
+        correction=correction,
+        parts=parts,
+        reasons=reasons,
+        description="resistance over projected area and su, corrected for mesh, speed and window",
+    )
+
+
+def _measures(run: FullFlowRun, case: FullFlowRun) -> dict[str, float]:
+    """h^2, V^1.4, their product, and 1 / E, which the errors are in proportion to."""
+    mesh = 1.0 / run.cells_per_radius**2
+    speed = math.pow(run.relative_speed, POWER_OF_SPEED)
+    return {
+        "mesh": mesh,
+        "speed": speed,
+        "mesh_and_speed": mesh * speed,
+        "domain": case.extent / run.extent,
+    }
