@@ -41,6 +41,8 @@ SHARED_NAMES = ("displacement", "expansion", "penetration", "step_count", "stret
 """Parameters that a result of the same scene is called by: the axis of its curves, or what it took.
 """
 PARAMETER_SUFFIX = "_parameter"
+CHANGING_STRENGTH = "einav_randolph"
+"""The law of clay that softens or has a rate effect, by a yield criterion."""
 
 
 def variable(
@@ -127,6 +129,17 @@ def stored_name(parameter: str, results: Collection[object]) -> str:
     """
     is_shared = parameter in SHARED_NAMES or parameter in results
     return f"{parameter}{PARAMETER_SUFFIX}" if is_shared else parameter
+
+
+def material_as_built(material: str, law: str) -> str:
+    """What the parameter `material` is stored as: the law built, where that is another.
+
+    Args:
+        material: the parameter, a yield criterion.
+        law: `built_law`, as `built_name` says it; "" where nothing was built. In clay whose
+            strength changes it is the law of that change, and the criterion is the parameter's.
+    """
+    return material if law in ("", material, CHANGING_STRENGTH) else law
 
 
 def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:

@@ -26,7 +26,7 @@ from harness.study.cases import Case
 from harness.study.designs import Range
 from harness.study.study import Study
 from mpm_warp.parameters import Parameter, Value
-from mpm_warp.results import stored_name
+from mpm_warp.results import material_as_built, stored_name
 
 Variables = dict[Hashable, xr.Variable]
 
@@ -71,6 +71,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     }
     origins, origin = _origins(results, grid)
     inputs, coordinates = _parameters(study, definitions, names, axes)
+    inputs |= _as_built(inputs, own)
     return xr.Dataset(
         own | _records(study, results, grid) | origins | inputs,
         coordinates | _case_coordinates(study, axes),
@@ -149,6 +150,19 @@ def _parameters(
     return variables, coordinates
 
 
+def _as_built(inputs: Variables, own: Variables) -> Variables:
+    """The material, where a scene has built another than its parameter names; else nothing."""
+    if "material" not in inputs or "built_law" not in own:
+        return {}
+    asked, law = inputs["material"], own["built_law"]
+    named = np.vectorize(material_as_built)(asked.values, law.values)
+    if np.all(named == asked.values):
+        return {}
+    if len(set(named.flat)) == 1:
+        return {"material": xr.Variable((), named.flat[0], asked.attrs)}
+    return {"material": xr.Variable(law.dims, named, asked.attrs)}
+
+
 def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Variables:
     """Numbers of the cases where they are a dim, and their scenes where these are several."""
     coordinates: Variables = {}
@@ -204,7 +218,9 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
         combine_attrs="override",
     )
     places = joined.assign_coords({CASE: list(told)})
-    return places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
+    of_all = places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
+    texts = [name for name, it in of_all.data_vars.items() if it.dtype.kind == "O"]
+    return of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
 
 
 def _curves(result: xr.Dataset) -> xr.Dataset:

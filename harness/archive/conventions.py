@@ -8,6 +8,7 @@ harness, which knows no other names of results than those below.
 ===============  ===================================================================================
 ``headline``     the scalar that the scene is run for; without a finite one no case is `completed`
 ``uncertainty``  half width of 95 % of the headline; not a number where it is not known
+``reason``       why a case has no uncertainty, "word: sentence"; "" where it has one
 ``settled``      whether the headline has settled; where not, no error is derived from it
 ``exact``        an exact value or curve; the attribute ``exact_of`` names what it belongs to
 ``error``        a scalar error against an exact solution
@@ -52,6 +53,7 @@ class Role(StrEnum):
     """What a variable is to the harness."""
 
     HEADLINE, UNCERTAINTY, SETTLED = "headline", "uncertainty", "settled"
+    REASON = "reason"
     EXACT, ERROR = "exact", "error"
     MEASURED, PARAMETER = "measured", "parameter"
     REFERENCE, DEVIATION = "reference", "deviation"
@@ -112,6 +114,15 @@ def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
     for name in with_role(dataset, Role.UNCERTAINTY):
         known = np.where(np.isnan(known), over_cases(dataset, name), known)
     return known
+
+
+def reasons_of(dataset: xr.Dataset) -> list[str]:
+    """Why each case has no uncertainty; "" where it has one, or where nothing is said of it."""
+    reasons = [""] * dataset["status"].size
+    for name in with_role(dataset, Role.REASON):
+        told = (str(it) if is_there(it) else "" for it in over_cases(dataset, name).tolist())
+        reasons = [one or other for one, other in zip(reasons, told, strict=True)]
+    return reasons
 
 
 def known_digits(value: float, half_width: float) -> str:

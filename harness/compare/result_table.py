@@ -12,8 +12,10 @@ from harness.archive.conventions import (
     CASE,
     COMPLETED,
     Role,
+    labels_of,
     limits_of,
     over_cases,
+    reasons_of,
     scenes_of,
     spoken,
     stated,
@@ -40,6 +42,9 @@ from harness.references.cone_factors import (
 
 MISSING = "-"
 """In the place of a number that there is not."""
+
+MOST_CASES = 3
+"""Cases that a note names at most."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +132,12 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
         _envelope_column(dataset),
         *run_columns(dataset),
     ]
-    notes = [*_resolution_notes(dataset), *_notes(references), *experience_notes(dataset)]
+    notes = [
+        *_resolution_notes(dataset),
+        *reason_notes(dataset),
+        *_notes(references),
+        *experience_notes(dataset),
+    ]
     return "\n".join([*table_lines(columns), "", *notes])
 
 
@@ -189,6 +199,19 @@ def _envelope_column(dataset: xr.Dataset) -> Column:
         )
     ]
     return Column(("in the", "envelope"), texts)
+
+
+def reason_notes(dataset: xr.Dataset) -> list[str]:
+    """Why cases have no uncertainty: a line for each reason, with the cases that it is of."""
+    reasons, labels = reasons_of(dataset), labels_of(dataset)
+    notes = []
+    for reason in dict.fromkeys(filter(None, reasons)):
+        cases = [label for label, it in zip(labels, reasons, strict=True) if it == reason]
+        further = f" and {len(cases) - MOST_CASES} more" if len(cases) > MOST_CASES else ""
+        of_cases = f" of {', '.join(cases[:MOST_CASES])}{further}"
+        every = len(cases) == len(reasons)
+        notes.append(f"no uncertainty{'' if every else of_cases}: {reason}")
+    return notes
 
 
 def _resolution_notes(dataset: xr.Dataset) -> list[str]:
@@ -289,7 +312,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
             columns.append(_column(dataset, name, ".2%"))
             notes.append(f"{_note(dataset, name)}; at most {limit:g}")
     lines = table_lines([*columns, *run_columns(dataset)])
-    return "\n".join([*lines, "", *notes])
+    return "\n".join([*lines, "", *notes, *reason_notes(dataset)])
 
 
 def _is_one_a_case(dataset: xr.Dataset, name: str) -> bool:

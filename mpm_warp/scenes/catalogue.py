@@ -26,6 +26,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
@@ -34,7 +35,7 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import Value, check_parameters, nearest_name
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import make_plan
-from mpm_warp.results import parameter_variables
+from mpm_warp.results import material_as_built, parameter_variables
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
@@ -155,7 +156,12 @@ class CatalogueScene(ABC):
             else:
                 results = self.compute_with_snapshots(report, execution, snapshots)
             report(1.0)
-        return results.assign(parameter_variables(self, {*results.variables, *results.dims}))
+        parameters = parameter_variables(self, {*results.variables, *results.dims})
+        if "material" in parameters and "built_law" in results:
+            asked = parameters["material"]
+            named = material_as_built(str(asked.values), str(results["built_law"].values))
+            parameters["material"] = asked.copy(data=np.array(named))
+        return results.assign(parameters)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """The results of a run, without the parameters.

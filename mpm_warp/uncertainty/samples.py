@@ -87,7 +87,7 @@ def sample_error(
     if surface:
         parts["surface"] = LEFT_BY_SURFACE * factor
     of_laws = laws.why_none_holds(largest_cell=LARGEST_CELL)
-    reasons = dict.fromkeys(why_none, True) | of_laws | surface
+    reasons: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_laws, **surface}
     not_known = np.zeros(depth.shape, dtype=bool)
     for holds in reasons.values():
         not_known |= holds
@@ -95,11 +95,16 @@ def sample_error(
     return SampleError(
         correction=np.where(not_known, 0.0, laws.correction),
         half_width=np.where(not_known, np.nan, half_width),
-        reason=_with_depths(reasons, depth),
+        reason="; ".join(
+            [
+                *_with_depths({it: reasons[it] for it in reasons if it not in surface}, depth),
+                *(text for text, holds in surface.items() if np.any(holds)),
+            ]
+        ),
     )
 
 
-def _with_depths(reasons: Mapping[str, Condition], depth: Floats) -> str:
+def _with_depths(reasons: Mapping[str, Condition], depth: Floats) -> list[str]:
     """The reasons that hold somewhere, and from where to where."""
     told = []
     for reason, holds in reasons.items():
@@ -108,4 +113,4 @@ def _with_depths(reasons: Mapping[str, Condition], depth: Floats) -> str:
             told.append(reason)
         elif where.size:
             told.append(f"{reason}, from {where[0]:.4g} to {where[-1]:.4g} m")
-    return "; ".join(told)
+    return told

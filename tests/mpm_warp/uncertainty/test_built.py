@@ -1,0 +1,290 @@
+"""What was built decides what is said of the error: a law, a contact or a grid of one's own.
+
+Each is built by a scene that is derived from the cone test, whose parameters keep their names. All
+would have an uncertainty if their parameters were asked.
+"""
+
+import functools
+import importlib.util
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+import xarray as xr
+
+from mpm_warp.materials.material import Material, built_name
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.precision import Precision
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.full_flow.penetration import TBarPenetration
+from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.uncertainty import cone
+from mpm_warp.uncertainty.samples import why_not_known
+
+METHOD = Path(__file__).parents[3] / "mpm_warp" / "README.md"
+FACTOR = 10.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class DruckerPrager(Material):
+    """Yields where sqrt(J2) = k + a p, p the mean pressure; returns at constant pressure."""
+
+    strength: float
+    pressure_factor: float
+
+    @property
+    def properties(self) -> tuple[float, ...]:
+        return (self.strength, self.pressure_factor)
+
+    def update(self, precision: Precision) -> Any:
+        return _make_update(precision)
+
+
+@functools.cache
+def _make_update(precision: Precision) -> Any:
+    real, vec1, vec2, vec4 = precision.real, precision.vector(1), precision.vec2, precision.vec4
+
+    @wp.func
+    def return_to_cone(trial: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+        mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
+        centre = vec4(mean, mean, real(0.0), mean)
+        d = trial - centre
+        sum_of_squares = d[0] * d[0] + d[1] * d[1] + d[3] * d[3] + real(2.0) * d[2] * d[2]
+        shear = wp.sqrt(real(0.5) * sum_of_squares)
+        strength = wp.max(properties[0] - properties[1] * mean, real(0.0))
+        if shear <= strength:
+            return trial, state
+        return centre + strength / shear * d, state
+
+    return return_to_cone
+
+
+class InDruckerPrager:
+    """A scene in soil of Drucker and Prager, put in as the page on the method says."""
+
+    def build(self) -> Scene:
+        scene: Scene = super().build()  # type: ignore[misc]
+        soil = DruckerPrager(
+            shear_modulus=scene.material.shear_modulus,
+            poissons_ratio=scene.material.poissons_ratio,
+            density=scene.material.density,
+            strength=20e3,
+            pressure_factor=0.02,
+        )
+        return replace(scene, material=soil)
+
+
+class ConeInDruckerPrager(InDruckerPrager, ConePenetration):
+    """A cone test in such soil."""
+
+
+class SoundingInDruckerPrager(InDruckerPrager, Sounding):
+    """A sounding in such soil."""
+
+
+class TBarInDruckerPrager(InDruckerPrager, TBarPenetration):
+    """A T-bar in such soil."""
+
+
+class StrongerContact(SurfaceContact):
+    """A contact of one's own."""
+
+
+class ConeWithContact(ConePenetration):
+    """A cone test with another class of contact, of the same numbers."""
+
+    def build(self) -> Scene:
+        scene = super().build()
+        assert scene.contact is not None
+        names = SurfaceContact.__dataclass_fields__
+        values = {name: getattr(scene.contact, name) for name in names}
+        return replace(scene, contact=StrongerContact(**values))
+
+
+class ConeWithAdhesion(ConePenetration):
+    """A cone test whose contact has an adhesion that its parameters do not know."""
+
+    def build(self) -> Scene:
+        scene = super().build()
+        assert scene.contact is not None
+        rough = scene.contact.normal_areas * self.undrained_shear_strength
+        return replace(scene, contact=replace(scene.contact, adhesion_forces=rough))
+
+
+class ConeInStiffClay(ConePenetration):
+    """A cone test in clay stiffer than its parameters say."""
+
+    @property
+    def clay(self) -> Tresca:
+        clay = super().clay
+        assert isinstance(clay, Tresca)
+        return replace(clay, shear_modulus=2.0 * clay.shear_modulus)
+
+
+class ConeOnUprightColumns(ConePenetration):
+    """A cone test on a grid of another family: upright from 5 radii on."""
+
+    def build(self) -> Scene:
+        scene = super().build()
+        grid = scene.grid
+        positions = grid.columns * (grid.fitted_radius - self.cone_radius)
+        fitted = positions[np.argmin(np.abs(positions - 4.0 * self.cone_radius))]
+        beyond = positions > fitted
+        columns = np.where(
+            beyond,
+            (self.cone_radius + positions) / (self.cone_radius + fitted),
+            positions / fitted,
+        )
+        upright = replace(grid, columns=columns, fitted_radius=self.cone_radius + float(fitted))
+        return replace(scene, grid=upright)
+
+
+@pytest.fixture(scope="module")
+def of_the_page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+    """The page's own example of a law with memory, as a reader's module."""
+    scripts = re.findall(r"^```python\n(.*?)^```$", METHOD.read_text(), re.MULTILINE | re.DOTALL)
+    script = next(it for it in scripts if "ConeInHardeningClay" in it)
+    file = tmp_path_factory.mktemp("reader") / "hardening_of_a_reader.py"
+    file.write_text(script)
+    specification = importlib.util.spec_from_file_location(file.stem, file)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[file.stem] = module
+    specification.loader.exec_module(module)
+    yield module
+    del sys.modules[file.stem]
+
+
+def stated(test: ConePenetration) -> xr.Dataset:
+    """What would be said of a steady run of a test, of the cone factor `FACTOR`."""
+    resistance = FACTOR * test.undrained_shear_strength * np.ones(60)
+    recorded = xr.Dataset(
+        {
+            "penetration_resistance": ("penetration", resistance),
+            "cone_factor_simulated": FACTOR,
+            "cone_factor_shear": 0.0,
+            "penetration_reached": test.penetration,
+        }
+    )
+    return cone.known_error(test._error_of(recorded), test.build(), test._expected)
+
+
+def check_nothing_is_known(test: ConePenetration, reason: str) -> None:
+    known = stated(ConePenetration())
+    assert float(known.cone_factor_uncertainty) > 0.0
+    assert float(known.cone_factor) != FACTOR
+    said = stated(test)
+    assert float(said.cone_factor) == FACTOR
+    assert float(said.cone_factor_correction) == 0.0
+    assert np.isnan(said.cone_factor_uncertainty)
+    assert str(said.why_no_uncertainty.values) == reason
+
+
+def test_nothing_is_known_in_the_clay_that_hardens_of_the_page(of_the_page: ModuleType) -> None:
+    check_nothing_is_known(
+        of_the_page.ConeInHardeningClay(hardening_ratio=0.5),
+        "law: the error is not known with the soil built, "
+        "hardening_of_a_reader.HardeningClay instead of tresca",
+    )
+
+
+def test_nothing_is_known_in_soil_of_drucker_and_prager() -> None:
+    check_nothing_is_known(
+        ConeInDruckerPrager(),
+        "law: the error is not known with the soil built, "
+        f"{__name__}.DruckerPrager instead of tresca",
+    )
+
+
+def test_nothing_is_known_of_another_class_of_contact() -> None:
+    check_nothing_is_known(
+        ConeWithContact(),
+        "contact: the error is not known with the contact built, "
+        f"{__name__}.StrongerContact instead of penetrometer_contact",
+    )
+
+
+def test_nothing_is_known_of_a_contact_with_another_adhesion() -> None:
+    check_nothing_is_known(
+        ConeWithAdhesion(),
+        "contact: the error is not known with the contact built, with other adhesion_forces",
+    )
+
+
+def test_nothing_is_known_of_clay_that_is_stiffer_than_it_is_said_to_be() -> None:
+    said = str(stated(ConeInStiffClay()).why_no_uncertainty.values)
+    assert said == (
+        "law: the error is not known with the soil built, shear_modulus = 4e+06 instead of 2e+06"
+    )
+
+
+def test_nothing_is_known_on_a_grid_of_another_family() -> None:
+    check_nothing_is_known(
+        ConeOnUprightColumns(),
+        "grid: the error is not known with the grid built, with other columns",
+    )
+
+
+def test_what_only_records_changes_nothing() -> None:
+    test = ConePenetration(energy_audit="balance")
+    assert float(stated(test).cone_factor_uncertainty) > 0.0
+    recorded = replace(test.build(), history=True)
+    assert cone.why_not_as_measured(recorded, ConePenetration().build()) == []
+
+
+@pytest.mark.slow
+def test_a_run_says_what_was_built_and_measures_nothing_where_it_cannot() -> None:
+    """Small and short; the further runs would cost ten times as much, and are not made."""
+    test = ConeInDruckerPrager(
+        uncertainty="measured",
+        cells_per_radius=2.31,
+        domain_radius=8,
+        domain_above=3,
+        domain_below=4,
+        penetration=1,
+        steady_tolerance=0,
+    )
+    result = test.run()
+    own = f"{__name__}.DruckerPrager"
+    assert str(result.built_law.values) == own
+    assert str(result.material.values) == own
+    assert str(result.built_contact.values) == "penetrometer_contact"
+    assert str(result.why_no_uncertainty.values).startswith("law: the error is not known with")
+    assert "uncertainty_run_time" not in result
+    assert float(result.cone_factor) == float(result.cone_factor_simulated)
+
+
+@pytest.mark.slow
+def test_the_error_of_a_t_bar_in_soil_of_ones_own_is_not_measured() -> None:
+    bar = TBarInDruckerPrager(
+        uncertainty="measured", cells_per_radius=3, domain_extent=4, penetration=6
+    )
+    result = bar.run()
+    assert np.isnan(result.resistance_factor_uncertainty)
+    assert str(result.why_no_uncertainty.values).startswith("law: the error is not known with")
+    assert "uncertainty_run_time" not in result
+    assert "resistance_factor_exact" not in result  # which is that of perfectly plastic clay
+
+
+def test_nothing_is_known_of_a_sounding_in_soil_of_ones_own() -> None:
+    sounding = SoundingInDruckerPrager()
+    plain = Sounding().build()
+    assert why_not_known(plain, plain) == []
+    (reason,) = why_not_known(sounding.build(), plain)
+    assert reason.startswith("law: the error is not known with the soil built")
+
+
+def test_the_laws_of_this_package_are_called_by_their_names() -> None:
+    clay = ConePenetration(remoulded_strength_ratio=0.5, ductility=10.0).build().material
+    assert built_name(clay) == "einav_randolph"
+    assert built_name(ConePenetration(material="von_mises").build().material) == "von_mises"
