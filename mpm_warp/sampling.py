@@ -132,7 +132,7 @@ def built(simulation: Simulation) -> Mapping[str, xr.Variable]:
     """
     if not isinstance(simulation.scene, Scene):
         return {}
-    contact = simulation.scene.contact
+    contact = simulation.scene.find(SurfaceContact)
     return labelled(
         role="built",
         built_law=(built_name(simulation.scene.material), "1", "law of the soil as built"),

@@ -9,6 +9,7 @@ laws of the error may be asked. Where they are not, nobody has measured the erro
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Protocol
 
@@ -21,17 +22,20 @@ from mpm_warp.materials.material import Material, built_name
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parameters import parameters_of
-from mpm_warp.parts.contact.contact import SurfaceContact
-from mpm_warp.parts.window.surrounding_ground import SurroundingGround
-from mpm_warp.parts.window.window import Window
-from mpm_warp.scene import Scene
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.history import History
+from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.window import Window
+from mpm_warp.scene import Part, Scene
 
 MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
 """The laws of clay with which further runs were tested: in them the error follows width of cells
 and speed as the further runs take it. In a law of one's own the speed may change the soil itself,
 and softening may have no width but that of a cell: no further run could tell that from an error."""
-WITHOUT_EFFECT = ("energy_audit", "energy_balance", "history")
-"""What of a scene only records, and changes no result."""
+RECORDS = (EnergyAudit, EnergyBalance, History)
+"""Parts of a scene that only record, and change no result."""
 PARTS = (
     (Material, "law", "soil"),
     (SurfaceContact, "contact", "contact"),
@@ -77,13 +81,10 @@ def why_not_as_measured(built: Scene, expected: Scene | None) -> list[str]:
     if expected is None:
         return ["scene: no scene of the catalogue has these parameters"]
     reasons = {}
-    for field in fields(Scene):
-        if field.name in WITHOUT_EFFECT:
-            continue
-        one, other = getattr(built, field.name), getattr(expected, field.name)
-        difference = _difference(one, other, field.name)
+    for one, other, where in _side_by_side(built, expected):
+        difference = _difference(one, other, where)
         if difference is not None:
-            word, what = _called(one if other is None else other)
+            word, what = _called(other)
             reasons[word] = f"{word}: the error is not known with the {what} built, {difference}"
     if not reasons:
         return _why_law_not_measured(built.material)
@@ -106,6 +107,22 @@ def _why_law_not_measured(material: Material) -> list[str]:
     return [f"law: nobody has measured the error in {built_name(material)}"]
 
 
+def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, object, str]]:
+    """What two scenes are of, and its name; parts that only record are left out."""
+    for field in fields(Scene):
+        if field.name != "parts":
+            yield getattr(built, field.name), getattr(expected, field.name), field.name
+    parts, others = (it.without(*RECORDS).parts for it in (built, expected))
+    if len(parts) == len(others):
+        yield from ((*pair, "part") for pair in zip(parts, others, strict=True))
+    else:
+        yield _names(parts), _names(others), "parts"
+
+
+def _names(parts: Sequence[Part]) -> str:
+    return ", ".join(map(built_name, parts))
+
+
 def _called(part: object) -> tuple[str, str]:
     """Word and name of a part in a reason."""
     for kind, word, what in PARTS:
@@ -124,6 +141,10 @@ def _difference(built: object, expected: object, where: str) -> str | None:
         return None if np.array_equal(np.asarray(built), expected) else f"with other {where}"
     if isinstance(built, tuple) and isinstance(expected, tuple) and len(built) == len(expected):
         found = [_difference(one, other, where) for one, other in zip(built, expected, strict=True)]
+    elif isinstance(expected, Part) and not is_dataclass(expected):
+        found = [
+            _difference(it, vars(expected).get(name), name) for name, it in vars(built).items()
+        ]
     elif is_dataclass(expected) and not isinstance(expected, type):
         names = [field.name for field in fields(expected)]
         found = [_difference(getattr(built, it), getattr(expected, it), it) for it in names]

@@ -21,7 +21,8 @@ import xarray as xr
 
 from mpm_warp.materials.material import Material, built_name
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parts.contact.contact import SurfaceContact
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.history import History
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -104,10 +105,11 @@ class ConeWithContact(ConePenetration):
 
     def build(self) -> Scene:
         scene = super().build()
-        assert scene.contact is not None
         names = SurfaceContact.__dataclass_fields__
-        values = {name: getattr(scene.contact, name) for name in names}
-        return replace(scene, contact=StrongerContact(**values))
+        values = {name: getattr(scene[SurfaceContact], name) for name in names}
+        own = StrongerContact(**values)
+        parts = (own if isinstance(it, SurfaceContact) else it for it in scene.parts)
+        return replace(scene, parts=tuple(parts))
 
 
 class ConeWithAdhesion(ConePenetration):
@@ -115,9 +117,9 @@ class ConeWithAdhesion(ConePenetration):
 
     def build(self) -> Scene:
         scene = super().build()
-        assert scene.contact is not None
-        rough = scene.contact.normal_areas * self.undrained_shear_strength
-        return replace(scene, contact=replace(scene.contact, adhesion_forces=rough))
+        contact = scene[SurfaceContact]
+        rough = contact.normal_areas * self.undrained_shear_strength
+        return scene.with_parts(replace(contact, adhesion_forces=rough))
 
 
 class ConeInStiffClay(ConePenetration):
@@ -238,7 +240,7 @@ def test_nothing_is_known_on_a_grid_of_another_family() -> None:
 def test_what_only_records_changes_nothing() -> None:
     test = ConePenetration(energy_audit="balance")
     assert float(stated(test).cone_factor_uncertainty) > 0.0
-    recorded = replace(test.build(), history=True)
+    recorded = test.build().with_parts(History())
     assert cone.why_not_as_measured(recorded, ConePenetration().build()) == []
 
 
