@@ -81,6 +81,12 @@ def variable(
     return xr.Variable(dims, np.asarray(value), labels)
 
 
+def text_variable(text: str, *, meaning: str, role: str) -> xr.Variable:
+    """A text as a labelled variable; it has no unit."""
+    assert role in ROLES, role
+    return xr.Variable((), np.asarray(text), {"long_name": meaning, "role": role})
+
+
 Quantity = tuple[ArrayLike, str, str] | tuple[ArrayLike, str, str, str]
 """Value or values, unit, meaning and, where it needs one, a description."""
 

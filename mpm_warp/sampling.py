@@ -14,7 +14,7 @@ from mpm_warp.materials.material import built_name
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.results import labelled
+from mpm_warp.results import labelled, text_variable
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -96,7 +96,7 @@ def follow(
     except SimulationDiverged as error:
         error.curves = _merged(samplers)
         raise
-    result = _merged(samplers).assign(cost(simulation)).assign(built(simulation))
+    result = _merged(samplers).assign(cost(simulation)).assign(built_of(simulation))
     if progress is not None:
         progress(1.0)
     return result
@@ -125,24 +125,19 @@ def soil_scene(simulation: Simulation) -> Scene:
     return simulation.scene
 
 
-def built(simulation: Simulation) -> Mapping[str, xr.Variable]:
+def built_of(simulation: Simulation) -> Mapping[str, xr.Variable]:
     """What law the soil of a simulation has, and what contact; nothing where there is no soil.
 
     Whatever the parameters of a scene are called: a scene derived from another may build another.
     """
     if not isinstance(simulation.scene, Scene):
         return {}
-    contact = simulation.scene.find(SurfaceContact)
-    return labelled(
-        role="built",
-        built_law=(built_name(simulation.scene.material), "1", "law of the soil as built"),
-    ) | (
-        {}
-        if contact is None
-        else labelled(
-            role="built", built_contact=(built_name(contact), "1", "contact of the soil as built")
-        )
-    )
+    built = {"law": simulation.scene.material, "contact": simulation.scene.find(SurfaceContact)}
+    return {
+        f"built_{name}": text_variable(built_name(it), meaning=f"{name} as built", role="built")
+        for name, it in built.items()
+        if it is not None
+    }
 
 
 def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:

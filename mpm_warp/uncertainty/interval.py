@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
-from mpm_warp.results import variable
+from mpm_warp.results import text_variable, variable
 
 REASON = "why_no_uncertainty"
 """Name of the text that says why a result has no uncertainty; "" where it has one."""
@@ -76,7 +76,7 @@ def reason(text: str) -> xr.Variable:
     Args:
         text: "word: sentence", one or more, parted by semicolons; "" where the error is known.
     """
-    return variable(text, unit="1", meaning="why there is no uncertainty", role="reason")
+    return text_variable(text, meaning="why there is no uncertainty", role="reason")
 
 
 def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
