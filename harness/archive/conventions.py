@@ -9,6 +9,7 @@ harness, which knows no other names of results than those below.
 ``headline``     the scalar that the scene is run for; without a finite one no case is `completed`
 ``uncertainty``  half width of 95 % of the headline; not a number where it is not known
 ``reason``       why a case has no uncertainty, "word: sentence"; "" where it has one
+``built``        what the scene was built of, whatever its parameters are called
 ``settled``      whether the headline has settled; where not, no error is derived from it
 ``exact``        an exact value or curve; the attribute ``exact_of`` names what it belongs to
 ``error``        a scalar error against an exact solution
@@ -53,7 +54,7 @@ class Role(StrEnum):
     """What a variable is to the harness."""
 
     HEADLINE, UNCERTAINTY, SETTLED = "headline", "uncertainty", "settled"
-    REASON = "reason"
+    REASON, BUILT = "reason", "built"
     EXACT, ERROR = "exact", "error"
     MEASURED, PARAMETER = "measured", "parameter"
     REFERENCE, DEVIATION = "reference", "deviation"

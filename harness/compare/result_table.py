@@ -203,8 +203,10 @@ def _envelope_column(dataset: xr.Dataset) -> Column:
 
 def reason_notes(dataset: xr.Dataset) -> list[str]:
     """Why cases have no uncertainty: a line for each reason, with the cases that it is of."""
-    reasons, labels = reasons_of(dataset), labels_of(dataset)
-    notes = []
+    reasons = reasons_of(dataset)
+    if not any(reasons):
+        return []
+    labels, notes = labels_of(dataset), []
     for reason in dict.fromkeys(filter(None, reasons)):
         cases = [label for label, it in zip(labels, reasons, strict=True) if it == reason]
         further = f" and {len(cases) - MOST_CASES} more" if len(cases) > MOST_CASES else ""
