@@ -48,6 +48,7 @@ class Parameter:
         minimum, maximum: inclusive bounds.
         above, below: exclusive bounds.
         choices: all the values that are allowed, where there are few.
+        optional: whether there may be no value, so that its type is ``float | None``.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Parameter:
     above: float | None = None
     below: float | None = None
     choices: tuple[Value, ...] | None = None
+    optional: bool = False
 
     @property
     def allowed(self) -> str:
@@ -174,6 +176,7 @@ def parameters_of(scene: type) -> Mapping[str, Parameter]:
                 name=field.name,
                 kind=_bare_type(kinds[field.name]),
                 default=typing.cast(Value | None, field.default),
+                optional=isinstance(kinds[field.name], types.UnionType),
                 **field.metadata,
             )
             for field in dataclasses.fields(scene)

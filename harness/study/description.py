@@ -42,7 +42,8 @@ def scene_rows(name: str) -> list[str]:
 def _default(definition: Parameter) -> str:
     """The default of a parameter with its unit, in words."""
     if definition.default is None:
-        return "derived" if definition.unit == "1" else f"derived [{definition.unit}]"
+        default = "none" if definition.optional else "derived"
+        return default if definition.unit == "1" else f"{default} [{definition.unit}]"
     return f"{definition.default}{_unit(definition)}"
 
 

@@ -20,6 +20,19 @@ NEEDED = (
 
 
 @dataclass(frozen=True, kw_only=True)
+class Clay:
+    """Parameters of clay of one stiffness, over its strength."""
+
+    rigidity_index: float = parameter(100.0, "rigidity index G/su", minimum=2, maximum=5000)
+    material: str = parameter(
+        "tresca",
+        "yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
+        choices=tuple(CRITERIA),
+    )
+    poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
+
+
+@dataclass(frozen=True, kw_only=True)
 class ChangingStrength:
     """Parameters of strength that plastic strain and its rate change."""
 
@@ -58,7 +71,7 @@ class ChangingStrength:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ClayScene(ChangingStrength, CatalogueScene):
+class ClayScene(ChangingStrength, Clay, CatalogueScene):
     """A scene in clay of one stiffness and one strength.
 
     Raises:
@@ -66,14 +79,6 @@ class ClayScene(ChangingStrength, CatalogueScene):
             strain rate, a remoulded strength without a ductility, or a strength that falls too
             steeply.
     """
-
-    rigidity_index: float = parameter(100.0, "rigidity index G/su", minimum=2, maximum=5000)
-    material: str = parameter(
-        "tresca",
-        "yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
-        choices=tuple(CRITERIA),
-    )
-    poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -162,11 +162,7 @@ class Bearing(CatalogueScene):
         steps = np.rint(shares * self.final_displacement / per_step)
         due: list[int] = np.unique(np.maximum(steps, 1.0)).astype(int).tolist()
         recorded = follow(
-            simulation,
-            due,
-            simulation.advance_to_step,
-            [Samples(sample, load_curve)],
-            progress,
+            simulation, due, simulation.advance_to_step, [Samples(sample, load_curve)], progress
         )
         limit = plateau(recorded.displacement.values, recorded.resistance.values)
         results = recorded.assign(self._limit_beside_exact(limit))
@@ -183,12 +179,7 @@ class Bearing(CatalogueScene):
         """The limit load over area and su, and the exact one with the error where one is known."""
         computed = labelled(
             role="headline",
-            bearing_capacity=(
-                limit,
-                "1",
-                "limit load over area and su",
-                PLATEAU_IS,
-            ),
+            bearing_capacity=(limit, "1", "limit load over area and su", PLATEAU_IS),
         )
         exact = self.exact_load
         if math.isnan(exact):
@@ -208,7 +199,7 @@ class Bearing(CatalogueScene):
                     "1",
                     "limit load over area and su, exact",
                     self.exact_source,
-                ),
+                )
             )
         )
 

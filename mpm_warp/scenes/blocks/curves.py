@@ -226,11 +226,7 @@ class SlidingCurves:
             ),
             **labelled(
                 role="error",
-                acceleration_error=(
-                    acceleration_error,
-                    "1",
-                    "relative error of the acceleration",
-                ),
+                acceleration_error=(acceleration_error, "1", "relative error of the acceleration"),
                 base_shear_error=(shear_error, "1", "relative error of the base shear"),
                 creep=(creep, "1", "displacement over length of a block that sticks, once at rest"),
             ),

@@ -169,8 +169,7 @@ class GravityColumn(CatalogueScene):
         weight = DENSITY * GRAVITY * HEIGHT
         exact_stress = -DENSITY * GRAVITY * (HEIGHT - middles)
         error = max(
-            np.abs(stress - exact_stress).max() / weight,
-            abs(settlement / exact_settlement - 1),
+            np.abs(stress - exact_stress).max() / weight, abs(settlement / exact_settlement - 1)
         )
         description = (
             "the greater of the greatest error of the vertical stress, over that at the base, and "

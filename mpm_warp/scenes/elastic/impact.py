@@ -300,9 +300,7 @@ class StruckBar(Impact):
             return means
 
         return Sections(
-            heights=LENGTH * (np.arange(count) + 0.5) / count,
-            point_count=point_count,
-            means=means,
+            heights=LENGTH * (np.arange(count) + 0.5) / count, point_count=point_count, means=means
         )
 
 

@@ -39,7 +39,7 @@ def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFix
 
 def test_describe_gives_the_unit_of_what_has_no_default(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["describe", "sounding"]) == 0
-    assert f"{'layer_top':26} derived [m]" in capsys.readouterr().out
+    assert f"{'layer_top':26} none [m]" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("excluded", [0, 100])
