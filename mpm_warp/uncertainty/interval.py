@@ -41,22 +41,16 @@ def stated_value(
     spoken = name.replace("_", " ")
     return {
         name: variable(
-            simulated + correction,
-            unit="1",
-            meaning=spoken,
-            description=description,
-            role="headline",
+            simulated + correction, meaning=spoken, description=description, role="headline"
         ),
         f"{name}_uncertainty": variable(
             math.nan if reasons else math.hypot(*parts.values()),
-            unit="1",
             meaning=f"uncertainty of the {spoken}",
             description="half width, 95 %",
             role="uncertainty",
         ),
         f"{name}_correction": variable(
             correction,
-            unit="1",
             meaning=f"correction of the {spoken}",
             description="what is known of the error of mesh, speed and window, taken off; 0 where "
             "nothing is",
@@ -64,7 +58,7 @@ def stated_value(
         REASON: reason("; ".join(reasons)),
     } | {
         f"{name}_uncertainty_{part}": variable(
-            half_width, unit="1", meaning=f"uncertainty of the {spoken}, {part}"
+            half_width, meaning=f"uncertainty of the {spoken}, {part}"
         )
         for part, half_width in parts.items()
     }
@@ -96,9 +90,7 @@ def further_values(
     """
     return {
         f"{name}_further_{choice}": variable(
-            value,
-            unit="1",
-            meaning=f"{name.replace('_', ' ')} as simulated with {differences[choice]}",
+            value, meaning=f"{name.replace('_', ' ')} as simulated with {differences[choice]}"
         )
         for choice, value in values.items()
     }

@@ -319,7 +319,6 @@ class ConePenetration(ConeTest):
             energy_error=energy_error(transferred_energy(simulation) / curves.work),
             step_count_bound=variable(
                 self.step_count_bound(simulation.plan),
-                unit="1",
                 meaning="time steps to the greatest penetration",
             ),
         )

@@ -59,11 +59,9 @@ class ConeSelfSimilar(CatalogueScene):
     )
     apex_angle: float = redefined(ConeTest, "apex_angle", maximum=120)
     cells_per_radius: int = parameter(
-        16, unit="1", meaning="cells per radius of the cone's base", minimum=4, maximum=40
+        16, "cells per radius of the cone's base", minimum=4, maximum=40
     )
-    speed_ratio: float = parameter(
-        0.03, unit="1", meaning="speed over shear wave speed", minimum=1e-3, maximum=0.1
-    )
+    speed_ratio: float = parameter(0.03, "speed over shear wave speed", minimum=1e-3, maximum=0.1)
 
     def build(self) -> Scene:
         """The ground and its surface; the contact is a `PenetrometerContact`."""

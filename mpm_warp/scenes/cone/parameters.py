@@ -48,7 +48,7 @@ INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
+class ConeTest(ConeGrid, ConeInGround, FieldClayScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -72,29 +72,23 @@ class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
     )
 
     friction_coefficient: float = parameter(
-        0.0,
-        unit="1",
-        meaning="Coulomb friction coefficient of the penetrometer",
-        minimum=0,
-        maximum=1,
+        0.0, "Coulomb friction coefficient of the penetrometer", minimum=0, maximum=1
     )
     in_situ_stress: float = parameter(
-        400e3, unit="Pa", meaning="vertical total stress in the ground before", minimum=0
+        400e3, "vertical total stress in the ground before", unit="Pa", minimum=0
     )
     apex_angle: float = parameter(
-        60.0, unit="degree", meaning="apex angle of the cone", minimum=30, maximum=150
+        60.0, "apex angle of the cone", unit="degree", minimum=30, maximum=150
     )
     penetration: float = parameter(
         None,
-        unit="1",
-        meaning="greatest penetration over cone radius (default: approach + 10, more below Ir 100)",
+        "greatest penetration over cone radius (default: approach + 10, more below Ir 100)",
         minimum=1,
         maximum=700,
     )
     approach: float = parameter(
         None,
-        unit="1",
-        meaning="penetration of the approach, its rise and fall of speed included, over cone "
+        "penetration of the approach, its rise and fall of speed included, over cone "
         "radius (default: domain_above + 1); ends 5.5 before the greatest at the latest, more "
         "below Ir 100; 3 or less: none",
         minimum=0,
@@ -102,66 +96,55 @@ class ConeTest(ConeInGround, ConeGrid, FieldClayScene):
     )
     approach_speed_ratio: float = parameter(
         None,
-        unit="1",
-        meaning="approach speed over shear wave speed (default: the lesser of 0.25 and "
+        "approach speed over shear wave speed (default: the lesser of 0.25 and "
         "sqrt(7 / Ir)); not above speed_ratio: no approach",
         above=0,
         maximum=0.5,
     )
     steady_tolerance: float = parameter(
         0.003,
-        unit="1",
-        meaning="change of the resistance over two radii at which it counts as steady, and the run "
+        "change of the resistance over two radii at which it counts as steady, and the run "
         "ends; 0: never, and the run need not become steady",
         minimum=0,
         maximum=0.1,
     )
     speed_ratio: float = parameter(
         None,
-        unit="1",
-        meaning="penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is "
-        "quick)",
+        "penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is quick)",
         minimum=1e-4,
         maximum=0.5,
     )
     accuracy: str = parameter(
         "standard",
-        unit="1",
-        meaning="what cells, window and speed are by default: fine halves the cells and widens the "
+        "what cells, window and speed are by default: fine halves the cells and widens the "
         "window by 1.3, takes some ten times as long, and has half of the uncertainty; quick "
         "takes an eighth of the time, and has twice the uncertainty",
         choices=tuple(CELLS_PER_RADIUS),
     )
     cells_per_radius: float = parameter(
         None,
-        unit="1",
-        meaning="cells per cone radius at the cone, about: they are square, and a whole number of "
+        "cells per cone radius at the cone, about: they are square, and a whole number of "
         "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick)",
         minimum=1,
         maximum=100,
     )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
-    particles_per_cell: int = parameter(
-        4, unit="1", meaning="material points per cell", choices=(4, 9, 16, 25)
-    )
+    particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16, 25))
     poissons_ratio_bound: float = parameter(
         0.4999,
-        unit="1",
-        meaning="greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps",
+        "greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps",
         minimum=0,
         maximum=0.4999,
     )
     uncertainty: str = parameter(
         "known",
-        unit="1",
-        meaning="how the error of the cone factor is found: known from other cases, or measured by "
+        "how the error of the cone factor is found: known from other cases, or measured by "
         "four further runs of this one, which take some ten times as long",
         choices=("known", "measured"),
     )
     energy_audit: str = parameter(
         "transfers",
-        unit="1",
-        meaning="what is recorded of energy: what the transfers of the method dissipate, or the "
+        "what is recorded of energy: what the transfers of the method dissipate, or the "
         "balance, where all work of the penetrometer goes",
         choices=("transfers", "balance"),
     )

@@ -92,7 +92,6 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
         pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])
         factors[f"pore_pressure_factor_{name}"] = variable(
             pressure / strength,
-            unit="1",
             meaning=f"pore pressure factor, {name}",
             description=f"excess pore pressure over su, mean {over}; {place}",
         )

@@ -55,7 +55,6 @@ def energy_error(share: float) -> xr.Variable:
     """
     return variable(
         share,
-        unit="1",
         meaning="energy error",
         description="kinetic energy that the transfers between material points and grid "
         "created, dissipated if < 0, over the work of the penetrometer",
@@ -176,10 +175,10 @@ class EnergyBalanceCurves:
         residual = body - sum(goes_to.values())
         with np.errstate(invalid="ignore"):  # without an audited step no share is a number
             shares = {
-                f"work_share_{name}": variable(work / body, unit="1", meaning=MEANING[name])
+                f"work_share_{name}": variable(work / body, meaning=MEANING[name])
                 for name, work in goes_to.items()
             }
-            shares["energy_residual"] = variable(residual / body, unit="1", meaning=RESIDUAL)
+            shares["energy_residual"] = variable(residual / body, meaning=RESIDUAL)
         return xr.Dataset(shares)
 
     def _works_so_far(self) -> Floats:

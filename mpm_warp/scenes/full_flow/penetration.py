@@ -56,13 +56,10 @@ class FullFlowPenetration(FullFlowPenetrometer):
         "uncertainty",
     )
 
-    penetration: float = parameter(
-        8.0, unit="1", meaning="penetration over radius", minimum=5, maximum=50
-    )
+    penetration: float = parameter(8.0, "penetration over radius", minimum=5, maximum=50)
     uncertainty: str = parameter(
         "none",
-        unit="1",
-        meaning="whether the error of the resistance factor is measured, by four further runs, "
+        "whether the error of the resistance factor is measured, by four further runs, "
         "which take some twenty times as long",
         choices=("none", "measured"),
     )
@@ -277,8 +274,7 @@ class BallPenetration(Ball, FullFlowPenetration):
 
     shaft_radius_ratio: float = parameter(
         0.316,
-        unit="1",
-        meaning="radius of the shaft over that of the ball: 10 cm2 below 100 cm2; 0: no shaft",
+        "radius of the shaft over that of the ball: 10 cm2 below 100 cm2; 0: no shaft",
         minimum=0,
         maximum=0.8,
     )

@@ -57,22 +57,16 @@ class FullFlowPenetrometer(FieldClayScene):
     poissons_ratio: float = redefined(FieldClayScene, "poissons_ratio", minimum=0.4)
     speed_ratio: float = parameter(
         None,
-        unit="1",
-        meaning="penetration speed over shear wave speed (default: 0.3 / sqrt(Ir))",
+        "penetration speed over shear wave speed (default: 0.3 / sqrt(Ir))",
         minimum=1e-4,
         maximum=0.1,
     )
-    cells_per_radius: int = parameter(
-        4, unit="1", meaning="cells per radius of the body", minimum=2, maximum=40
-    )
+    cells_per_radius: int = parameter(4, "cells per radius of the body", minimum=2, maximum=40)
     cell_growth: float = redefined(ConeGrid, "cell_growth")
-    particles_per_cell: int = parameter(
-        9, unit="1", meaning="material points per cell", choices=(4, 9, 16)
-    )
+    particles_per_cell: int = parameter(9, "material points per cell", choices=(4, 9, 16))
     domain_extent: int = parameter(
         8,
-        unit="1",
-        meaning="extent of the grid below, above and beside the centre over radius",
+        "extent of the grid below, above and beside the centre over radius",
         minimum=3,
         maximum=100,
     )
@@ -179,7 +173,7 @@ class Ball(FullFlowPenetrometer):
     """A ball without a shaft."""
 
     ball_radius: float = parameter(
-        0.0565, unit="m", meaning="radius of the ball", minimum=1e-6, maximum=1e3
+        0.0565, "radius of the ball", unit="m", minimum=1e-6, maximum=1e3
     )
 
     @property
@@ -192,9 +186,7 @@ class Ball(FullFlowPenetrometer):
 class TBar(FullFlowPenetrometer):
     """A bar that moves across its axis, in plane strain."""
 
-    bar_radius: float = parameter(
-        0.02, unit="m", meaning="radius of the T-bar", minimum=1e-6, maximum=1e3
-    )
+    bar_radius: float = parameter(0.02, "radius of the T-bar", unit="m", minimum=1e-6, maximum=1e3)
 
     @property
     def body(self) -> RoundBody:

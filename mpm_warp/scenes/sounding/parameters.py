@@ -33,7 +33,7 @@ has left the window above, nothing of the surface is in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class SoundingTest(ConeInGround, ConeGrid, ChangingStrength, CatalogueScene):
+class SoundingTest(ConeGrid, ConeInGround, ChangingStrength, CatalogueScene):
     """Ground, penetrometer and method of a sounding."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -49,57 +49,51 @@ class SoundingTest(ConeInGround, ConeGrid, ChangingStrength, CatalogueScene):
 
     profile: str | None = parameter(
         None,
-        unit="1",
-        meaning="ground by depth, as a table of one line, see Profile (default: made of the "
+        "ground by depth, as a table of one line, see Profile (default: made of the "
         "parameters of strength and layer)",
     )
     undrained_shear_strength: float = redefined(
         FieldClayScene, "undrained_shear_strength", meaning="strength su at the surface"
     )
     strength_gradient: float = parameter(
-        0.0, unit="Pa m-1", meaning="growth of strength with depth", minimum=0, maximum=1e9
+        0.0, "growth of strength with depth", unit="Pa m-1", minimum=0, maximum=1e9
     )
     rigidity_index: float = redefined(FieldClayScene, "rigidity_index", minimum=20, maximum=1000)
     layer_top: float | None = parameter(
-        None, unit="m", meaning="depth of the top of the layer (default: no layer)", above=0
+        None, "depth of the top of the layer (default: no layer)", unit="m", above=0
     )
     layer_thickness: float | None = parameter(
-        None, unit="m", meaning="thickness of the layer (default: it has no end)", above=0
+        None, "thickness of the layer (default: it has no end)", unit="m", above=0
     )
     layer_strength_ratio: float = parameter(
-        1.0,
-        unit="1",
-        meaning="strength in the layer over what it would be without",
-        minimum=0.05,
-        maximum=20,
+        1.0, "strength in the layer over what it would be without", minimum=0.05, maximum=20
     )
     unit_weight: float = parameter(
-        17e3, unit="N m-3", meaning="total unit weight of the clay", minimum=0, maximum=1e6
+        17e3, "total unit weight of the clay", unit="N m-3", minimum=0, maximum=1e6
     )
     from_depth: float = parameter(
         1.0,
+        "depth of the tip where the curves begin; 0: at the surface of the ground",
         unit="m",
-        meaning="depth of the tip where the curves begin; 0: at the surface of the ground",
         minimum=0,
         maximum=LAST_DEPTH,
     )
     to_depth: float = parameter(
         None,
+        "depth of the tip where they end (default: 30 radii deeper)",
         unit="m",
-        meaning="depth of the tip where they end (default: 30 radii deeper)",
         above=0,
         maximum=LAST_DEPTH,
     )
     stretch_count: int = parameter(
-        1, unit="1", meaning="stretches that a sounding is cut into", minimum=1, maximum=1000
+        1, "stretches that a sounding is cut into", minimum=1, maximum=1000
     )
     stretch_number: int = parameter(
-        1, unit="1", meaning="number of the stretch that is run, 1 the highest", minimum=1
+        1, "number of the stretch that is run, 1 the highest", minimum=1
     )
     overlap: float = parameter(
         10.0,
-        unit="1",
-        meaning="way that a stretch has in common with the one above, over cone radius",
+        "way that a stretch has in common with the one above, over cone radius",
         minimum=2,
         maximum=1000,
     )
@@ -108,13 +102,12 @@ class SoundingTest(ConeInGround, ConeGrid, ChangingStrength, CatalogueScene):
     density: float = redefined(FieldClayScene, "density")
     speed_ratio: float = parameter(
         0.05,
-        unit="1",
-        meaning="penetration speed over that of shear waves in the softest soil",
+        "penetration speed over that of shear waves in the softest soil",
         minimum=1e-4,
         maximum=0.5,
     )
     cells_per_radius: float = parameter(
-        3.0, unit="1", meaning="cells per cone radius at the cone, about", minimum=1, maximum=100
+        3.0, "cells per cone radius at the cone, about", minimum=1, maximum=100
     )
     domain_radius: float = redefined(
         ConeGrid,
