@@ -81,7 +81,7 @@ def make_soil_plan(
     add_cell_rates(
         plan,
         grid,
-        material,
+        density=material.density,
         particles_per_side=scene.particles_per_side,
         internal_flow=None if interpolation is None else interpolation.of_cell,
     )

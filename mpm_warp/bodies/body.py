@@ -27,7 +27,7 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.bodies.grid import UniformGrid, one, real, vec2, zero
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.plan.plan import Plan
 
 

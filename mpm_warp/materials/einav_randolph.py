@@ -7,7 +7,7 @@ to come; gd shear strain rate; G shear modulus.
 
     k  = su R [delta + (1 - delta) S]
     S  = exp(-3 xi / xi_95),   R = 1 + mu log10(max(gd / gd_ref, 1))
-    gd = 2 f(D)                                Tresca: D_1 - D_3, von Mises: sqrt(2 dev D : dev D)
+    gd = 2 f(e) / dt                           Tresca: e_1 - e_3, von Mises: sqrt(2 dev e : dev e)
     f(trial) - G dxi = k(xi + dxi, gd)         the return, implicit in the plastic shear strain
 
 A point remembers 1 - S, the share that is lost, not xi: a return multiplies S by exp(-3 dxi /
@@ -26,21 +26,24 @@ import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, check_number
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.elasticity import make_elastic_increment
 from mpm_warp.materials.material import Law
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, YieldCriterion
+from mpm_warp.materials.perfectly_plastic import (
+    STRENGTH,
+    PerfectlyPlastic,
+    UndrainedClay,
+    limit_pressure,
+)
 from mpm_warp.precision import Precision
 
 STEEPEST = 0.5
 """Greatest slope of the strength over G; at 1 the stress would fall without any strain."""
-SHEAR_MODULUS = 3
-"""Place of G among the properties."""
 LARGEST_RATE = 1e6
 """Shear strain rate over that of reference which slope and limit pressure count with."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class EinavRandolph(PerfectlyPlastic):
+class EinavRandolph(UndrainedClay):
     """Softening by accumulated plastic shear strain, and a logarithmic effect of its rate.
 
     Attributes:
@@ -55,7 +58,7 @@ class EinavRandolph(PerfectlyPlastic):
         SceneError: a value is not allowed, or the strength falls too steeply to be followed.
     """
 
-    criterion: type[YieldCriterion]
+    criterion: type[PerfectlyPlastic]
     rate_factor: float
     reference_strain_rate: float
     remoulded_strength_ratio: float
@@ -104,37 +107,28 @@ class EinavRandolph(PerfectlyPlastic):
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(su, delta, 3 / xi_95, G, mu / ln 10, 1 / gd_ref)."""
+        """(G, K, su, delta, 3 / xi_95, mu / ln 10, 1 / gd_ref)."""
         return (
-            self.strength,
+            *super().properties,
             self.remoulded_strength_ratio,
             3.0 / self.ductility,
-            self.shear_modulus,
             self.rate_factor / math.log(10.0),
             1.0 / self.reference_strain_rate,
         )
 
-    def properties_at(self, place: Floats) -> Floats:
-        """See `Material`; the shear modulus that the return is made with is that of the point."""
-        own = super().properties_at(place)
-        own[..., 1 + SHEAR_MODULUS] *= own[..., 0]
-        return own
-
     @property
     def limit_pressure(self) -> float:
         """Of intact clay at the largest rate that counts [Pa]."""
-        return self._perfectly_plastic(self._greatest_strength).limit_pressure
+        return limit_pressure(self.shear_modulus, self._greatest_strength)
 
     def update(self, precision: Precision) -> Any:
         """Return to the surface of the criterion, as large as strain and rate leave it."""
-        perfect = self._perfectly_plastic(self.strength)
-        law, within = perfect.law(precision), perfect.within(precision)
-        return _make_update(law, within, self.softens, self.depends_on_rate, precision)
+        return _make_update(self.criterion, self.softens, self.depends_on_rate, precision)
 
     def yield_function(self, precision: Precision) -> Any:
         """The measure of the criterion, and the strength k."""
-        law = self._perfectly_plastic(self.strength).law(precision)
-        return _make_yield_function(law, self.softens, self.depends_on_rate, precision)
+        measure = self.criterion.measure(precision)
+        return _make_yield_function(measure, self.softens, self.depends_on_rate, precision)
 
     def law(self, precision: Precision) -> Law:
         """See `Material`; the key has the criterion too, and what changes the strength."""
@@ -146,25 +140,17 @@ class EinavRandolph(PerfectlyPlastic):
     def _greatest_strength(self) -> float:
         return self.strength * (1.0 + self.rate_factor * math.log10(LARGEST_RATE))
 
-    def _perfectly_plastic(self, strength: float) -> YieldCriterion:
-        return self.criterion(
-            shear_modulus=self.shear_modulus,
-            poissons_ratio=self.poissons_ratio,
-            density=self.density,
-            strength=strength,
-        )
-
 
 @functools.cache
 def _make_strength(softens: bool, precision: Precision) -> Any:
     """The function (properties, 1 - S) -> (k / R, what of it strain can still take) [Pa]."""
-    real, vec2, vec6 = precision.real, precision.vec2, precision.vector(6)
+    real, vec2, vec7 = precision.real, precision.vec2, precision.vec7
 
     @wp.func
-    def strength(properties: vec6, lost: real) -> vec2:
-        k, left = properties[0], real(0.0)
+    def strength(properties: vec7, lost: real) -> vec2:
+        k, left = properties[wp.static(STRENGTH)], real(0.0)
         if wp.static(softens):
-            remoulded = properties[1] * k
+            remoulded = properties[3] * k
             left = (k - remoulded) * (real(1.0) - lost)
             k = remoulded + left
         return vec2(k, left)
@@ -201,41 +187,45 @@ def _make_memory(softens: bool, depends_on_rate: bool, precision: Precision) -> 
 
 @functools.cache
 def _make_yield_function(
-    law: Law, softens: bool, depends_on_rate: bool, precision: Precision
+    measure: Any, softens: bool, depends_on_rate: bool, precision: Precision
 ) -> Any:
-    vec1, vec2, vec4, vec6 = (precision.vector(length) for length in (1, 2, 4, 6))
+    vec2, vec4, vec7 = precision.vec2, precision.vec4, precision.vec7
     state_type = precision.vector(max(1, softens + depends_on_rate))
     recalled, _ = _make_memory(softens, depends_on_rate, precision)
     strength = _make_strength(softens, precision)
-    measure: Any = law.yield_function
     one = wp.constant(precision.real(1.0))
 
     @wp.func
-    def measure_and_strength(stress: vec4, properties: vec6, state: state_type) -> vec2:
+    def measure_and_strength(stress: vec4, properties: vec7, state: state_type) -> vec2:
         known = recalled(state)
-        f = measure(stress, vec1(properties[0]), vec1())
-        return vec2(f[0], (one + known[1]) * strength(properties, known[0])[0])
+        k = (one + known[1]) * strength(properties, known[0])[0]
+        return vec2(measure(stress), k)
 
     return measure_and_strength
 
 
 @functools.cache
 def _make_update(
-    law: Law, within: Any, softens: bool, depends_on_rate: bool, precision: Precision
+    criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool, precision: Precision
 ) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    vec1, vec6 = precision.vector(1), precision.vector(6)
+    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     state_type = precision.vector(max(1, softens + depends_on_rate))
     recalled, remembered = _make_memory(softens, depends_on_rate, precision)
-    strength, perfect_return = _make_strength(softens, precision), law.update
-    measure: Any = law.yield_function
+    strength, elastic_increment = (
+        _make_strength(softens, precision),
+        make_elastic_increment(precision),
+    )
+    measure, within, nearest = (
+        function(precision) for function in (criterion.measure, criterion.within, criterion.nearest)
+    )
     one = wp.constant(real(1.0))
 
     @wp.func
     def soften_and_return(
-        trial: vec4, strain: vec4, time_step: real, properties: vec6, state: state_type
+        stress: vec4, strain: vec4, time_step: real, properties: vec7, state: state_type
     ):
-        su, G, decay = vec1(properties[0]), properties[wp.static(SHEAR_MODULUS)], properties[2]
+        G, decay = properties[0], properties[4]
+        trial = stress + elastic_increment(strain, G, properties[1])
         lost, rate_effect = recalled(state)[0], real(0.0)
         known = strength(properties, lost)
         k, left = known[0], known[1]
@@ -243,8 +233,8 @@ def _make_update(
         if within(trial, k):
             return trial, state
         if wp.static(depends_on_rate):
-            rate = real(2.0) / time_step * measure(strain, su, vec1())[0]
-            rate_effect = properties[4] * wp.log(wp.max(rate * properties[5], one))
+            rate = real(2.0) / time_step * measure(strain)
+            rate_effect = properties[5] * wp.log(wp.max(rate * properties[6], one))
             k *= one + rate_effect
             left *= one + rate_effect
             if within(trial, k):
@@ -253,14 +243,13 @@ def _make_update(
             # Newton's method for f - G dxi = k - left (1 - exp(-3 dxi / xi_95)): in steps of 1e-3
             # its first error is 1e-6, its second 1e-12 of the strain. What is left is a strain, for
             # the stress is put on the surface.
-            f = measure(trial, su, vec1())[0]
+            f = measure(trial)
             plastic = (f - k) / (G - decay * left)
             kept = wp.exp(-decay * plastic)
             missing = f - G * plastic - k + left * (one - kept)
             kept *= one - decay * missing / (G - decay * left * kept)
             k -= left * (one - kept)
             lost = one - (one - lost) * kept
-        stress, _nothing = perfect_return(trial, strain, time_step, vec1(k), vec1())
-        return stress, remembered(lost, rate_effect)
+        return nearest(trial, k), remembered(lost, rate_effect)
 
     return soften_and_return

@@ -1,140 +1,193 @@
-"""The stress of a step: elastic at large rotations, then what the law of the material makes of it.
+"""Isotropic linear elasticity: what laws with constant moduli share, and soil that never yields.
 
-Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, D its symmetric part, R rotation by the
-spin in a step, K bulk modulus, G shear modulus.
+Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, e strain of a step, dt times the
+symmetric part of L, R rotation by the spin in a step, K bulk modulus, G shear modulus.
 
-    sigma <- law(R sigma R' + dt (K tr D + 2 G dev D))
-
-Where the material varies from place to place, G and K are those of the material times the stiffness
-ratio of the point.
+    sigma <- law(R sigma R', e, dt)                     of any law
+    trial  = R sigma R' + K tr e + 2 G dev e            of one with these elastic moduli
 """
 
 import functools
+from dataclasses import dataclass
 from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.material import Law
+from mpm_warp.arguments import POSITIVE, Range, check_number
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import Law, Material
 from mpm_warp.precision import Precision
+
+SHEAR_MODULUS, BULK_MODULUS = 0, 1
+"""Places of G and K among the properties of an isotropic material."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Isotropic(Material):
+    """Isotropic linear elasticity, up to what the law of a subclass makes of it.
+
+    Its mean stress follows its volume elastically: plastic strain keeps the volume.
+
+    Attributes:
+        shear_modulus: G [Pa], > 0.
+        poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
+
+    Raises:
+        SceneError: a value is not allowed.
+    """
+
+    shear_modulus: float
+    poissons_ratio: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("material: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
+        check_number("material: poissons_ratio", self.poissons_ratio, Range(minimum=0, below=0.5))
+
+    @property
+    def properties(self) -> tuple[float, ...]:
+        """(G, K) [Pa]; a subclass puts its own behind them."""
+        return (self.shear_modulus, self.bulk_modulus)
+
+    def properties_at(self, place: Floats) -> Floats:
+        """See `Material`; both moduli are in proportion to the stiffness."""
+        own = super().properties_at(place)
+        own[..., :2] *= self.stiffness_ratio_at(place)[..., None]
+        return own
+
+    def moduli(self, precision: Precision) -> Any:
+        """The first two properties."""
+        lengths = len(self.properties), max(1, len(self.state))
+        return _make_moduli(*lengths, precision)
+
+    def mean_stress_change(
+        self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
+    ) -> Floats:
+        """K tr e."""
+        change: Floats = properties[:, BULK_MODULUS] * volume_strain
+        return change
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = 2 G (1 + nu) / (3 (1 - 2 nu)) [Pa]."""
+        return (
+            2.0
+            * self.shear_modulus
+            * (1.0 + self.poissons_ratio)
+            / (3.0 * (1.0 - 2.0 * self.poissons_ratio))
+        )
+
+    @property
+    def ground_shear_modulus(self) -> float:
+        """G [Pa]."""
+        return self.shear_modulus
+
+    @property
+    def pressure_wave_speed(self) -> float:
+        """sqrt((K + 4 G / 3) / rho) [m/s]."""
+        return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearElastic(Isotropic):
+    """Soil or a body that never yields; the rate of its stress is that of Jaumann."""
+
+    def update(self, precision: Precision) -> Any:
+        """The trial stress is the stress."""
+        return _make_elastic_update(precision)
 
 
 @functools.cache
-def make_stress_increment(precision: Precision) -> Any:
-    """The function (L, time step, G, K) -> what a step at the velocity gradient L does to stress.
-
-    L is (rr, rz, zr, zz, tt); the result holds the elastic increment (rr, zz, rz, tt) and the
-    squares and the product of cosine and sine of the rotation, in this order.
-    """
-    real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
-    quarter, one, two, three = (wp.constant(real(x)) for x in (0.25, 1.0, 2.0, 3.0))
+def make_elastic_increment(precision: Precision) -> Any:
+    """The function (e, G, K) -> K tr e + 2 G dev e, (rr, zz, rz, tt) [Pa]."""
+    real, vec4 = precision.real, precision.vec4
+    two, third = wp.constant(real(2.0)), wp.constant(real(1.0 / 3.0))  # a division takes longer
 
     @wp.func
-    def stress_increment(L: vec5, time_step: real, shear_modulus: real, bulk_modulus: real) -> vec7:
-        two_shear = two * shear_modulus * time_step
-        pressure = (bulk_modulus * time_step - two_shear / three) * (L[0] + L[3] + L[4])
+    def elastic_increment(e: vec4, shear: real, bulk: real) -> vec4:
+        two_shear = two * shear
+        mean = (bulk - third * two_shear) * (e[0] + e[1] + e[3])
+        return vec4(
+            two_shear * e[0] + mean,
+            two_shear * e[1] + mean,
+            two_shear * e[2],
+            two_shear * e[3] + mean,
+        )
+
+    return elastic_increment
+
+
+@functools.cache
+def make_motion(precision: Precision) -> Any:
+    """The function (L, time step) -> what a step at the velocity gradient L does to a point.
+
+    L is (rr, rz, zr, zz, tt); the result holds the strain e (rr, zz, rz, tt) and the squares and
+    the product of cosine and sine of the rotation, in this order.
+    """
+    real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
+    quarter, half, one, two = (wp.constant(real(x)) for x in (0.25, 0.5, 1.0, 2.0))
+
+    @wp.func
+    def motion(L: vec5, time_step: real) -> vec7:
         # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
         t = quarter * time_step * (L[1] - L[2])
         scale = one / (one + t * t)
         cosine = (one - t * t) * scale
         sine = two * t * scale
         return vec7(
-            two_shear * L[0] + pressure,
-            two_shear * L[3] + pressure,
-            shear_modulus * time_step * (L[1] + L[2]),
-            two_shear * L[4] + pressure,
+            time_step * L[0],
+            time_step * L[3],
+            half * time_step * (L[1] + L[2]),
+            time_step * L[4],
             cosine * cosine,
             sine * sine,
             cosine * sine,
         )
 
-    return stress_increment
+    return motion
 
 
 @functools.cache
-def make_elastic_trial(precision: Precision) -> Any:
-    """The function (stress, stress increment) -> R sigma R' + dt (K tr D + 2 G dev D)."""
+def make_rotated(precision: Precision) -> Any:
+    """The function (stress, motion) -> R sigma R'."""
     vec4, vec7 = precision.vec4, precision.vec7
     two = wp.constant(precision.real(2.0))
 
     @wp.func
-    def elastic_trial(stress: vec4, increment: vec7) -> vec4:
+    def rotated(stress: vec4, motion: vec7) -> vec4:
         rr, zz, rz = stress[0], stress[1], stress[2]
-        cc, ss, cs = increment[4], increment[5], increment[6]
+        cc, ss, cs = motion[4], motion[5], motion[6]
         return vec4(
-            cc * rr + ss * zz + two * cs * rz + increment[0],
-            ss * rr + cc * zz - two * cs * rz + increment[1],
-            (cc - ss) * rz + cs * (zz - rr) + increment[2],
-            stress[3] + increment[3],
+            cc * rr + ss * zz + two * cs * rz,
+            ss * rr + cc * zz - two * cs * rz,
+            (cc - ss) * rz + cs * (zz - rr),
+            stress[3],
         )
 
-    return elastic_trial
-
-
-@functools.cache
-def _make_strain_increment(precision: Precision) -> Any:
-    """The function (stress increment, G, K) -> dt D that has made it, (rr, zz, rz, tt)."""
-    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
-    third, half = wp.constant(real(1.0 / 3.0)), wp.constant(real(0.5))
-
-    @wp.func
-    def strain_increment(increment: vec7, shear_modulus: real, bulk_modulus: real) -> vec4:
-        mean = third * (increment[0] + increment[1] + increment[3])
-        volume = mean * (third / bulk_modulus)
-        in_shear = half / shear_modulus  # divisions take longest
-        return vec4(
-            (increment[0] - mean) * in_shear + volume,
-            (increment[1] - mean) * in_shear + volume,
-            increment[2] * in_shear,
-            (increment[3] - mean) * in_shear + volume,
-        )
-
-    return strain_increment
-
-
-@functools.cache
-def make_increment_of_point(law: Law, precision: Precision) -> Any:
-    """The function (stress increment of the cell, properties of a point) -> that of the point."""
-    vec7, properties_type, varies = precision.vec7, law.properties_type, law.varies
-
-    @wp.func
-    def increment_of_point(increment: vec7, properties: properties_type) -> vec7:
-        own = increment
-        if wp.static(varies):
-            for k in range(4):  # what follows is rotation
-                own[k] = properties[0] * increment[k]
-        return own
-
-    return increment_of_point
+    return rotated
 
 
 @functools.cache
 def make_stress_update(law: Law, precision: Precision) -> Any:
-    """The function (stress, stress increment, G, K, time step, properties, state) after a step.
+    """The function (stress, motion, time step, properties, state) -> (stress, state) after a step.
 
-    It gives stress and state; properties and state are those of the law. The increment is that of
-    the cell, G and K are the moduli that it is for.
+    It is that of any law: the stress is turned, then the law does the rest.
     """
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_type, state_type = law.properties_type, law.state_type
-    elastic_trial, strain_increment = (
-        make_elastic_trial(precision),
-        _make_strain_increment(precision),
-    )
-    increment_of_point, update = make_increment_of_point(law, precision), law.update
+    rotated, update = make_rotated(precision), law.update
 
     @wp.func
     def stress_update(
         stress: vec4,
-        increment: vec7,
-        shear_modulus: real,
-        bulk_modulus: real,
+        motion: vec7,
         time_step: real,
         properties: properties_type,
         state: state_type,
     ):
-        trial = elastic_trial(stress, increment_of_point(increment, properties))
-        strain = strain_increment(increment, shear_modulus, bulk_modulus)
-        sigma, remembered = update(trial, strain, time_step, properties, state)
+        strain = vec4(motion[0], motion[1], motion[2], motion[3])
+        turned = rotated(stress, motion)
+        sigma, remembered = update(turned, strain, time_step, properties, state)
         return sigma, remembered
 
     return stress_update
@@ -144,33 +197,52 @@ def make_stress_update(law: Law, precision: Precision) -> Any:
 def make_plastic_step(law: Law, precision: Precision) -> Any:
     """The function of the arguments of `make_stress_update` -> what plastic strain follows from.
 
-    It gives stress, trial stress less stress, and the stiffness ratio of the point.
+    It gives the stress after the step, the elastic trial stress less it, and the moduli (G, K)
+    that the trial is made with.
     """
     real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
-    properties_type, state_type, varies = law.properties_type, law.state_type, law.varies
-    elastic_trial, increment_of_point, stress_update = (
-        make_elastic_trial(precision),
-        make_increment_of_point(law, precision),
-        make_stress_update(law, precision),
-    )
+    properties_type, state_type = law.properties_type, law.state_type
+    rotated, elastic_increment = make_rotated(precision), make_elastic_increment(precision)
+    update, moduli = law.update, law.moduli
 
     @wp.func
     def plastic_step(
         stress: vec4,
-        increment: vec7,
-        shear_modulus: real,
-        bulk_modulus: real,
+        motion: vec7,
         time_step: real,
         properties: properties_type,
         state: state_type,
     ):
-        trial = elastic_trial(stress, increment_of_point(increment, properties))
-        sigma, _ = stress_update(
-            stress, increment, shear_modulus, bulk_modulus, time_step, properties, state
-        )
-        ratio = real(1.0)
-        if wp.static(varies):
-            ratio = properties[0]
-        return sigma, trial - sigma, ratio
+        strain = vec4(motion[0], motion[1], motion[2], motion[3])
+        turned = rotated(stress, motion)
+        stiffness = moduli(turned, properties, state)
+        trial = turned + elastic_increment(strain, stiffness[0], stiffness[1])
+        sigma, _ = update(turned, strain, time_step, properties, state)
+        return sigma, trial - sigma, stiffness
 
     return plastic_step
+
+
+@functools.cache
+def _make_moduli(property_count: int, state_count: int, precision: Precision) -> Any:
+    vec2, vec4 = precision.vec2, precision.vec4
+    properties_type, state_type = precision.vector(property_count), precision.vector(state_count)
+
+    @wp.func
+    def constant_moduli(stress: vec4, properties: properties_type, state: state_type) -> vec2:
+        return vec2(properties[0], properties[1])
+
+    return constant_moduli
+
+
+@functools.cache
+def _make_elastic_update(precision: Precision) -> Any:
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    vec1 = precision.vector(1)
+    elastic_increment = make_elastic_increment(precision)
+
+    @wp.func
+    def stays_elastic(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+        return stress + elastic_increment(strain, properties[0], properties[1]), state
+
+    return stays_elastic

@@ -1,28 +1,33 @@
-"""What every material is: elastic constants, and a law that takes a trial stress to the stress.
+"""What every law of a material is: one file, whatever it does.
 
-A material is one file: its properties, what a material point of it remembers, its stress update as
-a function on the device, and what its stress must not exceed. A new one is a subclass of `Material`
-in a file of its own, which may be a user's. Such a file must not have `from __future__ import
-annotations`: Warp reads the types of a kernel from its annotations, and would raise a `NameError`.
+A law gets the stress of a point, its strain in a step, the time step, its properties and its state.
+It gives stress and state. It owns its elasticity, the state that a point starts with, what its
+volume does, a bound on its wave speed and a check of its stress. What it does not have compiles to
+nothing. Most laws are a subclass of `Isotropic`, which brings constant elastic moduli.
+
+A file with kernels must not have `from __future__ import annotations`: Warp reads the types of a
+kernel from its annotations, and would raise a `NameError`.
 """
 
 import functools
 import math
 import re
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
+from mpm_warp.arguments import POSITIVE, check_kind, check_number
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
 from mpm_warp.precision import Precision
 
 PROPERTIES = "particle.properties"
 """The array of the properties of each point of a material that varies, shape [slot_count]."""
+ADHESION_RATIO = "particle.adhesion_ratio"
+"""The array of the adhesion ratio of each point, where it varies; shape [slot_count]."""
 
 
 @dataclass(frozen=True)
@@ -30,32 +35,34 @@ class Law:
     """The functions of a material on the device, in one precision.
 
     Stresses and strains are (rr, zz, rz, tt), tension positive, rz that of the tensor. `properties`
-    holds the material's `properties`, `state` what the point remembers, both as vectors. Where the
-    material varies from place to place a stiffness ratio stands before the properties, and each
-    point has its own.
+    holds the material's `properties`, `state` what the point remembers, both as vectors.
 
     Attributes:
         key: of this law alone: where its class is, and how many properties and numbers of state it
             has, by which a class that was defined anew differs from the one before.
-        update: (trial stress, strain increment, time step, properties, state) -> (stress, state).
-        yield_function: (stress, properties, state) -> (f, k): the material yields where the
-            measure f of the stress [Pa] reaches the strength k [Pa]; None where it never does.
+        update: (stress, strain, time step, properties, state) -> (stress, state) after a step. The
+            stress has been turned by the spin already.
+        moduli: (stress, properties, state) -> (G, K), the elastic moduli [Pa] at that stress.
+        yield_function: (stress, properties, state) -> (f, k): the material yields where the measure
+            f of the stress [Pa] reaches k [Pa]; None where it never does.
+        strength: (stress, properties, state) -> undrained shear strength [Pa], which the adhesion
+            of a surface beside the point follows; None where nothing changes it.
         properties_type: type of the vector of properties.
         state_type: type of the vector that a point remembers.
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
             kept.
         varies: whether each point has properties of its own.
-        varies_adhesion: whether the last of them is the adhesion ratio of a surface beside it.
     """
 
     key: str
     update: Any
+    moduli: Any
     yield_function: Any | None
+    strength: Any | None
     properties_type: Any
     state_type: Any
     remembers: bool
-    varies: bool = False
-    varies_adhesion: bool = False
+    varies: bool
 
     @property
     def properties_argument(self) -> Any:
@@ -65,45 +72,118 @@ class Law:
 
 @dataclass(frozen=True, kw_only=True)
 class Material(ABC):
-    """Isotropic linear elasticity in rate form, up to what the law of a subclass makes of it.
+    """A law with its numbers. A new one is a subclass in a file of its own, which may be a user's.
 
     Attributes:
-        shear_modulus: G [Pa], > 0.
-        poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
         density: rho [kg/m3], > 0.
-        variation: strength and stiffness from place to place, over those of the material; None:
-            they are the same everywhere.
+        variation: strength, stiffness and adhesion from place to place, over those of the material;
+            None: they are the same everywhere.
 
     Raises:
         SceneError: a value is not allowed.
     """
 
-    shear_modulus: float
-    poissons_ratio: float
     density: float
     variation: Variation | None = None
 
     def __post_init__(self) -> None:
-        check_number("material: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
-        check_number("material: poissons_ratio", self.poissons_ratio, Range(minimum=0, below=0.5))
         check_number("material: density", self.density, POSITIVE, unit="kg/m3")
         check_kind("material: variation", self.variation, (Variation, type(None)))
 
-    @property
-    def properties(self) -> tuple[float, ...]:
-        """The numbers that the law takes beside stress, strain and state; at least one.
+    # The law on the device.
 
-        The strength comes first, where there is one: it is what a variation varies.
-        """
-        return (0.0,)
+    @abstractmethod
+    def update(self, precision: Precision) -> Any:
+        """The function of a step; what it takes and gives is said in `Law`."""
+
+    @abstractmethod
+    def moduli(self, precision: Precision) -> Any:
+        """The function of the elastic moduli, see `Law`."""
+
+    def yield_function(self, precision: Precision) -> Any | None:
+        """The check of the stress, see `Law`; None: there is none."""
+        return None
+
+    def strength_function(self, precision: Precision) -> Any | None:
+        """The undrained shear strength, see `Law`; by default the second of `yield_function`."""
+        yield_function = self.yield_function(precision)
+        if yield_function is None:
+            return None
+        lengths = len(self.properties), max(1, len(self.state))
+        return _make_strength(yield_function, *lengths, precision)
+
+    # Its numbers.
+
+    @property
+    @abstractmethod
+    def properties(self) -> tuple[float, ...]:
+        """The numbers that the law takes beside stress, strain and state; at least one."""
 
     @property
     def state(self) -> tuple[str, ...]:
-        """Names of the numbers that a material point remembers; all are 0 at the start."""
+        """Names of the numbers that a material point remembers."""
         return ()
 
+    def state_at(self, stress: Floats, place: Floats) -> Floats:
+        """State of points that start, or enter, with a stress at a place; 0 by default.
+
+        Args:
+            stress: (rr, zz, rz, tt) of the points [Pa], shape [..., 4].
+            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
+
+        Returns:
+            The numbers that `state` names, shape [..., state_count].
+        """
+        return np.zeros((*place.shape[:-1], len(self.state)))
+
+    def properties_at(self, place: Floats) -> Floats:
+        """`properties` of points whose material varies, shape [..., property_count].
+
+        Args:
+            place: (r, z) in the ground where they come from [m], shape [..., 2].
+        """
+        return np.tile(self.properties, (*place.shape[:-1], 1))
+
+    # What the run asks of it.
+
+    @property
+    @abstractmethod
+    def ground_shear_modulus(self) -> float:
+        """G of undisturbed ground [Pa], of the stiffest where it varies."""
+
+    @property
+    @abstractmethod
+    def pressure_wave_speed(self) -> float:
+        """A bound on the speed of pressure waves [m/s], which the time step follows."""
+
+    @property
+    def shear_wave_speed(self) -> float:
+        """sqrt(G / rho) of undisturbed ground [m/s]."""
+        return float((self.ground_shear_modulus / self.density) ** 0.5)
+
+    @property
+    def limit_pressure(self) -> float:
+        """Pressure [Pa] that a cavity in an endless body of the material cannot exceed."""
+        return math.inf
+
+    def mean_stress_change(
+        self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
+    ) -> Floats | None:
+        """By what a step changes the mean stress [Pa], for the watch to compare, shape [n].
+
+        Args:
+            volume_strain: of some points in the step, expansion positive, shape [n].
+            properties: theirs, shape [n, property_count].
+            state: theirs before and after the step, each of shape [n, state_count]; None where they
+                have none.
+
+        Returns:
+            None where the law does not tell, as by default: the watch compares nothing then.
+        """
+        return None
+
     def stiffness_ratio_at(self, place: Floats) -> Floats:
-        """Shear modulus over `shear_modulus` at places in the ground.
+        """Shear modulus over `ground_shear_modulus` at places in the ground.
 
         Args:
             place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
@@ -128,74 +208,40 @@ class Material(ABC):
         """Whether the adhesion factor of a surface varies with the soil beside it."""
         return self.variation is not None and self.variation.adhesion_ratio is not None
 
-    def properties_at(self, place: Floats) -> Floats:
-        """Stiffness ratio and `properties` of points whose material varies, shape [..., 1 + n].
-
-        Behind them stands the adhesion ratio, where it varies.
-
-        Args:
-            place: (r, z) in the ground where they come from [m], shape [..., 2].
-        """
-        count = len(self.properties)
-        own = np.empty((*place.shape[:-1], 1 + count + self.varies_adhesion))
-        own[..., 0] = self.stiffness_ratio_at(place)
-        own[..., 1 : 1 + count] = self.properties
-        own[..., 1] *= self.strength_ratio_at(place)
-        if self.variation is not None and self.varies_adhesion:
-            own[..., -1] = self.variation.adhesion_ratio_at(place)
-        return own
-
-    @abstractmethod
-    def update(self, precision: Precision) -> Any:
-        """The stress update on the device; what it takes and gives is said in `Law`."""
-
-    def yield_function(self, precision: Precision) -> Any | None:
-        """The yield function on the device; what it takes and gives is said in `Law`."""
-        return None
-
     def law(self, precision: Precision) -> Law:
         """The material's functions on the device in one precision."""
         name = f"{type(self).__module__}.{type(self).__qualname__}".replace("<locals>.", "")
-        law = Law(
-            key=f"{name}.{len(self.properties)}.{len(self.state)}",
+        varies = self.variation is not None
+        lengths = f"{len(self.properties)}.{len(self.state)}"
+        return Law(
+            key=f"{'varied.' if varies else ''}{name}.{lengths}",
             update=self.update(precision),
+            moduli=self.moduli(precision),
             yield_function=self.yield_function(precision),
+            strength=self.strength_function(precision),
             properties_type=precision.vector(len(self.properties)),
             state_type=precision.vector(max(1, len(self.state))),
             remembers=len(self.state) > 0,
+            varies=varies,
         )
-        if self.variation is None:
-            return law
-        return _varied(law, len(self.properties), self.varies_adhesion, precision)
 
     def launch_properties(self, law: Law) -> Any:
         """What a launch is given for the properties: one vector for all points, or an array."""
         return PROPERTIES if law.varies else law.properties_type(*self.properties)
 
-    @property
-    def limit_pressure(self) -> float:
-        """Pressure [Pa] that a cavity in an endless body of the material cannot exceed."""
-        return math.inf
 
-    @property
-    def bulk_modulus(self) -> float:
-        """K = 2 G (1 + nu) / (3 (1 - 2 nu)) [Pa]."""
-        return (
-            2.0
-            * self.shear_modulus
-            * (1.0 + self.poissons_ratio)
-            / (3.0 * (1.0 - 2.0 * self.poissons_ratio))
-        )
+@functools.cache
+def _make_strength(
+    yield_function: Any, property_count: int, state_count: int, precision: Precision
+) -> Any:
+    real, vec4 = precision.real, precision.vec4
+    properties_type, state_type = precision.vector(property_count), precision.vector(state_count)
 
-    @property
-    def shear_wave_speed(self) -> float:
-        """sqrt(G / rho) [m/s]."""
-        return float((self.shear_modulus / self.density) ** 0.5)
+    @wp.func
+    def strength(stress: vec4, properties: properties_type, state: state_type) -> real:
+        return yield_function(stress, properties, state)[1]
 
-    @property
-    def pressure_wave_speed(self) -> float:
-        """sqrt((K + 4 G / 3) / rho) [m/s]."""
-        return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
+    return strength
 
 
 def built_name(part: object) -> str:
@@ -248,42 +294,3 @@ def make_state_of_point(law: Law) -> Any:
         return state_type()
 
     return no_state
-
-
-@functools.cache
-def _varied(law: Law, property_count: int, varies_adhesion: bool, precision: Precision) -> Law:
-    """The law of a material that varies: a stiffness ratio stands before the properties.
-
-    Where it varies the adhesion ratio, that stands behind them, for a contact to read.
-    """
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    state_type, common_type = law.state_type, law.properties_type
-    own_type = precision.vector(1 + property_count + varies_adhesion)
-    common_update: Any = law.update
-    common_yield_function: Any = law.yield_function
-
-    @wp.func
-    def without_stiffness(own: own_type) -> common_type:
-        properties = common_type()
-        for k in range(wp.static(property_count)):
-            properties[k] = own[k + 1]
-        return properties
-
-    @wp.func
-    def update(trial: vec4, strain: vec4, time_step: real, own: own_type, state: state_type):
-        stress, remembered = common_update(trial, strain, time_step, without_stiffness(own), state)
-        return stress, remembered
-
-    @wp.func
-    def yield_function(stress: vec4, own: own_type, state: state_type) -> vec2:
-        return common_yield_function(stress, without_stiffness(own), state)
-
-    return replace(
-        law,
-        key=f"varied.{'adhesion.' if varies_adhesion else ''}{law.key}",
-        update=update,
-        yield_function=None if common_yield_function is None else yield_function,
-        properties_type=own_type,
-        varies=True,
-        varies_adhesion=varies_adhesion,
-    )

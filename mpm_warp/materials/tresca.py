@@ -1,45 +1,48 @@
-"""Perfect plasticity with the yield criterion of Tresca, as suits undrained clay."""
+"""The yield criterion of Tresca, as suits undrained clay: (sigma_1 - sigma_3) / 2 = su.
+
+In axisymmetry the hoop stress is principal. The other two are centre +- radius of Mohr's circle.
+"""
 
 import functools
-from dataclasses import dataclass
 from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.perfectly_plastic import YieldCriterion
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.precision import Precision
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tresca(YieldCriterion):
-    """Yields where (sigma_1 - sigma_3) / 2 = su; in axisymmetry the hoop stress is principal."""
+class Tresca(PerfectlyPlastic):
+    """Yields where (sigma_1 - sigma_3) / 2 = su."""
 
-    def update(self, precision: Precision) -> Any:
-        """Return to the nearest point of the hexagon, a side of it or a corner."""
-        return _make_update(precision)
+    @classmethod
+    def measure(cls, precision: Precision) -> Any:
+        """(sigma_1 - sigma_3) / 2."""
+        return _make_greatest_shear(precision)
 
-    def yield_function(self, precision: Precision) -> Any:
-        """((sigma_1 - sigma_3) / 2, su)."""
-        return _make_yield_function(precision)
-
-    def within(self, precision: Precision) -> Any:
+    @classmethod
+    def within(cls, precision: Precision) -> Any:
         """Where neither 2 radius nor radius + |centre - hoop| of Mohr's circle exceeds 2 su."""
         return _make_within(precision)
 
+    @classmethod
+    def nearest(cls, precision: Precision) -> Any:
+        """The nearest point of the hexagon, on a side of it or a corner."""
+        return _make_nearest(precision)
+
 
 @functools.cache
-def _make_yield_function(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    vec1 = precision.vector(1)
+def _make_greatest_shear(precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
 
     @wp.func
-    def greatest_shear(stress: vec4, properties: vec1, state: vec1) -> vec2:
+    def greatest_shear(stress: vec4) -> real:
         centre = real(0.5) * (stress[0] + stress[1])
         half_difference = real(0.5) * (stress[0] - stress[1])
         radius = wp.sqrt(half_difference * half_difference + stress[2] * stress[2])
         highest = wp.max(centre + radius, stress[3])
         lowest = wp.min(centre - radius, stress[3])
-        return vec2(real(0.5) * (highest - lowest), properties[0])
+        return real(0.5) * (highest - lowest)
 
     return greatest_shear
 
@@ -60,16 +63,11 @@ def _make_within(precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_update(precision: Precision) -> Any:
+def _make_nearest(precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
-    vec1 = precision.vector(1)
-    within = _make_within(precision)
 
     @wp.func
-    def return_to_tresca(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
-        strength = properties[0]
-        if within(trial, strength):
-            return trial, state
+    def nearest_of_hexagon(trial: vec4, strength: real) -> vec4:
         # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
         centre = real(0.5) * (trial[0] + trial[1])
         half_difference = real(0.5) * (trial[0] - trial[1])
@@ -107,12 +105,11 @@ def _make_update(precision: Precision) -> Any:
         scale = real(0.0)
         if radius > real(0.0):
             scale = real(0.5) * (major - minor) / radius
-        returned = vec4(
+        return vec4(
             new_centre + scale * half_difference,
             new_centre - scale * half_difference,
             scale * trial[2],
             new_hoop,
         )
-        return returned, state
 
-    return return_to_tresca
+    return nearest_of_hexagon

@@ -1,30 +1,31 @@
-"""Perfect plasticity with the yield criterion of von Mises."""
+"""The yield criterion of von Mises: sqrt(J2) = su."""
 
 import functools
-from dataclasses import dataclass
 from typing import Any
 
 import warp as wp
 
-from mpm_warp.materials.perfectly_plastic import YieldCriterion
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.precision import Precision
 
 
-@dataclass(frozen=True, kw_only=True)
-class VonMises(YieldCriterion):
+class VonMises(PerfectlyPlastic):
     """Yields where sqrt(J2) = su: matched to Tresca in pure shear, not in triaxial compression."""
 
-    def update(self, precision: Precision) -> Any:
-        """Radial return of the deviator to the cylinder."""
-        return _make_update(precision)
+    @classmethod
+    def measure(cls, precision: Precision) -> Any:
+        """sqrt(J2)."""
+        return _make_root_of_j2(precision)
 
-    def yield_function(self, precision: Precision) -> Any:
-        """(sqrt(J2), su)."""
-        return _make_yield_function(precision)
-
-    def within(self, precision: Precision) -> Any:
+    @classmethod
+    def within(cls, precision: Precision) -> Any:
         """Where J2 is at most su^2."""
         return _make_within(precision)
+
+    @classmethod
+    def nearest(cls, precision: Precision) -> Any:
+        """The deviator made shorter: the radial return to the cylinder."""
+        return _make_nearest(precision)
 
 
 @functools.cache
@@ -42,13 +43,13 @@ def make_j2(precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_yield_function(precision: Precision) -> Any:
-    vec1, vec2, vec4 = precision.vector(1), precision.vec2, precision.vec4
+def _make_root_of_j2(precision: Precision) -> Any:
+    real, vec4 = precision.real, precision.vec4
     j2 = make_j2(precision)
 
     @wp.func
-    def root_of_j2(stress: vec4, properties: vec1, state: vec1) -> vec2:
-        return vec2(wp.sqrt(j2(stress)), properties[0])
+    def root_of_j2(stress: vec4) -> real:
+        return wp.sqrt(j2(stress))
 
     return root_of_j2
 
@@ -66,22 +67,15 @@ def _make_within(precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_update(precision: Precision) -> Any:
+def _make_nearest(precision: Precision) -> Any:
     real, vec4 = precision.real, precision.vec4
-    vec1 = precision.vector(1)
-    j2, within = make_j2(precision), _make_within(precision)
+    j2 = make_j2(precision)
 
     @wp.func
-    def return_to_von_mises(
-        trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1
-    ):
-        strength = properties[0]
-        if within(trial, strength):
-            return trial, state
+    def nearest_of_cylinder(trial: vec4, strength: real) -> vec4:
         scale = strength / wp.sqrt(j2(trial))
         mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
         rr, zz, tt = trial[0] - mean, trial[1] - mean, trial[3] - mean
-        returned = vec4(mean + scale * rr, mean + scale * zz, scale * trial[2], mean + scale * tt)
-        return returned, state
+        return vec4(mean + scale * rr, mean + scale * zz, scale * trial[2], mean + scale * tt)
 
-    return return_to_von_mises
+    return nearest_of_cylinder

@@ -1,4 +1,4 @@
-"""How far stresses are outside the yield surface: what the watch asks of a material."""
+"""How near to yield points are: for the watch, and for a picture of the yielding zone."""
 
 import functools
 from typing import Any
@@ -38,6 +38,25 @@ def add_yield_check(plan: Plan, material: Material) -> None:
         _make_yield_check(law, plan.precision),
         blocks,
         count=count,
+        particle_state=plan.find("particle.state"),
+        properties=material.launch_properties(law),
+    )
+
+
+def add_yield_share(plan: Plan, material: Material) -> None:
+    """Add the launch "yield_share", ordered between steps; none where the material never yields.
+
+    It leaves in `yield.share` the shear stress of each slot over the shear strength, as the
+    material's own criterion measures them: 1 where it yields.
+    """
+    law = material.law(plan.precision)
+    if law.yield_function is None:
+        return
+    (count,) = plan.arrays["particle.mass"].shape
+    plan.add_zeros("yield.share", "real", count)
+    plan.between_steps["yield_share"] = plan.launch(
+        _make_yield_share(law, plan.precision),
+        count,
         particle_state=plan.find("particle.state"),
         properties=material.launch_properties(law),
     )
@@ -83,3 +102,29 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
         yield_particle[block] = number
 
     return yield_check
+
+
+@functools.cache
+def _make_yield_share(law: Law, precision: Precision) -> Any:
+    """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
+    real, vec4 = precision.real, precision.vec4
+    properties_argument, state_type = law.properties_argument, law.state_type
+    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
+    yield_function: Any = law.yield_function
+
+    @wp.kernel(
+        module=f"mpm_warp.yield_share.{law.key}.{precision.numpy_name}", enable_backward=False
+    )
+    def yield_share(
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=state_type),
+        properties: properties_argument,
+        yield_share: wp.array(dtype=real),
+    ):
+        p = wp.tid()
+        remembered = state_of_point(particle_state, p)
+        own = properties_of_point(properties, p)
+        measured = yield_function(particle_stress[p], own, remembered)
+        yield_share[p] = measured[0] / measured[1]
+
+    return yield_share

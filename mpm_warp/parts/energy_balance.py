@@ -199,10 +199,8 @@ def _make_work_of_points(law: Law, precision: Precision) -> Any:
         particle_mass: wp.array(dtype=real),
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
-        cell_stress_increment: wp.array(dtype=vec7),
+        cell_motion: wp.array(dtype=vec7),
         column_count: int,
-        shear_modulus: real,
-        bulk_modulus: real,
         time_step: real,
         properties: properties_argument,
         balance_specific_volume: wp.array(dtype=real),
@@ -214,16 +212,14 @@ def _make_work_of_points(law: Law, precision: Precision) -> Any:
             return
         c = cell[1] * column_count + cell[0]
         before = particle_stress[p]
-        sigma, relaxed, ratio = plastic_step(
+        sigma, relaxed, moduli = plastic_step(
             before,
-            cell_stress_increment[c],
-            shear_modulus,
-            bulk_modulus,
+            cell_motion[c],
             time_step,
             properties_of_point(properties, p),
             state_of_point(particle_state, p),
         )
-        G, K = ratio * shear_modulus, ratio * bulk_modulus
+        G, K = moduli[0], moduli[1]
         V = particle_mass[p] * balance_specific_volume[c]
         balance_points[p] = balance_points[p] + V * vec2(
             on_deviator(sigma, relaxed) / (two * G),

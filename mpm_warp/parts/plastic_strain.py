@@ -1,7 +1,8 @@
 """Plastic strain: every 16th step also records the plastic shear strain that soil bears in it.
 
-Symbols: G shear modulus, tau trial stress, sigma stress after the law of the material, dev the
-deviator. The law changes stress by plastic strain. Its deviator, and what is added up, are
+Symbols: tau elastic trial stress, G the shear modulus that it is made with, sigma stress after the
+law of the material, dev the deviator. The law changes stress by plastic strain. Its deviator, and
+what is added up, are
 
     de = dev(tau - sigma) / (2 G),    gamma <- gamma + 16 sqrt(2 de:de)
 
@@ -42,8 +43,6 @@ def add_plastic_strain_audit(plan: Plan, grid: Grid, material: Material) -> None
         _make_record_plastic_strain(law, plan.precision),
         plan.arrays["particle.mass"].shape,
         column_count=grid.column_count,
-        shear_modulus=material.shear_modulus,
-        bulk_modulus=material.bulk_modulus,
         properties=material.launch_properties(law),
         particle_state=plan.find("particle.state"),
     )
@@ -68,10 +67,8 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
-        cell_stress_increment: wp.array(dtype=vec7),
+        cell_motion: wp.array(dtype=vec7),
         column_count: int,
-        shear_modulus: real,
-        bulk_modulus: real,
         time_step: real,
         properties: properties_argument,
         particle_plastic_strain: wp.array(dtype=real),
@@ -80,15 +77,13 @@ def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
         cell = particle_cell[p]
         if cell[0] < 0:
             return
-        _, relaxed, ratio = plastic_step(
+        _, relaxed, moduli = plastic_step(
             particle_stress[p],
-            cell_stress_increment[cell[1] * column_count + cell[0]],
-            shear_modulus,
-            bulk_modulus,
+            cell_motion[cell[1] * column_count + cell[0]],
             time_step,
             properties_of_point(properties, p),
             state_of_point(particle_state, p),
         )
-        particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / (ratio * shear_modulus)
+        particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / moduli[0]
 
     return record_plastic_strain

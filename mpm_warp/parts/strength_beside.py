@@ -1,7 +1,7 @@
 """Adhesion of a surface beside soil whose strength changes: it changes with that of the soil.
 
-Symbols: a A greatest adhesive force of a node, k strength of a particle, k0 that of the material
-without state and variation, x adhesion ratio of the particle where it varies, else 1, m mass of a
+Symbols: a A greatest adhesive force of a node, k strength of a particle, k0 that of the material as
+it starts, without variation, x adhesion ratio of the particle where it varies, else 1, m mass of a
 particle; the sums are over the particles of the cells beside the node.
 
     a A = (a A)_0 sum m x (k / k0) / sum m
@@ -13,10 +13,12 @@ step brings the adhesion up to date: in that time soil moves by a small part of 
 import functools
 from typing import Any
 
+import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import (
+    ADHESION_RATIO,
     Law,
     make_properties_of_point,
     make_state_of_point,
@@ -55,7 +57,7 @@ def add_strength_beside(
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
     plan.audit_last(
         plan.launch(
-            _make_sum_of_strength(law, plan.precision),
+            _make_sum_of_strength(law, material.varies_adhesion, plan.precision),
             plan.arrays["particle.mass"].shape,
             particle_state=plan.find("particle.state"),
             properties=scene.material.launch_properties(law),
@@ -73,26 +75,27 @@ def add_strength_beside(
 
 
 @functools.cache
-def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
+def _make_sum_of_strength(law: Law, varies_adhesion: bool, precision: Precision) -> Any:
     """The kernel, launched over slots of particles."""
     real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
     properties_type, state_type = law.properties_type, law.state_type
     properties_argument = law.properties_argument
-    yield_function: Any = law.yield_function
-    last = properties_type._shape_[0] - 1  # the adhesion ratio, where it varies
+    strength: Any = law.strength
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
 
-    @wp.kernel(
-        module=f"mpm_warp.sum_of_strength.{law.key}.{precision.numpy_name}", enable_backward=False
-    )
+    key = f"{'adhesion.' if varies_adhesion else ''}{law.key}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.sum_of_strength.{key}", enable_backward=False)
     def sum_of_strength(
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
         particle_mass: wp.array(dtype=real),
+        particle_adhesion_ratio: wp.array(dtype=real),
         properties: properties_argument,
         common: properties_type,
+        at_first: state_type,
         contact_strength_sum: wp.array(dtype=vec2),
     ):
         p = offset + wp.tid()
@@ -100,10 +103,10 @@ def _make_sum_of_strength(law: Law, precision: Precision) -> Any:
         if cell[0] == 0:
             remembered = state_of_point(particle_state, p)
             own = properties_of_point(properties, p)
-            k = yield_function(particle_stress[p], own, remembered)[1]
-            k0 = yield_function(vec4(), common, state_type())[1]
-            if wp.static(law.varies_adhesion):
-                k *= own[wp.static(last)]
+            k = strength(particle_stress[p], own, remembered)
+            k0 = strength(vec4(), common, at_first)
+            if wp.static(varies_adhesion):
+                k *= particle_adhesion_ratio[p]
             m = particle_mass[p]
             wp.atomic_add(contact_strength_sum, cell[1], vec2(m * (k / k0), m))
 

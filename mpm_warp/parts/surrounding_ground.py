@@ -193,7 +193,7 @@ class SurroundingGround(Part):
             end_positions=grid.node_positions[ends],
             side=far.nodes,
             side_positions=grid.node_positions[far.nodes],
-            side_areas=far.spring * grid.outer_radius / (2.0 * material.shear_modulus),
+            side_areas=far.spring * grid.outer_radius / (2.0 * material.ground_shear_modulus),
             spring=far.spring[:, None] * np.array([1.0, 0.5]),
             dashpot=far.dashpot,
         )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
@@ -95,7 +95,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
 
     @property
     @abstractmethod
-    def clay(self) -> PerfectlyPlastic:
+    def clay(self) -> UndrainedClay:
         """The clay of the run, made by `clay_with`."""
 
     def clay_with(
@@ -105,7 +105,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         density: float,
         speed_up: float,
         greatest_poissons_ratio: float = 0.5,
-    ) -> PerfectlyPlastic:
+    ) -> UndrainedClay:
         """The clay; perfectly plastic where neither strain nor rate changes its strength.
 
         Args:

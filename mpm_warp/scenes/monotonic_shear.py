@@ -14,7 +14,7 @@ import scipy  # loads its integrators where they are first used: no other scene 
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 
 NEWTON_STEPS = 8
 """More than it takes: the strength falls by less than half as steeply as the stress rises."""
@@ -22,7 +22,7 @@ RELATIVE_ERROR, ABSOLUTE_ERROR = 1e-11, 1e-13
 """Of integrations."""
 
 
-def strength(clay: PerfectlyPlastic, plastic_strain: Floats, rate: Floats) -> tuple[Floats, Floats]:
+def strength(clay: UndrainedClay, plastic_strain: Floats, rate: Floats) -> tuple[Floats, Floats]:
     """Shear strength k [Pa], and its slope dk/dxi [Pa].
 
     Args:
@@ -40,7 +40,7 @@ def strength(clay: PerfectlyPlastic, plastic_strain: Floats, rate: Floats) -> tu
     return remoulded + lost + shape, -fall * lost + shape
 
 
-def shear_stress(clay: PerfectlyPlastic, strain: Floats, rate: Floats) -> Floats:
+def shear_stress(clay: UndrainedClay, strain: Floats, rate: Floats) -> Floats:
     """Shear stress at the end of proportional shear [Pa].
 
     Args:
@@ -58,7 +58,7 @@ def shear_stress(clay: PerfectlyPlastic, strain: Floats, rate: Floats) -> Floats
     return stress
 
 
-def simple_shear(clay: PerfectlyPlastic, strain: float, rate: float) -> tuple[float, float]:
+def simple_shear(clay: UndrainedClay, strain: float, rate: float) -> tuple[float, float]:
     """Stress at the end of simple shear, which the spin turns as the strain makes it (Jaumann).
 
     With tau the half diameter of the circle of stress and phi its turn,

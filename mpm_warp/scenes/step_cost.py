@@ -146,10 +146,12 @@ class StepCost(CatalogueScene):
         soil = dataclasses.replace(scene, bulk_viscosity=None, parts=(scene[Fixed],))
         if self.physics == "plastic":
             return soil
+        clay = soil.material
+        assert isinstance(clay, Isotropic)
         material = LinearElastic(
-            shear_modulus=soil.material.shear_modulus,
-            poissons_ratio=soil.material.poissons_ratio,
-            density=soil.material.density,
+            shear_modulus=clay.shear_modulus,
+            poissons_ratio=clay.poissons_ratio,
+            density=clay.density,
         )
         return dataclasses.replace(soil, material=material)
 
@@ -241,7 +243,7 @@ class StepCost(CatalogueScene):
         """A run whose soil has random stresses, and whose window has its speed."""
         simulation = Simulation(self.build(), execution)
         scene = soil_scene(simulation)
-        strength = 0.01 * scene.material.shear_modulus
+        strength = 0.01 * scene.material.ground_shear_modulus
         block = np.random.default_rng(0).uniform(-strength, strength, (BLOCK, 4))
         stress = simulation.arrays["particle.stress"]
         for first in range(0, len(stress), BLOCK):

@@ -1,10 +1,11 @@
-"""Stage 5: the mean velocity gradient of each cell, and what it does to the stress in a step.
+"""Stage 5: the mean velocity gradient of each cell, and what it does to points in a step.
 
 Symbols: v velocity of the nodes after the step, G_i the integrals over a cell of
 (dN_i/dr r, dN_i/dz r, N_i), V volume of the cell, L velocity gradient (rr, rz, zr, zz, tt).
 
     L       = sum over nodes (v_r G_r, v_r G_z, v_z G_r, v_z G_z, v_r G_t) / V
     div v_c = L_rr + L_zz + L_tt
+    motion  = (e, R)       strain and rotation by the spin in a step, see `make_motion`
 """
 
 import functools
@@ -13,8 +14,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.elasticity import make_stress_increment
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.elasticity import make_motion
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 from mpm_warp.step.mass_matrix_correction import make_mass_matrix_correction
@@ -23,8 +23,8 @@ from mpm_warp.step.mass_matrix_correction import make_mass_matrix_correction
 def add_cell_rates(
     plan: Plan,
     grid: Grid,
-    material: Material,
     *,
+    density: float,
     particles_per_side: int,
     internal_flow: Any | None,
 ) -> None:
@@ -34,16 +34,16 @@ def add_cell_rates(
         plan: of the run; what its earlier stages have arrays for is worked out too: the rate of
             dilation and the mass-matrix correction.
         grid: whose cells they are.
-        material: of the soil.
+        density: of the soil [kg/m3].
         particles_per_side: along each side of a cell when it is full.
         internal_flow: function on the device (velocities of the four nodes, weights of the cell)
             -> flow within the cell per time, a vector of 4; None: there is none. The plan then has
             the array "cell.interpolation_weights" already.
     """
     # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
-    weight = material.density * (1.0 - particles_per_side**-2.0) / 24.0
+    weight = density * (1.0 - particles_per_side**-2.0) / 24.0
     plan.add_array("cell.volume", "real", grid.cell_volumes)
-    plan.add_zeros("cell.stress_increment", "vec7", grid.cell_count)
+    plan.add_zeros("cell.motion", "vec7", grid.cell_count)
     if internal_flow is not None:
         plan.add_zeros("cell.internal_flow", "vec4", grid.cell_count)
     viscous, corrected = plan.find("cell.dilation_rate"), plan.find("cell.correction")
@@ -58,8 +58,6 @@ def add_cell_rates(
         ),
         grid.cell_count,
         column_count=grid.column_count,
-        shear_modulus=material.shear_modulus,
-        bulk_modulus=material.bulk_modulus,
         cell_dilation_rate=viscous,
         correction_weight=weight,
         cell_correction=corrected,
@@ -77,7 +75,7 @@ def _make_cell_rates(
     real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
     vec5, vec7, vec10 = precision.vec5, precision.vec7, precision.vector(10)
     zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
-    stress_increment_of = make_stress_increment(precision)
+    motion_of = make_motion(precision)
     correction_of_cell = make_mass_matrix_correction(precision).of_cell
     interpolated = internal_flow is not None
 
@@ -97,13 +95,11 @@ def _make_cell_rates(
         cell_volume: wp.array(dtype=real),
         column_count: int,
         time_step: real,
-        shear_modulus: real,
-        bulk_modulus: real,
         cell_dilation_rate: wp.array(dtype=real),
         correction_weight: real,
         cell_correction: wp.array(dtype=vec4),
         cell_pic_fraction: wp.array(dtype=real),
-        cell_stress_increment: wp.array(dtype=vec7),
+        cell_motion: wp.array(dtype=vec7),
         cell_interpolation_weights: wp.array(dtype=vec10),
         cell_internal_flow: wp.array(dtype=vec4),
     ):
@@ -126,7 +122,7 @@ def _make_cell_rates(
                 if cell_pic_fraction[c] > zero:
                     weight = zero
             cell_correction[c] = correction_of_cell(v_00, v_10, v_01, v_11, weight)
-        cell_stress_increment[c] = stress_increment_of(L, time_step, shear_modulus, bulk_modulus)
+        cell_motion[c] = motion_of(L, time_step)
         if wp.static(interpolated):
             flow = internal_flow(v_00, v_10, v_01, v_11, cell_interpolation_weights[c])
             cell_internal_flow[c] = time_step * flow

@@ -1,13 +1,14 @@
 """Stage 6: particles take velocity, position and stress from the grid.
 
-Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, D
-and W strain rate and spin of the cell, tr the trace, U the velocity of the soil past a grid that
-travels, E the displacement by the flow within the cell where velocities are interpolated so,
-a the share of its velocity that a particle takes from the grid as it is (PIC fraction).
+Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, e
+and R strain of the cell in the step and rotation by its spin, q properties and s state of the
+particle, U the velocity of the soil past a grid that travels, E the displacement by the flow within
+the cell where velocities are interpolated so, a the share of its velocity that a particle takes
+from the grid as it is (PIC fraction).
 
     v_p   <- v_p + N (v - u)                    + a (N u - v_p) where a share a is taken as it is
     x_p   <- x_p + dt (N v + U) + E
-    sigma <- law(R sigma R' + dt (K tr D + 2 G dev D))      R the rotation by dt W (Cayley)
+    sigma, s <- law(R sigma R', e, dt, q, s)
 """
 
 import functools
@@ -62,8 +63,6 @@ def add_grid_to_particles(
         cell_pic_fraction=plan.find("cell.pic_fraction"),
         fitted_radius=grid.fitted_radius,
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
-        shear_modulus=material.shear_modulus,
-        bulk_modulus=material.bulk_modulus,
         properties=material.launch_properties(law),
         particle_state=plan.find("particle.state"),
         window_motion=plan.find("window.motion"),
@@ -98,7 +97,7 @@ def _make_grid_to_particles(
     def grid_to_particles(
         offset: int,
         node_velocities: wp.array(dtype=vec4),
-        cell_stress_increment: wp.array(dtype=vec7),
+        cell_motion: wp.array(dtype=vec7),
         cell_internal_flow: wp.array(dtype=vec4),
         cell_pic_fraction: wp.array(dtype=real),
         grid_columns: wp.array(dtype=vec3),
@@ -106,8 +105,6 @@ def _make_grid_to_particles(
         fitted_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
-        shear_modulus: real,
-        bulk_modulus: real,
         properties: properties_argument,
         particle_position: wp.array(dtype=vec2),
         particle_velocity: wp.array(dtype=vec2),
@@ -146,9 +143,7 @@ def _make_grid_to_particles(
         remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],
-            cell_stress_increment[c],
-            shear_modulus,
-            bulk_modulus,
+            cell_motion[c],
             time_step,
             properties_of_point(properties, p),
             remembered,

@@ -13,7 +13,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.materials.material import PROPERTIES, Material
+from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Material
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan
 
@@ -52,12 +52,17 @@ def add_points(
     cell[taken] = seed.cell
     plan.add_array("particle.position", "vec2", position)
     plan.add_zeros("particle.velocity", "vec2", slots)
-    plan.add_array("particle.stress", "vec4", stress_at(position))
+    stress = stress_at(position)
+    plan.add_array("particle.stress", "vec4", stress)
     plan.add_array("particle.mass", "real", mass)
     counts = (grid.column_count, grid.row_count)
     plan.add_array("particle.cell", "vec2i", cell, counts, may_be_none=spare_fraction > 0.0)
     if material.variation is not None:
         properties = material.properties_at(position)
         plan.add_array(PROPERTIES, f"vec{properties.shape[-1]}", properties)
+        if material.varies_adhesion:
+            ratio = material.variation.adhesion_ratio_at(position)
+            plan.add_array(ADHESION_RATIO, "real", ratio)
     if material.state:
-        plan.add_zeros("particle.state", f"vec{len(material.state)}", slots)
+        state = material.state_at(stress, position)
+        plan.add_array("particle.state", f"vec{len(material.state)}", state)

@@ -109,12 +109,14 @@ class _Before:
         particle: slots of a sample of the particles, shape [sample_count].
         cell: the cells that these are in.
         trace: sum of their normal stresses [Pa].
+        state: what they remember, shape [sample_count, state_count]; None where nothing.
         speed: of the rigid body down through the soil [m/s].
     """
 
     particle: Integers
     cell: Integers
     trace: Floats
+    state: Floats | None
     speed: float
 
 
@@ -139,6 +141,7 @@ class SoilWatch(ParticleWatch):
             particle=sample,
             cell=self._cell_of(sample),
             trace=self._trace_of(sample),
+            state=self._state_of(sample),
             speed=self._speed,
         )
 
@@ -182,16 +185,26 @@ class SoilWatch(ParticleWatch):
             check_contact(contact, velocity, speed=before.speed)
 
     def _look_at_mean_stress(self, before: _Before) -> None:
-        # What the step did to the stress in the cell that each was in; without the rotation.
-        step = self._run.array("cell.stress_increment").take(before.cell, axis=0)[:, :4]
-        if self._run.plan.find(PROPERTIES):
-            step = step * self._of("properties", before.particle)[:, :1]
+        material, particle = self._scene.material, before.particle
+        # The strain of the step in the cell that each was in.
+        motion = self._run.array("cell.motion").take(before.cell, axis=0)
+        strain = motion[:, :4].astype(np.float64)
+        after = self._state_of(particle)
+        told = material.mean_stress_change(
+            strain[:, 0] + strain[:, 1] + strain[:, 3],
+            self._properties_of(particle),
+            None if before.state is None or after is None else (before.state, after),
+        )
+        if told is None:
+            return
         check_mean_stress(
-            number=before.particle,
-            position=self._of("position", before.particle),
-            stress=self._of("stress", before.particle),
-            change=self._trace_of(before.particle) - before.trace,
-            step=step,
+            number=particle,
+            position=self._of("position", particle),
+            stress=self._of("stress", particle),
+            change=(self._trace_of(particle) - before.trace) / 3.0,
+            told=told,
+            # The deviator has rounded too, before the return took it away.
+            trial=2.0 * material.ground_shear_modulus * np.abs(strain).max(axis=1),
         )
 
     @property
@@ -206,6 +219,14 @@ class SoilWatch(ParticleWatch):
         rr, zz, _, tt = self._of("stress", particle).T
         trace: Floats = rr + zz + tt
         return trace
+
+    def _state_of(self, particle: Integers) -> Floats | None:
+        return self._of("state", particle) if self._run.plan.find("particle.state") else None
+
+    def _properties_of(self, particle: Integers) -> Floats:
+        if self._run.plan.find(PROPERTIES):
+            return self._of("properties", particle)
+        return np.tile(self._scene.material.properties, (len(particle), 1))
 
     def _cell_of(self, particle: Integers) -> Integers:
         column, row = self._of("cell", particle).T

@@ -12,7 +12,7 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
@@ -103,7 +103,7 @@ class Bearing(CatalogueScene):
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
-    def clay(self) -> PerfectlyPlastic:
+    def clay(self) -> UndrainedClay:
         """The soil."""
         return Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid, graded
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
@@ -84,7 +84,7 @@ class OnGround(Bearing):
         return (1.0 + 0.5 * self.strength_gradient_ratio) * super().final_displacement
 
     @property
-    def clay(self) -> PerfectlyPlastic:
+    def clay(self) -> UndrainedClay:
         """The soil."""
         uniform = super().clay
         if self.is_uniform:

@@ -13,7 +13,7 @@ from mpm_warp.bodies.body import InterfaceFrame
 from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow

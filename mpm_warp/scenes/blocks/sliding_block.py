@@ -12,7 +12,7 @@ import xarray as xr
 from mpm_warp.bodies.body import Body, InterfaceFrame, Load
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.blocks.block_on_base import BlockOnBase
 from mpm_warp.scenes.blocks.curves import SAMPLE_COUNT, SlidingCurves

@@ -13,7 +13,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.results import curves, variable
@@ -100,7 +100,7 @@ class Cavity(ClayScene):
         return columns / span
 
     @property
-    def clay(self) -> PerfectlyPlastic:
+    def clay(self) -> UndrainedClay:
         """The soil."""
         return self.clay_with(
             strength=STRENGTH,

@@ -24,7 +24,7 @@ import scipy  # loads special functions where they are first used: no other scen
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.scenes.monotonic_shear import shear_stress
 
@@ -82,7 +82,7 @@ class ExactCavity:
             the strength: 1 but for von Mises around a sphere.
     """
 
-    clay: PerfectlyPlastic
+    clay: UndrainedClay
     rigidity_index: float
     wall: MovingWall
     radius: float

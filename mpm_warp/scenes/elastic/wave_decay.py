@@ -77,6 +77,7 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
         held @ part
         for part in (before_by_particles, before_by_nodes, *(-gain @ pull.T for pull in pulls))
     ]
+    assert isinstance(material, LinearElastic)
     constrained = material.bulk_modulus + 4.0 / 3.0 * material.shear_modulus
     stressing = [
         scipy.sparse.diags_array(time_step * modulus / grid.cell_volumes) @ it

@@ -12,7 +12,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
@@ -169,7 +169,7 @@ class FullFlowSphere(FullFlow):
     material: str = redefined(ClayScene, "material")
 
     @property
-    def clay(self) -> PerfectlyPlastic:
+    def clay(self) -> UndrainedClay:
         """The soil."""
         tresca = super().clay
         return CRITERIA[self.material](

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.monotonic_shear import shear_stress, simple_shear
 
@@ -39,7 +39,7 @@ class StrainPath:
 
 
 @functools.cache
-def known_paths(clay: PerfectlyPlastic) -> tuple[StrainPath, ...]:
+def known_paths(clay: UndrainedClay) -> tuple[StrainPath, ...]:
     """Paths of a second each: proportional, turned back, turned, and in simple shear.
 
     Args:
@@ -78,7 +78,7 @@ def known_paths(clay: PerfectlyPlastic) -> tuple[StrainPath, ...]:
 
 
 def _proportional(
-    clay: PerfectlyPlastic, gradient: tuple[float, ...], turned_back: float = 0.0
+    clay: UndrainedClay, gradient: tuple[float, ...], turned_back: float = 0.0
 ) -> tuple[float, ...]:
     """Stress over strength at the end of a second of strain without spin.
 
@@ -101,7 +101,7 @@ def _proportional(
     return tuple(((mean + shear * deviator / measure) / clay.strength).tolist())
 
 
-def _measure(clay: PerfectlyPlastic, deviator: Floats) -> float:
+def _measure(clay: UndrainedClay, deviator: Floats) -> float:
     """What the yield criterion measures of a deviator (rr, zz, rz, tt)."""
     rr, zz, rz, tt = deviator
     criterion = clay.criterion if isinstance(clay, EinavRandolph) else type(clay)

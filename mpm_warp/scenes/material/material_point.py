@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled
@@ -63,7 +63,7 @@ class MaterialPoint(ClayScene):
     )
 
     @property
-    def clay(self) -> PerfectlyPlastic:
+    def clay(self) -> UndrainedClay:
         """The material of the points: a path takes a second, in reality too."""
         return self.clay_with(strength=self.undrained_shear_strength, density=1.0, speed_up=1.0)
 

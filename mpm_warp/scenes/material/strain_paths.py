@@ -1,9 +1,9 @@
 """Material points on given strain paths, without a grid: a material by itself.
 
-Stress increment, rotation and law are those of any other run. Symbols: sigma stress, D rate of
-strain, R rotation in a step, (f, k) measure of the stress and strength of the yield function.
+Rotation and law are those of any other run. Symbols: sigma stress, e strain
+and R rotation in a step, (f, k) measure of the stress and strength of the yield function.
 
-    sigma  <- law(R sigma R' + dt (K tr D + 2 G dev D))
+    sigma  <- law(R sigma R', e, dt)
     excess <- max(excess, f / k - 1)
 """
 
@@ -18,7 +18,7 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import make_stress_increment, make_stress_update
+from mpm_warp.materials.elasticity import make_motion, make_stress_update
 from mpm_warp.materials.material import Law, Material, make_state_of_point
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
@@ -82,14 +82,13 @@ def plan_strain_paths(
     plan.add_array("particle.velocity_gradient", "vec5", paths.gradient)
     plan.add_array("particle.stress", "vec4", paths.stress)
     if law.remembers:
-        plan.add_zeros("particle.state", f"vec{len(material.state)}", count)
+        state = material.state_at(paths.stress, np.zeros((count, 2)))
+        plan.add_array("particle.state", f"vec{len(material.state)}", state)
     if law.yield_function is not None:
         plan.add_array("particle.yield_excess", "real", np.full(count, -1.0))
     plan.add_launch(
         _make_strain_path(law, FLOAT64),
         count,
-        shear_modulus=material.shear_modulus,
-        bulk_modulus=material.bulk_modulus,
         properties=law.properties_type(*material.properties),
         particle_state=plan.find("particle.state"),
         particle_yield_excess=plan.find("particle.yield_excess"),
@@ -135,7 +134,7 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     """
     real, vec4, vec5 = precision.real, precision.vec4, precision.vec5
     one = wp.constant(real(1.0))
-    stress_increment = make_stress_increment(precision)
+    motion_of = make_motion(precision)
     stress_update, state_of_point = make_stress_update(law, precision), make_state_of_point(law)
     remembers, yields = law.remembers, law.yield_function is not None
     yield_function: Any = law.yield_function
@@ -147,8 +146,6 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     def strain_path(
         offset: int,
         time_step: real,
-        shear_modulus: real,
-        bulk_modulus: real,
         properties: properties_type,
         particle_velocity_gradient: wp.array(dtype=vec5),
         particle_stress: wp.array(dtype=vec4),
@@ -157,13 +154,10 @@ def _make_strain_path(law: Law, precision: Precision) -> Any:
     ):
         p = offset + wp.tid()
         gradient = particle_velocity_gradient[p]
-        increment = stress_increment(gradient, time_step, shear_modulus, bulk_modulus)
         remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],
-            increment,
-            shear_modulus,
-            bulk_modulus,
+            motion_of(gradient, time_step),
             time_step,
             properties,
             remembered,

@@ -12,7 +12,7 @@ from mpm_warp.bodies.body import InterfaceFrame, Load
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.planning import make_plan
 from mpm_warp.simulation import Simulation
 

@@ -13,7 +13,7 @@ from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError, SimulationDiverged
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.simulation import Simulation
 
 MATERIAL = LinearElastic(shear_modulus=1e6, poissons_ratio=0.2, density=1000.0)

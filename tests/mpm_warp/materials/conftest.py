@@ -31,6 +31,7 @@ def make_apply_law(law: Law) -> Any:
         k = wp.tid()
         if wp.static(yields):
             measured[k] = yield_function(stress[k], properties, state_type())
+        # Without strain the trial stress is the stress.
         updated, _state = update(stress[k], wp.vec4d(), wp.float64(0.0), properties, state_type())
         stress[k] = updated
 

@@ -9,7 +9,7 @@ import pytest
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.precision import FLOAT64, PRECISIONS
@@ -80,7 +80,7 @@ def test_every_material_has_laws_of_its_own_and_one_a_precision() -> None:
         assert not any(law.remembers for law in laws)
 
 
-@pytest.mark.parametrize("changed", [{"state": ("x", "y")}, {"properties": (1.0, 2.0)}])
+@pytest.mark.parametrize("changed", [{"state": ("x", "y")}, {"properties": (1.0, 2.0, 3.0)}])
 def test_a_class_that_is_defined_anew_with_other_lengths_has_another_law(
     changed: dict[str, object],
 ) -> None:

@@ -65,8 +65,10 @@ def test_points_carry_the_properties_of_their_depth(cone: Scene) -> None:
     assert position is not None
     assert properties is not None
     below = position[:, 1] <= 1.0
-    np.testing.assert_array_equal(properties[:, 0], np.where(below, 1.0, 0.25))
-    np.testing.assert_array_equal(properties[below, 1], 0.5 * 20e3)
+    stiff, strength = cone.material.properties[:2], 2
+    ratio = np.where(below, 1.0, 0.25)
+    np.testing.assert_array_equal(properties[:, :2], ratio[:, None] * np.array(stiff))
+    np.testing.assert_array_equal(properties[below, strength], 0.5 * 20e3)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA.values())
@@ -90,7 +92,7 @@ def test_stress_of_a_step_is_that_of_each_point_s_own_stiffness(cone: Scene) -> 
         velocity = 1e-3 * simulation.array("particle.position")
         simulation.assign("particle.velocity", velocity)
         simulation.advance(1)
-    ratio = layered.array(PROPERTIES)[:, :1]
+    ratio = layered.array(PROPERTIES)[:, :1] / cone.material.properties[0]
     inside = uniform.array("particle.cell")[:, 0] >= 0
     of_uniform, of_layered = (it.array("particle.stress")[inside] for it in (uniform, layered))
     assert np.abs(of_uniform).max() > 0.0
@@ -102,7 +104,7 @@ def test_each_point_yields_at_its_own_strength(cone: Scene) -> None:
     layered = Simulation(varied(cone, TWO_LAYERS))
     layered.travel_to(0.5)
     inside = layered.array("particle.cell")[:, 0] >= 0
-    stress, own = layered.array("particle.stress")[inside], layered.array(PROPERTIES)[inside, 1]
+    stress, own = layered.array("particle.stress")[inside], layered.array(PROPERTIES)[inside, 2]
     centre, half = 0.5 * (stress[:, 0] + stress[:, 1]), 0.5 * (stress[:, 0] - stress[:, 1])
     radius = np.hypot(half, stress[:, 2])
     highest, lowest = (

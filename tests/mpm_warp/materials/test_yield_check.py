@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.yield_check import BLOCK
 from mpm_warp.planning import make_plan

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 

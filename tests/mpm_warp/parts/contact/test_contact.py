@@ -9,7 +9,7 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene

@@ -12,7 +12,7 @@ import warp as wp
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.precision import Precision
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
