@@ -54,15 +54,16 @@ from mpm_warp.bodies.grid import (
 )
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.materials.elasticity import make_elastic_trial, make_stress_increment
+from mpm_warp.materials.elasticity import make_elastic_increment, make_motion, make_rotated
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.planning import make_plan
 from mpm_warp.precision import FLOAT64
 
 four = wp.constant(real(4.0))
-elastic_trial = make_elastic_trial(FLOAT64)
-stress_increment = make_stress_increment(FLOAT64)
+motion_of = make_motion(FLOAT64)
+rotated = make_rotated(FLOAT64)
+elastic_increment = make_elastic_increment(FLOAT64)
 
 
 @make_plan.register
@@ -319,12 +320,12 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
             hoop = v[0] / x[0]
         L = vec5(gradient[0, 0], gradient[0, 1], gradient[1, 0], gradient[1, 1], hoop)
 
-        increment = stress_increment(L, time_step, body_moduli[b][0], body_moduli[b][1])
-        particle_stress[p] = elastic_trial(particle_stress[p], increment)
+        motion = motion_of(L, time_step)
+        strain = vec4(motion[0], motion[1], motion[2], motion[3])
+        increment = elastic_increment(strain, body_moduli[b][0], body_moduli[b][1])
+        particle_stress[p] = rotated(particle_stress[p], motion) + increment
         if wp.static(damped):
-            viscous = (body_retardation_time[b] / time_step) * vec4(
-                increment[0], increment[1], increment[2], increment[3]
-            )
+            viscous = (body_retardation_time[b] / time_step) * increment
             particle_viscous_stress[p] = viscous
             power = viscous[0] * L[0] + viscous[1] * L[3] + viscous[3] * L[4]
             power += viscous[2] * (L[1] + L[2])

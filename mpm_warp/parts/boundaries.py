@@ -196,7 +196,7 @@ class FarField(Part):
         speeds = np.array([quiet_speed, shear_speed])
         return cls(
             nodes=grid.node(grid.column_count, np.arange(grid.row_count + 1)),
-            spring=2.0 * material.shear_modulus / grid.outer_radius * area,
+            spring=2.0 * material.ground_shear_modulus / grid.outer_radius * area,
             dashpot=material.density * area[:, None] * speeds,
         )
 

@@ -119,7 +119,15 @@ class CyclicWindow(MovingGrid):
         depth, in_row = np.divmod(np.arange(len(empty)), row.particle_count)
         position[empty] = row.position[in_row]
         position[empty, 1] -= (1 + depth) * (grid.rows[1] - grid.rows[0])
-        mass[empty] = scene.material.density * row.volume[in_row]
+        material = scene.material
+        mass[empty] = material.density * row.volume[in_row]
+        if material.state:
+            stress, state = (
+                plan.arrays[f"particle.{name}"].initial for name in ("stress", "state")
+            )
+            assert stress is not None
+            assert state is not None
+            state[empty] = material.state_at(stress[empty], position[empty])
         column = np.full(len(cell), -1)
         column[empty] = row.cell[in_row, 0]
         plan.add_array(RESTING_COLUMN, "int", column, (grid.column_count,), may_be_none=True)

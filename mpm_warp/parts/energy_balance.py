@@ -24,8 +24,9 @@ from typing import Any
 
 import warp as wp
 
+from mpm_warp.arguments import check_kind
 from mpm_warp.errors import SceneError
-from mpm_warp.materials.elasticity import make_plastic_step
+from mpm_warp.materials.elasticity import Isotropic, make_plastic_step
 from mpm_warp.materials.material import (
     Law,
     make_properties_of_point,
@@ -50,9 +51,10 @@ class EnergyBalance(Part):
     needs = (MovingGrid, SurfaceContact, EnergyAudit)
 
     def check(self, scene: Scene) -> None:
-        """Check that there is a bulk viscosity."""
+        """Check that there is a bulk viscosity, and an elastic energy: constant moduli."""
         if scene.bulk_viscosity is None:
             raise SceneError("EnergyBalance: not without a bulk_viscosity")
+        check_kind("EnergyBalance: material", scene.material, Isotropic)
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the records to the audited step."""
@@ -75,8 +77,6 @@ class EnergyBalance(Part):
             _make_work_of_points(law, precision),
             slots,
             column_count=grid.column_count,
-            shear_modulus=material.shear_modulus,
-            bulk_modulus=material.bulk_modulus,
             properties=material.launch_properties(law),
             particle_state=plan.find("particle.state"),
         )

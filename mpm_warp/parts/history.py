@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.yield_share import add_yield_share
+from mpm_warp.materials.yield_check import add_yield_share
 from mpm_warp.parts.plastic_strain import add_plastic_strain, add_plastic_strain_audit
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene

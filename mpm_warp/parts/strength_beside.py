@@ -46,12 +46,12 @@ def add_strength_beside(
         nodes: of the surface, in the first column of nodes, shape [node_count].
         adhesion_forces: of each beside soil of the strength k0 [N], shape [node_count].
     """
-    law, grid = scene.material.law(plan.precision), scene.grid
+    material, grid = scene.material, scene.grid
+    law = material.law(plan.precision)
     changes = law.remembers or passes_soil_that_varies(scene)
-    if not changes or law.yield_function is None or not adhesion_forces.any():
+    if not changes or law.strength is None or not adhesion_forces.any():
         return
-    ratio = (1.0,) if law.varies else ()
-    adhesion = (1.0,) if law.varies_adhesion else ()
+    at_first = material.state_at(np.zeros(4), np.zeros(2)) if law.remembers else np.zeros(1)
     plan.add_array("contact.first_adhesion", "real", adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
@@ -60,8 +60,10 @@ def add_strength_beside(
             _make_sum_of_strength(law, material.varies_adhesion, plan.precision),
             plan.arrays["particle.mass"].shape,
             particle_state=plan.find("particle.state"),
-            properties=scene.material.launch_properties(law),
-            common=law.properties_type(*ratio, *scene.material.properties, *adhesion),
+            particle_adhesion_ratio=plan.find(ADHESION_RATIO),
+            properties=material.launch_properties(law),
+            common=law.properties_type(*material.properties),
+            at_first=law.state_type(*at_first),
             contact_strength_sum=ShareRow("contact.strength_sum"),
         ),
         plan.launch(

@@ -20,8 +20,8 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
 from mpm_warp.errors import WindowOverfull
-from mpm_warp.grid.fitted import Grid, Integers
-from mpm_warp.materials.material import PROPERTIES
+from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
@@ -263,17 +263,25 @@ class Inflow:
         position[:, 1] += position.dtype.type(above_bottom)
         run.assign("layer.position", position)
         run.assign("layer.slots", self._chosen(free))
-        if run.plan.find(PROPERTIES):
-            place = position - np.array([0.0, travel])
-            run.assign("layer.properties", scene.material.properties_at(place))
         for part in scene.parts:
             part.enter(run, scene, position, travel)
+        self._enter_by_law(position - np.array([0.0, travel]))
         for launch in self._launches:
             run.launch(launch)
         self._layer_count += 1
         by_a_row = self._layer_count % self._layers_per_row == 0
         for part in scene.parts:
             part.follow(run, scene, travel, by_a_row=by_a_row)
+
+    def _enter_by_law(self, place: Floats) -> None:
+        """Give a layer what the material says of its place in the ground [m], [point_count, 2]."""
+        run, material = self._run, self._scene.material
+        if run.plan.find(PROPERTIES):
+            run.assign("layer.properties", material.properties_at(place))
+        if material.variation is not None and run.plan.find(ADHESION_RATIO):
+            run.assign("layer.adhesion_ratio", material.variation.adhesion_ratio_at(place))
+        if material.state:
+            run.assign("layer.state", material.state_at(run.array("layer.stress"), place))
 
     @property
     def _next_layer(self) -> float:

@@ -16,7 +16,7 @@ import xarray as xr
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import Isotropic, LinearElastic
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.window import Window

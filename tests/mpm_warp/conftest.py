@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Grid, graded
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from mpm_warp.materials.elasticity import Isotropic, make_elastic_increment
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.von_mises import make_j2
 from mpm_warp.precision import Precision
@@ -24,7 +25,7 @@ SHEAR_MODULUS, STRENGTH, HARDENING = 2e6, 20e3, 3e5
 
 
 @dataclass(frozen=True, kw_only=True)
-class HardeningVonMises(Material):
+class HardeningVonMises(Isotropic):
     """Yields where sqrt(J2) = su + H x, with x the accumulated plastic shear strain."""
 
     strength: float
@@ -36,7 +37,7 @@ class HardeningVonMises(Material):
 
     @property
     def properties(self) -> tuple[float, ...]:
-        return (self.strength, self.hardening, self.shear_modulus)
+        return (*super().properties, self.strength, self.hardening)
 
     def update(self, precision: Precision) -> Any:
         return _make_update(precision)
@@ -47,12 +48,12 @@ class HardeningVonMises(Material):
 
 @functools.cache
 def _make_yield_function(precision: Precision) -> Any:
-    vec1, vec2, vec3, vec4 = (precision.vector(length) for length in (1, 2, 3, 4))
+    vec1, vec2, vec4 = (precision.vector(length) for length in (1, 2, 4))
     j2 = make_j2(precision)
 
     @wp.func
-    def hardened(stress: vec4, properties: vec3, state: vec1) -> vec2:
-        return vec2(wp.sqrt(j2(stress)), properties[0] + properties[1] * state[0])
+    def hardened(stress: vec4, properties: vec4, state: vec1) -> vec2:
+        return vec2(wp.sqrt(j2(stress)), properties[2] + properties[3] * state[0])
 
     return hardened
 
@@ -60,20 +61,22 @@ def _make_yield_function(precision: Precision) -> Any:
 @functools.cache
 def _make_update(precision: Precision) -> Any:
     real = precision.real
-    vec1, vec3, vec4 = (precision.vector(length) for length in (1, 3, 4))
-    j2 = make_j2(precision)
+    vec1, vec4 = precision.vector(1), precision.vec4
+    j2, elastic_increment = make_j2(precision), make_elastic_increment(precision)
 
     @wp.func
     def return_and_harden(
-        trial: vec4, strain: vec4, time_step: real, properties: vec3, state: vec1
+        stress: vec4, strain: vec4, time_step: real, properties: vec4, state: vec1
     ):
-        strength = properties[0] + properties[1] * state[0]
+        shear_modulus, hardening = properties[0], properties[3]
+        trial = stress + elastic_increment(strain, shear_modulus, properties[1])
+        strength = properties[2] + hardening * state[0]
         shear = wp.sqrt(j2(trial))
         if shear <= strength:
             return trial, state
         # The return takes G x off the shear stress while the strength rises by H x.
-        plastic = (shear - strength) / (properties[2] + properties[1])
-        scale = real(1.0) - properties[2] * plastic / shear
+        plastic = (shear - strength) / (shear_modulus + hardening)
+        scale = real(1.0) - shear_modulus * plastic / shear
         mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
         centre = vec4(mean, mean, real(0.0), mean)
         return centre + scale * (trial - centre), vec1(state[0] + plastic)

@@ -22,7 +22,7 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid, GroundGrid, graded
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.boundaries import FarField, Fixed

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad

@@ -17,7 +17,7 @@ from mpm_warp.bodies.body import InterfaceFrame
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.results import curves, labelled

@@ -22,6 +22,7 @@ import scipy  # loads sparse matrices where they are first used: no other scene 
 
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 from mpm_warp.grid.seeding import seed_rows
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.scene import Scene
 

@@ -36,12 +36,12 @@ class DriftingTresca(Tresca):
 
 @functools.cache
 def _make_drifting(plain: Any, precision: Precision) -> Any:
-    real, vec4, vec1 = precision.real, precision.vec4, precision.vector(1)
+    real, vec3, vec4, vec1 = precision.real, precision.vec3, precision.vec4, precision.vector(1)
 
     @wp.func
-    def drifting(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
-        returned, remembered = plain(trial, strain, time_step, properties, state)
-        added = real(1e-3) * properties[0]
+    def drifting(stress: vec4, strain: vec4, time_step: real, properties: vec3, state: vec1):
+        returned, remembered = plain(stress, strain, time_step, properties, state)
+        added = real(1e-3) * properties[2]
         return returned + vec4(added, added, real(0.0), added), remembered
 
     return drifting

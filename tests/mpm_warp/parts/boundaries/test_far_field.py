@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene

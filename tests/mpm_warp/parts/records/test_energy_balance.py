@@ -10,7 +10,7 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.energy_audit import EnergyAudit
 from mpm_warp.parts.energy_balance import OF_CELLS, OF_NODES, OF_POINTS, EnergyBalance

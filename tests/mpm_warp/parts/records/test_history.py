@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.parts.history import History, displacement
 from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
 from mpm_warp.plan.plan import AUDIT_INTERVAL

@@ -11,7 +11,7 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.linear_elastic import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.scene import Scene

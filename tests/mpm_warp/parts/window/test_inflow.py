@@ -9,7 +9,8 @@ import pytest
 import warp as wp
 
 from mpm_warp.errors import WindowOverfull
-from mpm_warp.materials.material import PROPERTIES, Material
+from mpm_warp.materials.elasticity import LinearElastic, make_elastic_increment
+from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.contact import SurfaceContact
@@ -22,7 +23,7 @@ from tests.mpm_warp.edges import axis_and_ends
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Ageing(Material):
+class Ageing(LinearElastic):
     """Elastic soil that remembers how many steps it has been simulated for, and how long [s]."""
 
     @property
@@ -35,11 +36,12 @@ class Ageing(Material):
 
 @functools.cache
 def _make_ageing(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    vec1, vec2 = precision.vector(1), precision.vec2
+    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
+    elastic_increment = make_elastic_increment(precision)
 
     @wp.func
-    def ages(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec2):
+    def ages(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec2):
+        trial = stress + elastic_increment(strain, properties[0], properties[1])
         return trial, vec2(state[0] + real(1.0), state[1] + time_step)
 
     return ages

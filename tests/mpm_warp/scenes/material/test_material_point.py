@@ -12,7 +12,7 @@ import warp as wp
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic, make_elastic_increment
 from mpm_warp.precision import Precision
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
@@ -77,10 +77,12 @@ class Remembering(LinearElastic):
 
 @functools.cache
 def _make_update(precision: Precision) -> Any:
-    real, vec4, vec1 = precision.real, precision.vec4, precision.vector(1)
+    real, vec2, vec4, vec1 = precision.real, precision.vec2, precision.vec4, precision.vector(1)
+    elastic_increment = make_elastic_increment(precision)
 
     @wp.func
-    def remember(trial: vec4, strain: vec4, time_step: real, properties: vec1, state: vec1):
+    def remember(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+        trial = stress + elastic_increment(strain, properties[0], properties[1])
         mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
         return trial, vec1(wp.max(state[0], mean))
 
