@@ -64,6 +64,17 @@ def size_in_grid(
     )
 
 
+def size_of_bodies(*, cell_count: int, particle_count: int, step_count: float = 0.0) -> RunSize:
+    """The size of a run of bodies in contact; the arguments are those of `RunSize`."""
+    return RunSize(
+        cell_count=cell_count,
+        particle_count=particle_count,
+        step_count=step_count,
+        bytes_per_cell=BODY_CELL_BYTES,
+        bytes_per_particle=BODY_PARTICLE_BYTES,
+    )
+
+
 def of_several(sizes: Sequence[RunSize]) -> RunSize:
     """The size of runs that are made one after the other.
 

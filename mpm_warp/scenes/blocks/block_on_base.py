@@ -12,7 +12,7 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
-from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
+from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 
 SETTLING = 40.0
 """Duration of the start over the time in which a shear wave crosses the height of the block: the
@@ -213,13 +213,11 @@ class BlockOnBase(CatalogueScene):
         """Cells of a square around block and base, and their material points, at most about."""
         along = self.cells_per_length * (1.0 + self.travel) + 8
         across = self.cells_per_length * self.height_ratio + 8
-        return RunSize(
+        return size_of_bodies(
             cell_count=round(along + across) ** 2 if self.grid_angle else round(along * across),
             particle_count=round(
                 (self.cells_per_length * across + 4 * along) * self.particles_per_cell
             ),
-            bytes_per_cell=BODY_CELL_BYTES,
-            bytes_per_particle=BODY_PARTICLE_BYTES,
         )
 
     @property

@@ -18,7 +18,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
-from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
+from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 SIDE = 1.0
@@ -67,12 +67,10 @@ class FlyingBlock(CatalogueScene):
     def run_size(self) -> RunSize:
         """Cells along the way of the block, and its material points."""
         columns, rows = self._cell_counts
-        return RunSize(
+        return size_of_bodies(
             cell_count=columns * rows,
             particle_count=4 * self.cells_per_side**2,
             step_count=self.step_count,
-            bytes_per_cell=BODY_CELL_BYTES,
-            bytes_per_particle=BODY_PARTICLE_BYTES,
         )
 
     @property

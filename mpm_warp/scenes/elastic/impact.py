@@ -25,13 +25,7 @@ from mpm_warp.sampling import follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.elastic.columns import Column, confined
-from mpm_warp.scenes.run_size import (
-    BODY_CELL_BYTES,
-    BODY_PARTICLE_BYTES,
-    RunSize,
-    shortest_crossing,
-    size_in_grid,
-)
+from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
@@ -261,12 +255,10 @@ class StruckBar(Impact):
     def run_size(self) -> RunSize:
         """Cells around bar and wall, their points, and the steps until the shock has passed."""
         crossings = self.duration * self.wave_speed / self.cell_size
-        return RunSize(
+        return size_of_bodies(
             cell_count=10 * (self.cell_count + 10),
             particle_count=POINTS_PER_CELL**2 * (self.cell_count + 15),
             step_count=crossings / self.time_step_fraction,
-            bytes_per_cell=BODY_CELL_BYTES,
-            bytes_per_particle=BODY_PARTICLE_BYTES,
         )
 
     def build(self) -> BodyScene:

@@ -18,7 +18,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
-from mpm_warp.scenes.run_size import BODY_CELL_BYTES, BODY_PARTICLE_BYTES, RunSize
+from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
@@ -105,12 +105,10 @@ class StretchedBar(CatalogueScene):
         crossing = self.cell_size / wave_speed
         damping_ratio = self.retardation_time / crossing
         time_step = TIME_STEP_FRACTION * crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
-        return RunSize(
+        return size_of_bodies(
             cell_count=12 * self._half_count,
             particle_count=POINTS_PER_CELL * len(self.lattice),
             step_count=self.duration / time_step,
-            bytes_per_cell=BODY_CELL_BYTES,
-            bytes_per_particle=BODY_PARTICLE_BYTES,
         )
 
     def build(self) -> BodyScene:
