@@ -104,7 +104,7 @@ class Bearing(CatalogueScene):
 
     @property
     def clay(self) -> UndrainedClay:
-        """The soil."""
+        """Weightless, uniform Tresca soil."""
         return Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,

@@ -85,7 +85,7 @@ class OnGround(Bearing):
 
     @property
     def clay(self) -> UndrainedClay:
-        """The soil."""
+        """The soil of `Bearing`, its strength growing with depth."""
         uniform = super().clay
         if self.is_uniform:
             return uniform

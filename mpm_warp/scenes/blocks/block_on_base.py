@@ -269,7 +269,7 @@ class BlockOnBase(CatalogueScene):
 
     @property
     def motion(self) -> SlidingMotion:
-        """The exact solution."""
+        """The motion of a rigid block under the same forces, exact."""
         motion = SlidingMotion(
             mass=self.mass,
             driving_force=self.driving_force,

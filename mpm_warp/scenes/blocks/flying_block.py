@@ -65,7 +65,7 @@ class FlyingBlock(CatalogueScene):
         return SIDE / self.cells_per_side
 
     def run_size(self) -> RunSize:
-        """Cells along the way of the block, and its material points."""
+        """Cells along the flight of the block, and its material points."""
         columns, rows = self._cell_counts
         return size_of_bodies(
             cell_count=columns * rows,
@@ -81,8 +81,8 @@ class FlyingBlock(CatalogueScene):
     @property
     def _cell_counts(self) -> tuple[int, int]:
         """Cells that hold the circle through the corners, at both ends of the flight."""
-        way = np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
-        columns, rows = 2 * self._reach + way
+        flight = np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
+        columns, rows = 2 * self._reach + flight
         return int(columns), int(rows)
 
     def build(self) -> BodyScene:

@@ -101,7 +101,7 @@ class Cavity(ClayScene):
 
     @property
     def clay(self) -> UndrainedClay:
-        """The soil."""
+        """The clay around the cavity; strain rates are those of the real expansion."""
         return self.clay_with(
             strength=STRENGTH,
             density=DENSITY,
@@ -110,7 +110,7 @@ class Cavity(ClayScene):
 
     @property
     def wall(self) -> MovingWall:
-        """The wall."""
+        """The wall, which reaches its speed after 0.3 of the radius at the start."""
         speed = self.speed_ratio * math.sqrt(STRENGTH / DENSITY)
         return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
 
@@ -148,7 +148,7 @@ class Cavity(ClayScene):
 
     @property
     def exact(self) -> ExactCavity:
-        """The exact pressures."""
+        """Closed form or integral of the pressures around this cavity."""
         return ExactCavity(
             clay=self.clay,
             rigidity_index=self.rigidity_index,

@@ -154,7 +154,7 @@ class ExactCavity:
 
     def _shear_stress(self, strain: Floats, expansion: float) -> Floats:
         """Half the difference of the stresses along and across the radius [Pa], shape [n]."""
-        # The speed of the wall rises with the root of the way (MovingWall).
+        # The speed of the wall rises with the root of its travel (MovingWall).
         travel = (expansion - 1.0) * self.radius
         speed = self.wall.speed * min(1.0, math.sqrt(travel / self.wall.ramp_travel))
         growth_rate = speed / (expansion * self.radius)

@@ -112,7 +112,7 @@ class GravityColumn(CatalogueScene):
 
     @property
     def material(self) -> LinearElastic:
-        """The soil."""
+        """Elastic soil that settles by `settlement_ratio` of the height under its weight."""
         modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
         return confined(modulus, self.poissons_ratio, DENSITY)
 

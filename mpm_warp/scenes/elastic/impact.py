@@ -75,7 +75,7 @@ class Shock:
 
     @property
     def front_speed(self) -> float:
-        """U [m/s]."""
+        """Speed U of the shock through the unstrained bar [m/s]."""
         return self.speed / self.shortening
 
     @property
@@ -134,7 +134,7 @@ class Impact(CatalogueScene):
 
     @property
     def shock(self) -> Shock:
-        """The exact solution."""
+        """The shock of this impact, exact."""
         speed = self.speed_ratio * self.wave_speed
         return Shock(modulus=self.modulus, density=self.density, speed=speed)
 

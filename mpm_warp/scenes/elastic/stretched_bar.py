@@ -73,7 +73,7 @@ class StretchedBar(CatalogueScene):
 
     @property
     def retardation_time(self) -> float:
-        """The time tau [s]."""
+        """Retardation time tau, in proportion to the final stretch [s]."""
         # The modulus stays as the density falls: the wave becomes faster.
         wave_speed = math.sqrt(YOUNGS_MODULUS * self.stretch / DENSITY)
         return SLOWNESS * self.stretch * LENGTH / wave_speed
@@ -112,7 +112,7 @@ class StretchedBar(CatalogueScene):
         )
 
     def build(self) -> BodyScene:
-        """The bar is the only body."""
+        """The bar in its grid, with the forces on its ends."""
         cell = self.cell_size
         along, across = np.meshgrid(self.lattice, cell * _middles(POINTS_PER_CELL))
         position = np.stack([along.ravel(), across.ravel()], axis=-1)
@@ -137,7 +137,7 @@ class StretchedBar(CatalogueScene):
         return BodyScene(grid=grid, bodies=(bar,), time_step_fraction=TIME_STEP_FRACTION)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Draw the bar out."""
+        """Draw the bar out, and compare stretch and stress with the closed form."""
         moments = [self.duration * sample / SAMPLE_COUNT for sample in range(1, SAMPLE_COUNT + 1)]
         at_rest = self.lattice
         middle = np.abs(at_rest) < 0.25 * LENGTH

@@ -73,7 +73,7 @@ class ThickCylinder(CatalogueScene):
 
     @property
     def material(self) -> LinearElastic:
-        """The ring's material."""
+        """Linear elastic material of the ring."""
         return LinearElastic(
             shear_modulus=SHEAR_MODULUS, poissons_ratio=self.poissons_ratio, density=DENSITY
         )
