@@ -22,7 +22,7 @@ def coloured(text: str, *, is_good: bool, stream: TextIO | None = None) -> str:
         text: what is to be printed.
         is_good: whether it reports what went well.
         stream: where it is printed as it is; default: standard output, where
-            `harness.cli.streams` puts the codes of the colours in.
+            `harness.cli.process` puts the codes of the colours in.
     """
     to_terminal = (stream or sys.stdout).isatty()
     if not to_terminal or os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":

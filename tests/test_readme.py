@@ -13,10 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.arguments.command_line import make_parser
-from harness.cli.arguments.parser import options_of
 from harness.cli.main import COMMANDS, main
-from harness.cli.slips import slip
+from harness.cli.options import make_parser
+from harness.cli.parser import mistake_in, options_of
 from harness.study.study import is_scene, load_study
 from mpm_warp.scenes import scene_class
 
@@ -128,7 +127,7 @@ def test_every_command_can_be_given(
         words = shlex.split(line.partition(" | ")[0].partition(" > ")[0], comments=True)
         if is_placeholder(words[0]) or words[0].startswith("-"):
             continue
-        assert slip(words, COMMANDS) is None, line
+        assert mistake_in(words, COMMANDS) is None, line
         if is_mention(words):
             known = options_of(parser, words[0])
             assert {word for word in words if word.startswith("--")} <= {*known}, line

@@ -11,11 +11,17 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from harness.cli.arguments.command_line import make_parser
-from harness.cli.arguments.parser import options_of
-from harness.cli.exit_codes import BAD_INPUT, DEFECT, Terminated
-from harness.cli.slips import slip, unrecognised
-from harness.cli.streams import complete_streams, safe_output, safe_remarks, send_nowhere
+from harness.cli.options import make_parser
+from harness.cli.parser import mistake_in, options_of, unrecognised
+from harness.cli.process import (
+    BAD_INPUT,
+    DEFECT,
+    Terminated,
+    complete_streams,
+    safe_output,
+    safe_remarks,
+    send_nowhere,
+)
 from harness.errors import HarnessError, defect, tell
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 
@@ -34,11 +40,11 @@ COMMANDS = {
     "plan": "plan.show_plan",
     "compare": "results.compare",
     "plot": "results.plot",
-    "view": "view.view",
+    "view": "results.view",
     "report": "results.report",
     "recommend": "results.show_recommendation",
-    "references": "references.references",
-    "help": "help.show_help",
+    "references": "studies.references",
+    "help": "studies.show_help",
     "completion": "completion.completion",
 }
 """Module of `harness.cli.commands` and function of each command; the function is given the options
@@ -103,7 +109,7 @@ def _parsed(parser: argparse.ArgumentParser, given: Sequence[str]) -> argparse.N
         HarnessError: something is wrong with the command line.
         SystemExit: a value is, which the parser has reported; or help was asked for.
     """
-    if (problem := slip(given, COMMANDS)) is not None:
+    if (problem := mistake_in(given, COMMANDS)) is not None:
         raise HarnessError(problem)
     options, unknown = parser.parse_known_args(given)
     if unknown:

@@ -17,7 +17,7 @@ from harness.archive.conventions import COMPLETED, CRASHED, FAILED
 from harness.archive.provenance import provenance
 from harness.errors import HarnessError, in_one_line
 from harness.run.pool import Watcher
-from harness.run.predicted_time import costliest_first
+from harness.run.resources import costliest_first
 from harness.run.worker import Result, compute
 from harness.study.cases import Case
 

@@ -1,20 +1,36 @@
-"""Looks after the results of a study: status of its cases, collected dataset."""
+"""The results of a study: status of its cases, collected dataset, and files that are no results."""
 
 from __future__ import annotations
 
+import json
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import Outcome, case_file, case_folder, read_outcome
+from harness.archive.atomic_files import ArchiveError, abandoned, is_folder, remove_file
+from harness.archive.case_files import (
+    Outcome,
+    case_file,
+    case_folder,
+    check_no_link,
+    fields_fault,
+    fields_file,
+    has_fields,
+    read_outcome,
+)
 from harness.archive.collection import collect
-from harness.archive.conventions import COMPLETED, NO_FIELDS, TRACEBACK, UNTIMED, over_cases
-from harness.archive.fields_files import has_fields
+from harness.archive.conventions import (
+    COMPLETED,
+    DAMAGED,
+    NO_FIELDS,
+    TRACEBACK,
+    UNTIMED,
+    over_cases,
+)
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import read_study, study_file, write_study
@@ -26,8 +42,10 @@ from harness.compare.compared import (
 )
 from harness.compare.finest_error import with_finest_error
 from harness.errors import tell
+from harness.study.cases import Case
 from harness.study.study import Study
 from harness.terminal import coloured
+from mpm_warp.parameters import Value
 
 
 def check_begun(study: Study, out: Path) -> None:
@@ -160,3 +178,114 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 def counted(count: int, noun: str) -> str:
     """A number of things in words: ``1 file``, ``2 files``."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+Parameters = Mapping[str, Value | None]
+
+
+@dataclass(frozen=True)
+class StrayFile:
+    """A file that does not belong to a study.
+
+    Attributes:
+        path: the file, or the link.
+        what: it is, in words.
+        identity: distinguishes it from another file that has its name later.
+    """
+
+    path: Path
+    what: str
+    identity: tuple[int, int, int]
+
+
+def stray_files(study: Study, out: Path) -> list[StrayFile]:
+    """Files that do not belong to the study as it is now.
+
+    They are damaged files, results of cases that the study does not have (with other parameters,
+    or of another version of the scene), and files that a killed process left half-written. A link
+    counts as a file. A folder is none, whatever its name; one line says that it is kept.
+
+    Raises:
+        ArchiveError: the case files are outside the results.
+    """
+    check_no_link(out, study)
+    folder = case_folder(out, study)
+    found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
+    present = {case_file(folder, case): case for case in study.cases}
+    of_cases = {fields_file(folder, case) for case in study.cases}
+    keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
+    for path in sorted(folder.glob("*.nc")):
+        if is_folder(path):
+            tell(f"{path}: is a folder, where only files belong; kept")
+        elif path in of_cases:
+            if (fault := fields_fault(path)) is not None:
+                found[path] = fault.removeprefix(f"{path}: ")
+        elif path not in present:
+            found[path] = _described(path, keys, shared)
+        elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
+            found[path] = outcome.message.removeprefix(f"{path}: ")
+    return [StrayFile(path, what, _identity(path)) for path, what in found.items()]
+
+
+def remove_stray(found: Iterable[StrayFile]) -> int:
+    """Remove files that were found; returns how many, and says of each other one why not.
+
+    A file that was written since under the name of one that was found is kept: a run may have
+    completed the case meanwhile.
+    """
+    count = 0
+    for file in found:
+        try:
+            if _identity(file.path) != file.identity:
+                tell(f"{file.path}: was written anew meanwhile; kept")
+                continue
+            remove_file(file.path)
+        except FileNotFoundError:
+            continue
+        except ArchiveError as error:
+            tell(str(error))
+        else:
+            count += 1
+    return count
+
+
+def _identity(path: Path) -> tuple[int, int, int]:
+    about = path.lstat()
+    return about.st_ino, about.st_mtime_ns, about.st_size
+
+
+def _described(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
+    """Describe a file in the folder of a study's cases that belongs to none of these cases.
+
+    Args:
+        path: the file.
+        keys: of the study's cases.
+        shared: by scene, the parameters that are the same in all of these.
+    """
+    try:
+        said = read_attributes(path)
+        parameters = dict(json.loads(said["parameters"]))
+        key, scene = str(said["case_key"]), str(said["scene"])
+        told = f"{scene} version {said['scene_version']}, {said['status']}"
+    except (ArchiveError, KeyError, TypeError, ValueError):
+        return "not a case file, or a damaged one"
+    if key in keys:
+        return f"a copy of case {key}"
+    if scene not in shared:
+        return f"no case of this study: {told}: another scene"
+    others = ", ".join(
+        f"{name}={value}"
+        for name, value in parameters.items()
+        if name not in shared[scene] or value != shared[scene][name]
+    )
+    return f"no case of this study: {told}: {others or 'the same parameters'}"
+
+
+def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:
+    """By scene, the parameters that are the same in all of its cases."""
+    shared: dict[str, Parameters] = {}
+    for case in cases:
+        before = shared.get(case.scene, case.parameters)
+        same = {name: value for name, value in before.items() if value == case.parameters[name]}
+        shared[case.scene] = same
+    return shared

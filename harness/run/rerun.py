@@ -12,9 +12,8 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.case_files import read_case
+from harness.archive.case_files import ENDING, read_case
 from harness.archive.conventions import COMPLETED, parameter_names
-from harness.archive.fields_files import ENDING
 from harness.archive.provenance import OF_CASE
 from harness.archive.study_files import read_result
 from harness.compare.differences import differing

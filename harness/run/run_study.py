@@ -14,11 +14,14 @@ from harness.archive.case_files import Outcome, case_folder, check_no_link, disc
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.errors import HarnessError, tell
 from harness.run import collect_and_clean as results
-from harness.run.device import check_device
-from harness.run.limits import default_memory_limit, tell_of_long_cases
 from harness.run.pool import Watcher, cases_at_once, run_cases
-from harness.run.predicted_time import costliest_first
 from harness.run.progress import Display
+from harness.run.resources import (
+    check_device,
+    costliest_first,
+    default_memory_limit,
+    tell_of_long_cases,
+)
 from harness.study.cases import Case
 from harness.study.study import Study
 

@@ -1,4 +1,4 @@
-"""The parent's end of a worker process."""
+"""A worker process, as its parent sees it; and its beginning, which sees to its own end."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ import math
 import multiprocessing
 import os
 import signal
+import threading
 import time
 from collections.abc import Iterator, Sequence
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 import xarray as xr
@@ -16,10 +18,11 @@ import xarray as xr
 from harness.archive.atomic_files import discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
-from harness.run.lifeline import serve_while_parent_lives
 from harness.run.measuring import case_time
 from harness.study.cases import Case
 
+ABANDONED = 1
+"""Exit code of a worker whose parent is gone; nobody is left who would read it."""
 GRACE = 2.0
 """Seconds that workers have to end after they were asked to."""
 SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -53,7 +56,7 @@ class WorkerProcess:
         )
         # The worker inherits this before its libraries load; those of this process have.
         os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
-        with _interrupts_held():  # the worker inherits the mask and never sees a SIGINT
+        with _interrupts_held():  # the worker inherits the mask: no SIGINT, no SIGHUP
             self.process.start()
         # With this copy closed, the end of the worker reads as an end of file.
         theirs.close()
@@ -154,7 +157,8 @@ def _interrupts_held() -> Iterator[None]:
     """Let Ctrl-C, SIGTERM and SIGHUP wait until the block is over.
 
     Python's handlers are replaced, because any thread may receive a signal of the process, also a
-    thread of a numerical library. SIGINT is blocked as well, and a worker inherits that.
+    thread of a numerical library. SIGINT and SIGHUP are blocked as well, and a worker inherits
+    that: a terminal sends them to the whole group, but it is the parent that decides.
     """
     came: list[int] = []
     handlers = {
@@ -163,7 +167,7 @@ def _interrupts_held() -> Iterator[None]:
         # A worker inherits what is ignored, as SIGHUP under `nohup`, and nothing else.
         if signal.getsignal(number) is not signal.SIG_IGN
     }
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:
@@ -172,3 +176,26 @@ def _interrupts_held() -> Iterator[None]:
             signal.signal(number, handler)
         for late in came:
             signal.raise_signal(late)
+
+
+def serve_while_parent_lives(
+    connection: Connection, folder: Path, device: str, repeats: int, memory_limit: float | None
+) -> None:
+    """Run cases as `harness.run.worker.serve` does, until the parent process is gone.
+
+    To be called first in a fresh process. The process then ends at once, whatever it computes. A
+    file that it was writing is half-written under another name, and the next run removes it.
+    """
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    # Loads Warp and all scenes, which takes seconds.
+    from harness.run.worker import serve
+
+    serve(connection, folder, device, repeats, memory_limit)
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a worker has a parent"
+    wait([parent.sentinel])
+    # Not an exception, which would have to wait until the step is done.
+    os._exit(ABANDONED)

@@ -9,10 +9,10 @@ from pathlib import Path
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
 from harness.archive.study_files import read_study, study_file
-from harness.cli.exit_codes import DONE, INCOMPLETE
+from harness.cli.process import DONE, INCOMPLETE
 from harness.errors import HarnessError, tell
 from harness.run import collect_and_clean as results
-from harness.run.leftovers import leftovers, remove
+from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.study.files import study_names
 from harness.study.study import load_study
 from mpm_warp.scenes import scene_names
@@ -80,16 +80,16 @@ def collect(options: argparse.Namespace) -> int:
 def clean(options: argparse.Namespace) -> int:
     """Remove files that are no results of the study, where the user agrees."""
     study = load_study(options.study, options.set)
-    found = leftovers(study, options.out)
-    for leftover in found:
-        print(f"{leftover.path}: {leftover.what}")
+    found = stray_files(study, options.out)
+    for file in found:
+        print(f"{file.path}: {file.what}")
     if not found:
         tell("nothing to remove")
         return DONE
     if not options.yes and not _confirmed(f"remove {results.counted(len(found), 'file')}?"):
         tell("nothing removed")
         return INCOMPLETE
-    count = remove(found)
+    count = remove_stray(found)
     tell(f"{results.counted(count, 'file')} removed")
     return DONE if count == len(found) else INCOMPLETE
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import argcomplete
 from argcomplete.shell_integration import shellcode
 
-from harness.cli.exit_codes import DONE
+from harness.cli.process import DONE
 from harness.study.files import study_names
 
 STUDIES = ("study", "subject")

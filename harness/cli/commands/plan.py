@@ -9,8 +9,8 @@ from typing import Any
 
 from tqdm import tqdm
 
-from harness.cli.exit_codes import DONE
-from harness.run.predicted_time import UPDATE_RATE
+from harness.cli.process import DONE
+from harness.run.resources import UPDATE_RATE
 from harness.study.cases import Case
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import is_scene, load_study, study_of_scene

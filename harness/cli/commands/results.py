@@ -1,4 +1,4 @@
-"""Commands on results: beside the literature and each other, as pictures, as a page."""
+"""Commands on results: beside the literature and each other, as pictures, as a page, the soil."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from pathlib import Path
 import xarray as xr
 
 from harness.archive.atomic_files import prepare
+from harness.archive.case_files import ENDING, find_fields, read_fields
 from harness.archive.study_files import read_study
-from harness.cli.exit_codes import DONE, INCOMPLETE
+from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, has_tolerances, misses
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError, defect, tell
-from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable
+from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable, image, write_own
 from harness.pictures.pictures import Failures, NothingToDrawError, draw
+from harness.pictures.soil import sections_figure, traction_figure, write_animation
+from harness.pictures.vtk_files import write_vtk
 from harness.references.registry import UnknownReferenceError
 from harness.report.report import write_report
 from harness.study.tables import StudyError
@@ -118,4 +121,22 @@ def show_recommendation(options: argparse.Namespace) -> int:
         print(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
         return INCOMPLETE
     print(f"{options.scene}: {found}")
+    return DONE
+
+
+def view(options: argparse.Namespace) -> int:
+    """Draw the sections and the traction of the last snapshot, and a film of all of them."""
+    path = find_fields(options.file, options.case)
+    fields = read_fields(path)
+    folder = options.out or options.file.parent
+    prepare(folder)
+    name = path.name.removesuffix(ENDING)
+    # First what may be refused: nothing is drawn where VTK files cannot be written.
+    series = write_vtk(fields, folder, name)[:1] if options.vtk else []
+    written = []
+    for kind, figure in (("sections", sections_figure), ("traction", traction_figure)):
+        written.append(folder / f"{name}_{kind}.png")
+        write_own(image(figure(fields)), written[-1])
+    written += write_animation(fields, folder / f"{name}_animation.gif")
+    print(*written, *series, sep="\n")
     return DONE

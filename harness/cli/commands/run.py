@@ -14,13 +14,13 @@ from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import provenance
 from harness.archive.study_files import study_file
 from harness.cli.commands.results import list_misses, show
-from harness.cli.exit_codes import DONE, INCOMPLETE, end_at_sigterm
+from harness.cli.process import DONE, INCOMPLETE, end_at_sigterm
 from harness.compare.step_cost_table import bench_rows
 from harness.errors import HarnessError, tell
 from harness.pictures.work_precision import draw_work_precision
-from harness.run.device import check_device
 from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
+from harness.run.resources import check_device
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
 from harness.study.description import tell_of_unusual_values

@@ -1,4 +1,4 @@
-"""Commands on definitions: a new study, which there are, what a scene or a study is."""
+"""Commands on what there is: a new study; what a scene, a study, a reference, a command is."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import shlex
 from pathlib import Path
 
 from harness.archive.atomic_files import write_whole
-from harness.cli.exit_codes import DONE
+from harness.cli.options import make_parser
+from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
+from harness.references.registry import all_entries, one_entry
 from harness.study.description import scene_rows, study_rows, study_text
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
@@ -69,4 +71,16 @@ def _file(study: str) -> str:
 def schema(options: argparse.Namespace) -> int:
     """Print the JSON schema of studies."""
     print(json.dumps(study_schema(), indent=2))
+    return DONE
+
+
+def references(options: argparse.Namespace) -> int:
+    """Print all references and all experience, or one of them in full."""
+    print(all_entries() if options.id is None else one_entry(options.id))
+    return DONE
+
+
+def show_help(options: argparse.Namespace) -> int:
+    """Print the help of the program, or of one command."""
+    make_parser().parse_args([*([options.about] if options.about else []), "--help"])
     return DONE

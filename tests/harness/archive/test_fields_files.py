@@ -9,16 +9,18 @@ import pytest
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import case_file, case_folder, discard, is_complete
-from harness.archive.fields_files import (
+from harness.archive.case_files import (
+    case_file,
+    case_folder,
+    discard,
     fields_fault,
     fields_file,
     find_fields,
     has_fields,
+    is_complete,
     read_fields,
 )
-from harness.run.collect_and_clean import collect_and_write, outcomes
-from harness.run.leftovers import leftovers
+from harness.run.collect_and_clean import collect_and_write, outcomes, stray_files
 from harness.run.worker import run_case
 from harness.study.study import Study, load_study, with_snapshots
 
@@ -73,7 +75,7 @@ def test_a_case_has_its_snapshots_beside_it_and_nothing_of_them_in_it(
     ):
         assert "point" not in {*result.dims, *collected.dims}
     assert is_complete(folder, case)
-    assert leftovers(study, out) == []
+    assert stray_files(study, out) == []
 
 
 def test_snapshots_are_no_part_of_a_case(ran: tuple[Study, Path]) -> None:
@@ -95,7 +97,7 @@ def test_damage_shows(own: tuple[Study, Path]) -> None:
     with pytest.raises(ArchiveError, match="was damaged or changed"):
         read_fields(path)
     assert "was damaged" in str(fields_fault(path))
-    (found,) = leftovers(study, out)
+    (found,) = stray_files(study, out)
     assert found.path == path
     assert [it.status for it in outcomes(study, out)] == ["no_fields"]
 

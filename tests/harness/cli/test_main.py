@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.commands import references as references_command
-from harness.cli.exit_codes import DEFECT
+from harness.cli.commands import studies
 from harness.cli.main import COMMANDS, main
+from harness.cli.process import DEFECT
 
 
 @pytest.mark.parametrize("command", ["compare", "plot"])
@@ -52,7 +52,7 @@ def broken(options: argparse.Namespace) -> int:
 def test_an_error_of_the_program_is_not_called_the_users(
     debug: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(references_command, "references", broken)
+    monkeypatch.setattr(studies, "references", broken)
     assert main(["references", *debug]) == DEFECT
     *trace, line = capsys.readouterr().err.splitlines()
     assert "an error of the program, not of your input: KeyError: 'no such key'" in line

@@ -15,7 +15,7 @@ from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
-from harness.cli.streams import safe_output
+from harness.cli.process import safe_output
 from harness.errors import LONGEST_LINE
 from harness.study.study import Study
 from harness.terminal import CODES, GREEN

@@ -10,7 +10,7 @@ import pytest
 from harness.archive.atomic_files import ArchiveError, partial_ending, prepare
 from harness.archive.case_files import case_file, case_folder, discard
 from harness.cli.main import main
-from harness.run import leftovers as leftovers_
+from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.study.study import Study
 
 
@@ -97,10 +97,10 @@ def test_what_was_written_anew_since_it_was_listed_is_kept(
     path = case_file(folder, small.cases[0])
     path.write_bytes(b"noise")
     (folder / "noise.nc").write_bytes(b"noise")
-    found = leftovers_.leftovers(small, tmp_path)
+    found = stray_files(small, tmp_path)
     assert len(found) == 2
     path.write_bytes(b"a result that another run has written")
-    assert leftovers_.remove(found) == 1
+    assert remove_stray(found) == 1
     assert capsys.readouterr().err == f"harness: {path}: was written anew meanwhile; kept\n"
     assert list(folder.iterdir()) == [path]
 

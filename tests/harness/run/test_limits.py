@@ -8,11 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.arguments.command_line import make_parser
 from harness.cli.main import main
-from harness.run import limits
-from harness.run.limits import PROCESS_MEMORY, TooLarge, check_memory, default_memory_limit
-from harness.run.predicted_time import UPDATE_RATE, costliest_first, predicted_time
+from harness.cli.options import make_parser
+from harness.run import resources
+from harness.run.resources import (
+    PROCESS_MEMORY,
+    UPDATE_RATE,
+    TooLarge,
+    check_memory,
+    costliest_first,
+    default_memory_limit,
+    predicted_time,
+)
 from harness.run.run_study import on_this_machine, run_study
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
@@ -128,7 +135,7 @@ def test_the_default_is_most_of_a_container(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told = tmp_path / "memory.max"
-    monkeypatch.setattr(limits, "CONTAINER_LIMITS", (told, tmp_path / "none"))
+    monkeypatch.setattr(resources, "CONTAINER_LIMITS", (told, tmp_path / "none"))
     told.write_text("max\n")
     whole = default_memory_limit()
     assert whole > PROCESS_MEMORY

@@ -6,9 +6,9 @@ import shlex
 
 import pytest
 
-from harness.cli.arguments.command_line import make_parser
-from harness.cli.arguments.help import HELP
+from harness.cli.help import HELP
 from harness.cli.main import COMMANDS, main
+from harness.cli.options import make_parser
 
 EXAMPLES = [example for _, examples in HELP.values() for example in examples]
 

@@ -1,4 +1,4 @@
-"""What a case may take: its memory is predicted before it begins, and a long one is reported."""
+"""What cases take, as predicted before they begin, and what the machine has for them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.errors import tell
-from harness.run.predicted_time import predicted_time
+from harness.errors import HarnessError, tell
 from harness.study.cases import Case
-from mpm_warp.errors import SceneError
-from mpm_warp.scenes import CatalogueScene
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.execution.execution import device_names
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scenes import CatalogueScene, scene_class
 
 LONG = 24 * 3600.0
 """Time of a case beyond which a run reports it before it begins [s]."""
@@ -78,3 +79,37 @@ def tell_of_long_cases(cases: Sequence[Case]) -> None:
             f"{longest}: about {long[longest] / 86400:.3g} days on one thread; --case-timeout ends "
             "such cases"
         )
+
+
+UPDATE_RATE = 20e6
+"""Particle updates a second on one thread, as `harness bench` measures them."""
+
+
+def predicted_time(case: Case) -> float:
+    """Time of a case on one thread, about [s]; 0 where it is not known, or the case is refused."""
+    try:
+        size = from_mapping(scene_class(case.scene), case.parameters).run_size()
+    except (ParameterError, SceneError):
+        return 0.0
+    return 0.0 if size is None else size.particle_updates / UPDATE_RATE
+
+
+def costliest_first(cases: Sequence[Case]) -> list[Case]:
+    """Cases in the order in which several workers are done soonest; equal ones as they were.
+
+    A costly case that begins last keeps one worker busy when the others have nothing left. With
+    the longest first, the time in all is at most 4/3 of the shortest possible (Graham 1969, SIAM
+    J. Appl. Math. 17(2):416-429).
+    """
+    return sorted(cases, key=predicted_time, reverse=True)
+
+
+def check_device(device: str) -> None:
+    """Check that a device is there.
+
+    Raises:
+        HarnessError: it is not.
+    """
+    if device != "cpu" and device not in device_names():
+        known = ", ".join(device_names())
+        raise HarnessError(f"--device {device}: there is none here; known: {known}")

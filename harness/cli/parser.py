@@ -1,0 +1,207 @@
+"""How a command line is read: values, and mistakes that are answered by one line with a remedy.
+
+A reader of a value raises `argparse.ArgumentTypeError`, which says what is not allowed in one line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from harness.cli.process import BAD_INPUT
+from harness.errors import LONGEST_LINE, printable, shortened
+
+if TYPE_CHECKING:
+    Commands = argparse._SubParsersAction["Parser"]
+    """The commands of a parser, to which more may be added."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, like all others, and that takes no options cut short."""
+
+    def __init__(self, **options: Any) -> None:
+        layout = argparse.RawDescriptionHelpFormatter
+        super().__init__(allow_abbrev=False, formatter_class=layout, **options)
+
+    def error(self, message: str) -> NoReturn:
+        """End the process: a value is not allowed, or a word is missing."""
+        line = shortened(printable(message), LONGEST_LINE)
+        self.exit(BAD_INPUT, f"{self.prog}: {line}; see {self.prog} --help\n")
+
+
+class Version(argparse.Action):
+    """Prints the version, which is looked up only then."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> NoReturn:
+        """Print it, and end the process."""
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            print(f"harness {version('mpm-warp')}")
+        except PackageNotFoundError:
+            print("harness, of a source tree that is not installed")
+        parser.exit()
+
+
+def options_of(parser: argparse.ArgumentParser, command: str) -> list[str]:
+    """The options of a command, as ``--out``."""
+    (commands,) = (it for it in parser._actions if isinstance(it.choices, dict))
+    assert isinstance(commands.choices, dict)
+    return [
+        option
+        for action in commands.choices[command]._actions
+        for option in action.option_strings
+        if option.startswith("--")
+    ]
+
+
+UNITS = {"K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+"""First letters of units of memory, in bytes."""
+
+
+def finite_number(meaning: str, holds: Callable[[float], bool]) -> Callable[[str], float]:
+    """What reads a finite number for which something holds, described in words."""
+
+    def read(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not (math.isfinite(number) and holds(number)):
+            raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
+        return number
+
+    return read
+
+
+def size_in_bytes(text: str) -> float:
+    """A size in bytes, or with a decimal unit."""
+    number, unit = text.upper().removesuffix("B"), 1.0
+    if text.upper().endswith("B") and number[-1:] in UNITS:
+        number, unit = number[:-1], UNITS[number[-1]]
+    try:
+        size = float(number) * unit
+    except ValueError:
+        size = math.nan
+    if not 0 < size < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 8e9 or 8GB")
+    return size
+
+
+def html_file(text: str) -> Path:
+    """A path that ends in .html."""
+    # A result in its place, the page's name forgotten, would be lost.
+    if not text.endswith(".html"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must end in .html")
+    return Path(text)
+
+
+def share(text: str) -> float:
+    """A share > 0: 1% or 0.01."""
+    try:
+        value = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 1% or 0.01")
+    return value
+
+
+def positive_count(text: str) -> int:
+    """An integer from 1 to 999999."""
+    if not text.isdecimal() or len(text) > 6 or int(text) < 1:
+        shown = text if len(text) < 20 else f"{text[:20]}..."
+        raise argparse.ArgumentTypeError(
+            f"{shown!r} is not allowed: must be an integer from 1 to 999999"
+        )
+    return int(text)
+
+
+SHOWN_LENGTH = 40
+"""Characters of a word that are shown, at most."""
+
+
+def mistake_in(arguments: Sequence[str], commands: Collection[str]) -> str | None:
+    """What is wrong with a command line before it is parsed; None where nothing is seen.
+
+    Args:
+        arguments: the command line without the program's name.
+        commands: names of the commands.
+    """
+    for argument in arguments:
+        if any("\ud800" <= character <= "\udfff" for character in argument):
+            return f"{argument!r}: is not text, which results could not keep"
+    return _unknown_command(arguments, commands) or _missing_quotes(arguments)
+
+
+def unrecognised(words: Sequence[str], options: Collection[str]) -> str:
+    """What a parser could make nothing of, and what was meant by it.
+
+    Args:
+        words: what is left over.
+        options: those that the command has.
+    """
+    from mpm_warp.parameters import did_you_mean  # help is at once, without it
+
+    first, *_ = words
+    problem = f"unrecognized arguments: {' '.join(words)}"
+    if first.startswith("-"):
+        return problem + did_you_mean(first.partition("=")[0], options)
+    if "=" in first and "--set" in options:
+        return f"{problem}; a parameter is changed by --set {first}"
+    return f"{problem}; what has blanks in it needs quotes"
+
+
+def _unknown_command(arguments: Sequence[str], commands: Collection[str]) -> str | None:
+    if not arguments or arguments[0].startswith("-") or arguments[0] in commands:
+        return None
+    from harness.study.files import study_names
+    from mpm_warp.parameters import did_you_mean  # help is at once, without it
+
+    word = arguments[0]
+    shown = word if len(word) <= SHOWN_LENGTH else f"{word[:SHOWN_LENGTH]}..."
+    if word.endswith(".toml") or word in study_names():
+        return f"{shown}: is no command, but a study: run it by `harness run {shown}`"
+    if word.endswith(".nc"):
+        return f"{shown}: is no command, but a result: show it by `harness compare {shown}`"
+    near = did_you_mean(word, commands)
+    return f"{shown}: is no command{near or '; `harness --help` lists them'}"
+
+
+def _missing_quotes(arguments: Sequence[str]) -> str | None:
+    """Where a shell has cut the value of a setting in pieces, or has eaten its quotes."""
+    for place, argument in enumerate(arguments):
+        if argument == "--set" and place + 1 < len(arguments):
+            start, pieces = "--set ", arguments[place + 1 :]
+        elif argument.startswith("--set="):
+            start, pieces = "", arguments[place:]
+        else:
+            continue
+        if _open_brackets(pieces[0]) <= 0:
+            continue
+        for count in range(2, len(pieces) + 1):
+            whole = " ".join(pieces[:count])
+            if _open_brackets(whole) == 0:
+                key, _, value = whole.removeprefix("--set=").partition("=")
+                return (
+                    f"{start}{pieces[0]}: the shell has cut the value at a blank; "
+                    f"put quotes around it: --set '{key}={value}'"
+                )
+        return f"{start}{pieces[0]}: a bracket is opened and not closed"
+    return None
+
+
+def _open_brackets(text: str) -> int:
+    """Brackets that are opened and not closed, those in texts left aside."""
+    bare = re.sub(r'"[^"]*"', "", text)
+    return sum(bare.count(it) for it in "[{") - sum(bare.count(it) for it in "]}")
