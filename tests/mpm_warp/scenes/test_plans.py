@@ -31,7 +31,7 @@ def test_wave_column_has_no_part_that_it_does_not_need() -> None:
     assert not {"cell.viscosity", "cell.dilation_rate"} & set(plan.arrays)
     assert plan.between_steps == {}
     modules = " ".join(launch.kernel.module.name for launch in plan.step)
-    assert "LinearElastic.1.0.bilinear.resting" in modules
+    assert "LinearElastic.2.0.bilinear.resting" in modules
     assert "inviscid" in modules
 
 
