@@ -32,6 +32,15 @@ SMALL = """
     adhesion_factor = [0, 0.5, 1]
 """
 
+Refusal = Callable[[list[str]], str]
+"""Runs a command that is to be refused, and gives the one line with which it is."""
+Written = Callable[[Study, Path], dict[str, tuple[int, int]]]
+"""What tells the file of each completed case from one written later, by the cases' keys."""
+WaitForEnd = Callable[[int], None]
+"""Waits until all processes of a group have ended, which must be soon."""
+Depth = Callable[[int, int], int]
+"""Chooses between the number of cases by default and that with ``--deep``."""
+
 DONE = xr.Dataset(
     {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
 )
@@ -89,9 +98,7 @@ def two_soils() -> xr.Dataset:
 
 
 @pytest.fixture
-def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[list[str]], str]:
-    """Runs a command that is to be refused, and gives the one line with which it is."""
-
+def refusal(capsys: pytest.CaptureFixture[str]) -> Refusal:
     def refused(arguments: list[str]) -> str:
         assert main(arguments) == 2
         captured = capsys.readouterr()
@@ -103,9 +110,7 @@ def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[list[str]], str]:
 
 
 @pytest.fixture
-def written() -> Callable[[Study, Path], dict[str, tuple[int, int]]]:
-    """What tells the file of each completed case from one written later, by the cases' keys."""
-
+def written() -> Written:
     def marks(study: Study, out: Path) -> dict[str, tuple[int, int]]:
         folder = case_files.case_folder(out, study)
         done = [case for case in study.cases if case_files.is_complete(folder, case)]
@@ -116,9 +121,7 @@ def written() -> Callable[[Study, Path], dict[str, tuple[int, int]]]:
 
 
 @pytest.fixture
-def wait_for_end() -> Callable[[int], None]:
-    """Waits until all processes of a group have ended, which must be soon."""
-
+def wait_for_end() -> WaitForEnd:
     def is_alive(group: int) -> bool:
         try:
             os.killpg(group, 0)

@@ -20,6 +20,7 @@ from harness.report.report import page
 from harness.run.collect_and_clean import collect_and_write
 from harness.study.description import study_text
 from harness.study.study import load_study
+from tests.harness.conftest import Refusal
 from tests.harness.pictures.conftest import figures
 
 STUDY = """
@@ -145,7 +146,7 @@ REFUSED = {
 
 @pytest.mark.parametrize(("text", "reason"), REFUSED.values(), ids=REFUSED)
 def test_a_wrong_one_is_refused_in_a_line(
-    text: str, reason: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+    text: str, reason: str, tmp_path: Path, refusal: Refusal
 ) -> None:
     scene = "strip_footing" if "without" in reason or "gives" in reason else "cone_penetration"
     file = tmp_path / "s.toml"
@@ -154,7 +155,7 @@ def test_a_wrong_one_is_refused_in_a_line(
 
 
 def test_a_damaged_one_in_a_result_is_reported_in_a_line(
-    computed: Callable[[str], xr.Dataset], tmp_path: Path, refusal: Callable[[list[str]], str]
+    computed: Callable[[str], xr.Dataset], tmp_path: Path, refusal: Refusal
 ) -> None:
     result = computed(STUDY)
     result.reference_our_lab.attrs["formula"] = "__import__('os')"

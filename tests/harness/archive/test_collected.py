@@ -23,7 +23,7 @@ from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
 from harness.study.cases import Case
 from harness.study.study import Study
-from tests.harness.conftest import DONE
+from tests.harness.conftest import DONE, Refusal
 
 EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
 
@@ -100,7 +100,7 @@ def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
 
 
 def test_a_result_is_not_replaced_by_one_of_nothing(
-    small: Study, result: Path, refusal: Callable[[list[str]], str]
+    small: Study, result: Path, refusal: Refusal
 ) -> None:
     before = result.read_bytes()
     out = ["--out", str(result.parent)]
@@ -113,7 +113,7 @@ def test_a_result_is_not_replaced_by_one_of_nothing(
 
 
 def test_a_folder_without_results_is_not_made(
-    small: Study, tmp_path: Path, refusal: Callable[[list[str]], str]
+    small: Study, tmp_path: Path, refusal: Refusal
 ) -> None:
     refusal(["collect", str(small.source), "--out", str(tmp_path / "none")])
     assert not (tmp_path / "none").exists()
@@ -159,7 +159,7 @@ def test_a_result_that_is_not_whole_is_refused_in_one_line(
     damage: Callable[[xr.Dataset], xr.Dataset],
     name: str,
     result: Path,
-    refusal: Callable[[list[str]], str],
+    refusal: Refusal,
 ) -> None:
     write_netcdf(damage(read_study(result)), result)
     line = refusal([command, str(result)])
@@ -171,7 +171,7 @@ def test_a_result_that_is_not_whole_is_refused_in_one_line(
 
 @pytest.mark.parametrize("command", ["compare", "plot", "report", "rerun"])
 def test_a_missing_file_is_one_line_without_an_empty_list(
-    command: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+    command: str, tmp_path: Path, refusal: Refusal
 ) -> None:
     path = tmp_path / "none.nc"
     assert refusal([command, str(path)]) == f"harness: {path}: no such file"

@@ -27,7 +27,7 @@ from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import run_case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import DONE
+from tests.harness.conftest import DONE, Depth, Refusal
 
 STUDIES = {
     "cone_penetration": (
@@ -79,7 +79,7 @@ def is_same(one: xr.Dataset, other: xr.Dataset) -> bool:
 
 
 def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
-    computed: Study, tmp_path: Path, depth: Callable[[int, int], int]
+    computed: Study, tmp_path: Path, depth: Depth
 ) -> None:
     (case,) = computed.cases
     assert computed.source is not None
@@ -105,7 +105,7 @@ def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
 
 
 def test_a_flipped_bit_of_a_collected_file_is_noticed_or_changes_nothing(
-    computed: Study, tmp_path: Path, depth: Callable[[int, int], int]
+    computed: Study, tmp_path: Path, depth: Depth
 ) -> None:
     assert computed.source is not None
     content = (computed.source.parent / "one.nc").read_bytes()
@@ -121,9 +121,7 @@ def test_a_flipped_bit_of_a_collected_file_is_noticed_or_changes_nothing(
             assert is_same(after, before)
 
 
-def test_a_flipped_bit_at_the_edges_of_netcdf_and_digest_is_noticed(
-    tmp_path: Path,
-) -> None:
+def test_a_flipped_bit_at_the_edges_of_netcdf_and_digest_is_noticed(tmp_path: Path) -> None:
     path = tmp_path / "a.nc"
     write_netcdf(xr.Dataset({"a": 1.0}, attrs={"format_version": 1}), path)
     content = path.read_bytes()
@@ -198,11 +196,7 @@ DAMAGES = (truncated, cut_by_the_digest, changed, fifo, folder, device, bomb)
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_collected_file_of_no_use_is_one_line_and_collected_again(
-    command: str,
-    damage: Callable[[Path], None],
-    result: Path,
-    small: Study,
-    refusal: Callable[[list[str]], str],
+    command: str, damage: Callable[[Path], None], result: Path, small: Study, refusal: Refusal
 ) -> None:
     damage(result)
     line = refusal(arguments(command, result))
@@ -263,11 +257,7 @@ DISASTERS = {
 
 @pytest.mark.parametrize("disaster", DISASTERS)
 def test_a_file_of_another_program_that_breaks_the_library_is_one_line(
-    disaster: str,
-    result: Path,
-    tmp_path: Path,
-    refusal: Callable[[list[str]], str],
-    monkeypatch: pytest.MonkeyPatch,
+    disaster: str, result: Path, tmp_path: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Files that do so are many (3 of 1,500 with two damaged bits), and differ with the library."""
     what, told = DISASTERS[disaster]

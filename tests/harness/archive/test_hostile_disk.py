@@ -7,7 +7,7 @@ import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from harness.run import run_study
 from harness.run.worker import run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from tests.harness.conftest import Written
 
 pytestmark = pytest.mark.slow
 
@@ -77,10 +78,7 @@ def full_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_a_full_disk_ends_the_run_and_loses_nothing(
-    full_disk: Path,
-    small_file: Path,
-    small: Study,
-    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
+    full_disk: Path, small_file: Path, small: Study, written: Written
 ) -> None:
     filler = full_disk / "filler"
     assert main([*arguments(small_file, full_disk), "--set", "adhesion_factor=[0]"]) == 0
@@ -148,7 +146,7 @@ def test_a_clock_set_back_changes_nothing_but_the_times_that_are_kept(
     small_file: Path,
     tmp_path: Path,
     small: Study,
-    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
+    written: Written,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

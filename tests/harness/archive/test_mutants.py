@@ -32,6 +32,7 @@ from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from tests.harness.conftest import Depth
 
 pytestmark = pytest.mark.slow
 
@@ -203,10 +204,7 @@ def fault_of(folder: Path, case: Case) -> str:
 
 
 def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
-    computed: Study,
-    out: Path,
-    capsys: pytest.CaptureFixture[str],
-    depth: Callable[[int, int], int],
+    computed: Study, out: Path, capsys: pytest.CaptureFixture[str], depth: Depth
 ) -> None:
     count = depth(32, 1000)
     folder, case = case_folder(out, computed), computed.cases[1]
@@ -254,7 +252,7 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
-    depth: Callable[[int, int], int],
+    depth: Depth,
 ) -> None:
     count = depth(32, 1000)
     case = computed.cases[1]

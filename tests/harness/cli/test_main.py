@@ -6,7 +6,6 @@ import argparse
 import importlib
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,11 +13,12 @@ import pytest
 from harness.cli.commands import studies
 from harness.cli.main import COMMANDS, main
 from harness.cli.process import DEFECT
+from tests.harness.conftest import Refusal
 
 
 @pytest.mark.parametrize("command", ["compare", "plot"])
 def test_a_result_that_is_none_is_one_line(
-    command: str, small_file: Path, refusal: Callable[[list[str]], str]
+    command: str, small_file: Path, refusal: Refusal
 ) -> None:
     assert "cannot be read" in refusal([command, str(small_file)])
     assert "no such file" in refusal([command, str(small_file.with_suffix(".nc"))])

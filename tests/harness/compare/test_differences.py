@@ -14,6 +14,7 @@ from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.compare.differences import NotComparableError, differences, differing, unshared
 from mpm_warp.parameters import parameter
+from tests.harness.conftest import Refusal
 
 FACTORS = (10.0, 11.0, 12.0)
 
@@ -54,7 +55,7 @@ def test_a_status_that_differs_counts_where_no_number_does(
 
 def test_what_was_not_compared_is_not_passed(
     tmp_path: Path,
-    refusal: Callable[[list[str]], str],
+    refusal: Refusal,
     collected: Callable[..., xr.Dataset],
     two: Callable[..., list[xr.Dataset]],
 ) -> None:
@@ -111,9 +112,7 @@ class Derives:
 
 @pytest.mark.parametrize("derived", [np.nan, None])
 def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
-    derived: float | None,
-    two: Callable[..., list[xr.Dataset]],
-    monkeypatch: pytest.MonkeyPatch,
+    derived: float | None, two: Callable[..., list[xr.Dataset]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("harness.compare.differences.scene_class", lambda name: Derives)
     one, other = two(*FACTORS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.compare.recommend import DERIVED, recommend
 from harness.errors import HarnessError
+from tests.harness.conftest import Refusal
 
 CELLS = [5.0, 10.0, np.nan, np.nan]
 
@@ -138,9 +138,7 @@ def test_that_a_scene_has_no_errors_is_told() -> None:
         recommend("step_cost", 0.05, [])
 
 
-def test_a_folder_that_is_not_there_is_told(
-    tmp_path: Path, refusal: Callable[[list[str]], str]
-) -> None:
+def test_a_folder_that_is_not_there_is_told(tmp_path: Path, refusal: Refusal) -> None:
     nowhere = str(tmp_path / "nowhere")
     line = refusal(["recommend", "thick_cylinder", "--error", "1%", "--results", nowhere])
     assert line == f"harness: --results {nowhere}: no such folder"

@@ -1,13 +1,12 @@
 """`harness references`: all that there is, and one in full."""
 
-from collections.abc import Callable
-
 import pytest
 
 from harness.cli.main import main
 from harness.references.cone_factors import CONE_FACTORS
 from harness.references.experience import EXPERIENCE, HOLDS
 from harness.references.registry import WIDTH, all_entries, one_entry
+from tests.harness.conftest import Refusal
 
 ENTRIES = (*CONE_FACTORS, *EXPERIENCE)
 
@@ -54,9 +53,7 @@ def test_the_command_prints_them(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("given", "meant"), [("lu_2005", "lu_2004"), ("karlsrud", "karlsrud_2005")]
 )
-def test_an_unknown_one_is_one_line(
-    given: str, meant: str, refusal: Callable[[list[str]], str]
-) -> None:
+def test_an_unknown_one_is_one_line(given: str, meant: str, refusal: Refusal) -> None:
     assert refusal(["references", given]).endswith(f"did you mean {meant!r}?")
 
 

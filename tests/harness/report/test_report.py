@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.report.report import page, write_report
 from harness.report.tables import case_table, comparisons
+from tests.harness.conftest import Refusal
 
 LARGEST_PAGE = 5_000_000
 
@@ -114,10 +114,7 @@ def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
 
 
 def test_a_page_is_written_again_but_no_other_file(
-    results: list[xr.Dataset],
-    tmp_path: Path,
-    refusal: Callable[[list[str]], str],
-    capsys: pytest.CaptureFixture[str],
+    results: list[xr.Dataset], tmp_path: Path, refusal: Refusal, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file, out = tmp_path / "coarse.nc", tmp_path / "report.html"
     write_study(file, results[0])

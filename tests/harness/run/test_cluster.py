@@ -17,6 +17,7 @@ from harness.cli.main import main
 from harness.compare.differences import differing
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from tests.harness.conftest import Refusal, Written
 
 pytestmark = pytest.mark.slow
 
@@ -128,7 +129,7 @@ def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
     start: Callable[..., subprocess.Popen[str]],
     twenty: Study,
     tmp_path: Path,
-    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
+    written: Written,
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
     run = start(twenty, out)
@@ -153,7 +154,7 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     start: Callable[..., subprocess.Popen[str]],
     twenty: Study,
     tmp_path: Path,
-    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
+    written: Written,
 ) -> None:
     out = tmp_path / "out"
     run = start(twenty, out)
@@ -182,10 +183,7 @@ GravityColumn.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
 
 
 def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
-    cluster: Cluster,
-    start: Callable[..., subprocess.Popen[str]],
-    twenty: Study,
-    tmp_path: Path,
+    cluster: Cluster, start: Callable[..., subprocess.Popen[str]], twenty: Study, tmp_path: Path
 ) -> None:
     """After four deaths the scheduler no longer takes the workers for the reason."""
     deadly = tmp_path / "deadly.py"
@@ -281,16 +279,12 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     assert f"version {asked} of gravity_column is asked for; here is {here}" in outcome.message
 
 
-def test_tls_without_certificates_is_one_line(
-    small_file: Path, refusal: Callable[[list[str]], str]
-) -> None:
+def test_tls_without_certificates_is_one_line(small_file: Path, refusal: Refusal) -> None:
     line = refusal(["run", str(small_file), "--dask", "tls://127.0.0.1:9"])
     assert "--dask tls://127.0.0.1:9: there is no certificate: set DASK_DISTRIBUTED__COMM" in line
 
 
-def test_a_certificate_that_is_not_there_is_one_line(
-    small_file: Path, refusal: Callable[[list[str]], str]
-) -> None:
+def test_a_certificate_that_is_not_there_is_one_line(small_file: Path, refusal: Refusal) -> None:
     names = ("ca-file", "client.cert", "client.key")
     settings = {f"distributed.comm.tls.{name}": "/nowhere/cert.pem" for name in names}
     with dask.config.set(settings):

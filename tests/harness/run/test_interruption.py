@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -20,7 +20,8 @@ import xarray as xr
 from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.compare.differences import differing
-from harness.study.study import Study, load_study
+from harness.study.study import load_study
+from tests.harness.conftest import Depth, WaitForEnd, Written
 
 pytestmark = pytest.mark.slow
 
@@ -74,11 +75,7 @@ def statuses_left(out: Path) -> list[str]:
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
 )
 def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
-    small_file: Path,
-    tmp_path: Path,
-    number: signal.Signals,
-    code: int,
-    wait_for_end: Callable[[int], None],
+    small_file: Path, tmp_path: Path, number: signal.Signals, code: int, wait_for_end: WaitForEnd
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
@@ -100,7 +97,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
 
 @pytest.mark.parametrize("delay", [0.0, 0.02, 0.1])
 def test_an_interrupt_while_workers_start_is_as_quiet(
-    small_file: Path, tmp_path: Path, delay: float, wait_for_end: Callable[[int], None]
+    small_file: Path, tmp_path: Path, delay: float, wait_for_end: WaitForEnd
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="harness: small: ", speeds="0.0001") as process:
@@ -115,7 +112,7 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
 
 
 def test_a_run_whose_reader_has_gone_ends_quietly(
-    small_file: Path, tmp_path: Path, wait_for_end: Callable[[int], None]
+    small_file: Path, tmp_path: Path, wait_for_end: WaitForEnd
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="harness: small: ") as process:
@@ -140,7 +137,7 @@ def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> No
 
 
 def test_workers_end_with_a_parent_that_was_killed(
-    small_file: Path, tmp_path: Path, wait_for_end: Callable[[int], None]
+    small_file: Path, tmp_path: Path, wait_for_end: WaitForEnd
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
@@ -195,11 +192,7 @@ def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
 
 @pytest.mark.parametrize(("case_count", "kills"), [(200, 10)])
 def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
-    case_count: int,
-    kills: int,
-    tmp_path: Path,
-    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
-    wait_for_end: Callable[[int], None],
+    case_count: int, kills: int, tmp_path: Path, written: Written, wait_for_end: WaitForEnd
 ) -> None:
     study_file = definition(tmp_path / "many.toml", case_count)
     study = load_study(str(study_file))
@@ -254,7 +247,7 @@ def worker_count(group: int) -> int:
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads Linux's /proc")
 def test_no_worker_outlives_its_parent(
-    tmp_path: Path, wait_for_end: Callable[[int], None], depth: Callable[[int, int], int]
+    tmp_path: Path, wait_for_end: WaitForEnd, depth: Depth
 ) -> None:
     study, moments = tmp_path / "long.toml", random.Random(0)
     study.write_text(LONG_STEPS)

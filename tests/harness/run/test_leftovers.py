@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ from harness.archive.case_files import case_file, case_folder, discard
 from harness.cli.main import main
 from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.study.study import Study
+from tests.harness.conftest import Refusal
 
 
 @pytest.fixture
@@ -33,12 +33,7 @@ def content(folder: Path) -> set[Path]:
 @pytest.mark.parametrize("command", ["clean --yes", "run", "run --fresh"])
 @pytest.mark.parametrize("link", ["small", "small/cases"])
 def test_a_linked_folder_is_refused_and_left_as_it_is(
-    link: str,
-    command: str,
-    outside: Path,
-    small: Study,
-    tmp_path: Path,
-    refusal: Callable[[list[str]], str],
+    link: str, command: str, outside: Path, small: Study, tmp_path: Path, refusal: Refusal
 ) -> None:
     place = tmp_path / "out" / link
     prepare(place.parent)

@@ -33,6 +33,7 @@ from mpm_warp.scenes.cavity.cylinder_and_sphere import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing
+from tests.harness.conftest import Refusal
 
 from .conftest import Record
 
@@ -118,9 +119,7 @@ def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     assert "cells_per_radius=1.0: completed" in told
 
 
-def test_a_limit_is_a_number_with_or_without_a_unit(
-    small_file: Path, refusal: Callable[[list[str]], str]
-) -> None:
+def test_a_limit_is_a_number_with_or_without_a_unit(small_file: Path, refusal: Refusal) -> None:
     for text in ("8GB", "8e9", "8000MB", "8gb", "8000000000"):
         assert make_parser().parse_args(["run", "s", "--memory-limit", text]).memory_limit == 8e9
     line = refusal(["run", str(small_file), "--memory-limit", "8e9", "--dask", "tcp://localhost:1"])

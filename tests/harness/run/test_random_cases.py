@@ -11,7 +11,6 @@ import itertools
 import math
 import random
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -24,6 +23,7 @@ from harness.study.cases import Case
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
+from tests.harness.conftest import Depth
 
 pytestmark = pytest.mark.slow
 
@@ -100,9 +100,7 @@ class Ends:
         self.outcomes.append((case, outcome))
 
 
-def test_a_random_case_ends_with_a_result_or_with_a_reason(
-    tmp_path: Path, depth: Callable[[int, int], int]
-) -> None:
+def test_a_random_case_ends_with_a_result_or_with_a_reason(tmp_path: Path, depth: Depth) -> None:
     prepare(tmp_path)
     count = depth(6, 100)
     ends = Ends()

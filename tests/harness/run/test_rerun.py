@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
 from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
 from harness.study.study import Study, load_study
+from tests.harness.conftest import Refusal
 
 pytestmark = pytest.mark.slow
 
@@ -150,7 +150,7 @@ def collected(small: Study, tmp_path: Path) -> xr.Dataset:
 
 
 def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
-    collected: xr.Dataset, tmp_path: Path, refusal: Callable[[list[str]], str]
+    collected: xr.Dataset, tmp_path: Path, refusal: Refusal
 ) -> None:
     path = tmp_path / "older.nc"
     older = collected.drop_vars("friction_coefficient").assign_attrs(scene_version=0)
@@ -161,7 +161,7 @@ def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
 
 @pytest.mark.parametrize("change", ["missing", "text"])
 def test_a_result_without_a_parameter_is_told(
-    collected: xr.Dataset, tmp_path: Path, change: str, refusal: Callable[[list[str]], str]
+    collected: xr.Dataset, tmp_path: Path, change: str, refusal: Refusal
 ) -> None:
     path, name = tmp_path / "changed.nc", "friction_coefficient"
     changed = {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,8 @@ from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.run import run_study
 from harness.run.pool import run_cases
-from harness.study.study import Study, load_study
+from harness.study.study import load_study
+from tests.harness.conftest import Refusal, Written
 
 pytestmark = pytest.mark.slow
 
@@ -62,12 +62,7 @@ def test_a_wrong_number_of_workers_or_cases_is_one_line(
     ],
 )
 def test_a_batch_where_there_can_be_none_is_refused(
-    more: str,
-    option: str,
-    message: str,
-    small_file: Path,
-    tmp_path: Path,
-    refusal: Callable[[list[str]], str],
+    more: str, option: str, message: str, small_file: Path, tmp_path: Path, refusal: Refusal
 ) -> None:
     small_file.write_text(small_file.read_text() + more)
     out = tmp_path / "out"
@@ -131,9 +126,7 @@ def test_a_case_that_timed_out_is_listed_and_tried_again(
         assert "harness: cone_penetration: timed_out: ended after 0.5 s, at " in told
 
 
-def test_a_folder_that_cannot_be_made_is_one_line(
-    small_file: Path, refusal: Callable[[list[str]], str]
-) -> None:
+def test_a_folder_that_cannot_be_made_is_one_line(small_file: Path, refusal: Refusal) -> None:
     line = refusal(["run", str(small_file), "--out", str(small_file)])
     assert f"{small_file}/small/cases: cannot be made: Not a directory" in line
 
@@ -167,10 +160,7 @@ def test_run_gives_a_dataset_a_table_and_pictures(
 
 
 def test_running_again_goes_on_where_it_stopped(
-    small_file: Path,
-    tmp_path: Path,
-    written: Callable[[Study, Path], dict[str, tuple[int, int]]],
-    capsys: pytest.CaptureFixture[str],
+    small_file: Path, tmp_path: Path, written: Written, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
     study = load_study(str(small_file))

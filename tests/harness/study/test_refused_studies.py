@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,7 @@ from harness.cli.main import main
 from harness.study.study import load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from tests.harness.conftest import Refusal
 
 GOOD = 'title = "t"\nscene = "cone_penetration"\n'
 ALLOWED = {name: it.allowed for name, it in parameters_of(ConePenetration).items()}
@@ -114,7 +114,7 @@ BAD_SETTINGS = {
 
 @pytest.mark.parametrize("mistake", MALFORMED)
 def test_a_malformed_study_is_one_line_and_nothing_written(
-    mistake: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+    mistake: str, tmp_path: Path, refusal: Refusal
 ) -> None:
     content, expected = MALFORMED[mistake]
     path = tmp_path / "study.toml"
@@ -127,7 +127,7 @@ def test_a_malformed_study_is_one_line_and_nothing_written(
 
 @pytest.mark.parametrize("mistake", BAD_SETTINGS)
 def test_a_malformed_setting_is_one_line_and_nothing_written(
-    mistake: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+    mistake: str, tmp_path: Path, refusal: Refusal
 ) -> None:
     setting, expected = BAD_SETTINGS[mistake]
     out = tmp_path / "out"
@@ -150,11 +150,7 @@ def test_a_malformed_setting_is_one_line_and_nothing_written(
     ],
 )
 def test_a_study_that_cannot_be_found_is_one_line(
-    name: str,
-    expected: str,
-    tmp_path: Path,
-    refusal: Callable[[list[str]], str],
-    monkeypatch: pytest.MonkeyPatch,
+    name: str, expected: str, tmp_path: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder.toml").mkdir()
@@ -241,7 +237,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("mistake", REFUSED)
 def test_what_cannot_be_compared_is_refused_before_the_run(
-    mistake: str, tmp_path: Path, refusal: Callable[[list[str]], str]
+    mistake: str, tmp_path: Path, refusal: Refusal
 ) -> None:
     text, told = REFUSED[mistake]
     path = tmp_path / "s.toml"

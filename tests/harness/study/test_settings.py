@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ import pytest
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from harness.study.tables import StudyError
+from tests.harness.conftest import Refusal
 
 LISTED = """title = "t"
 scene = "cone_penetration"
@@ -118,7 +118,7 @@ def test_a_setting_of_no_scene_is_answered_with_the_nearest(tmp_path: Path) -> N
 
 
 def test_a_name_that_is_a_file_here_is_told_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusal: Callable[[list[str]], str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
 ) -> None:
     study(tmp_path, IN_TURN, name="mine")
     with pytest.raises(StudyError, match=r"base = 'mine': .*; a file here is called mine\.toml$"):

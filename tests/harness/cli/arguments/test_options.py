@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ import xarray as xr
 
 from harness.cli.main import main
 from harness.run import pool
+from tests.harness.conftest import Refusal
 
 
 @pytest.mark.parametrize(
@@ -32,11 +32,7 @@ def test_an_option_that_is_not_allowed_is_one_line(
 @pytest.mark.parametrize("option", ["--workers=2", "--batch=2"])
 @pytest.mark.parametrize("timing", ["", "[timing]\nrepeats = 1\n"])
 def test_what_is_timed_runs_alone(
-    option: str,
-    timing: str,
-    small_file: Path,
-    tmp_path: Path,
-    refusal: Callable[[list[str]], str],
+    option: str, timing: str, small_file: Path, tmp_path: Path, refusal: Refusal
 ) -> None:
     small_file.write_text(small_file.read_text() + timing)
     study = str(small_file) if timing else "bench"
@@ -45,13 +41,13 @@ def test_what_is_timed_runs_alone(
 
 
 def test_a_tolerance_for_two_results_is_not_ignored_where_there_is_one(
-    tmp_path: Path, refusal: Callable[[list[str]], str]
+    tmp_path: Path, refusal: Refusal
 ) -> None:
     line = refusal(["compare", str(tmp_path / "a.nc"), "--tolerance=0.5"])
     assert "is for two results" in line
 
 
-def test_bytes_that_are_no_text_are_refused(refusal: Callable[[list[str]], str]) -> None:
+def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:
     """The result holds the command line; every case would be computed, and none be kept."""
     line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
     assert line.endswith("is not text, which results could not keep")
@@ -91,7 +87,7 @@ def test_uncertainty_is_measured_on_request(
     ("study", "scene"), [("sliding_block", "sliding_block"), ("thin_layer", "sounding")]
 )
 def test_a_scene_without_a_measured_uncertainty_is_refused(
-    tmp_path: Path, refusal: Callable[[list[str]], str], study: str, scene: str
+    tmp_path: Path, refusal: Refusal, study: str, scene: str
 ) -> None:
     line = refusal(["run", study, "--uncertainty", f"--out={tmp_path}"])
     assert line == (

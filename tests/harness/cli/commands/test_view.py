@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import xarray as xr
 from PIL import Image
 
 from harness.cli.main import main
+from tests.harness.conftest import Refusal
 
 PAGE = Path(__file__).parents[4] / "harness" / "README.md"
 SHORT = ("penetration=1", "steady_tolerance=0", "cells_per_radius=1", "adhesion_factor=0.5")
@@ -99,7 +99,7 @@ def test_the_traction_in_another_reader_integrates_to_the_resistance(seen: Path)
 
 
 def test_without_snapshots_there_is_nothing_to_view(
-    seen: Path, tmp_path: Path, refusal: Callable[[list[str]], str]
+    seen: Path, tmp_path: Path, refusal: Refusal
 ) -> None:
     assert "no such file" in refusal(["view", str(tmp_path / "a.nc")])
     (result,) = seen.glob("results/*.nc")
