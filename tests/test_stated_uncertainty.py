@@ -82,9 +82,9 @@ def test_the_law_of_wide_cells_is_that_of_the_coarsest_mesh_measured() -> None:
         ) - WIDE_ERROR * max(0.0, size - LARGEST_CELL)
         limit = it["cone_factor_simulated"] - linear
         if size > LARGEST_CELL:
-            wide[case] = limit
+            wide[case] = float(limit)
         else:
-            limits.setdefault(case, []).append(limit)
+            limits.setdefault(case, []).append(float(limit))
     excess = cell_size(1.75) - LARGEST_CELL
     found = np.array([(wide[it] - np.mean(limits[it])) / excess for it in limits])
     assert len(found) == 2 * len(RIGIDITY_INDICES)

@@ -68,13 +68,13 @@ def test_the_dataset_holds_what_the_run_has_cost(floating: Scene) -> None:
 
 
 def test_progress_rises_to_one_which_it_is_told_once(floating: Scene) -> None:
-    simulation, told = Simulation(floating), []
+    simulation, told = Simulation(floating), list[float]()
     follow(simulation, [5, 10, 15, 20], simulation.advance_to_step, [], told.append)
     assert told == [0.25, 0.5, 0.75, 1.0]
 
 
 def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None:
-    simulation, told = Simulation(floating), []
+    simulation, told = Simulation(floating), list[float]()
     sampler = Steps(simulation)
     follow(
         simulation,
@@ -89,7 +89,7 @@ def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None
 
 
 def test_a_run_that_diverges_leaves_its_curves_up_to_there(floating: Scene) -> None:
-    simulation, told = Simulation(floating), []
+    simulation, told = Simulation(floating), list[float]()
 
     def reach(step: float) -> None:
         simulation.advance_to_step(int(step))
@@ -106,7 +106,7 @@ def test_a_run_that_diverges_leaves_its_curves_up_to_there(floating: Scene) -> N
 
 def test_a_run_is_looked_at_before_its_results_are_given(floating: Scene) -> None:
     """What goes wrong after the last look of the watch."""
-    simulation, told = Simulation(floating), []
+    simulation, told = Simulation(floating), list[float]()
 
     def reach(step: float) -> None:
         simulation.advance_to_step(int(step))

@@ -55,7 +55,7 @@ def test_no_name_that_is_guessed_leads_a_file_elsewhere(
     folder.mkdir()
     outside.write_bytes(b"another's")
     names = iter(["first", "second", "first", "second"])
-    monkeypatch.setattr(atomic_files.secrets, "token_hex", lambda _: next(names))
+    monkeypatch.setattr("secrets.token_hex", lambda _: next(names))
     for name in ("first", "second"):
         (folder / f".{name}{atomic_files.partial_ending(os.getpid())}").symlink_to(outside)
     with pytest.raises(ArchiveError, match="cannot be written: File exists"):

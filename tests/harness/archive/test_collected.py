@@ -34,7 +34,7 @@ def cases(small: Study, tmp_path: Path) -> list[Case]:
     now = {SOURCES: sources_digest(small.parts[0].scene)}
     folder = case_folder(tmp_path, small)
     prepare(folder)
-    cases = small.cases
+    cases = list(small.cases)
     for case in cases:
         write_case(folder, case, DONE.assign_attrs(EARLIER | now), COMPLETED)
     return cases

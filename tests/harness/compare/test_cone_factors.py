@@ -92,7 +92,7 @@ def test_a_failed_case_has_a_reference_and_no_deviation() -> None:
     dataset["cone_factor"][1] = np.nan
     compared = with_references(dataset, [cone_factor_reference("yu_2000")])
     assert np.isfinite(compared["reference_yu_2000"]).all()
-    assert np.isnan(compared["deviation_yu_2000"]).values.tolist() == [False, True]
+    assert compared["deviation_yu_2000"].isnull().values.tolist() == [False, True]
 
 
 def test_no_reference_changes_nothing() -> None:

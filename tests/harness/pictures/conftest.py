@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,7 +46,7 @@ def result(
         name: (name if full else "case", list(values), _labels(name, values))
         for name, values in varied.items()
     }
-    fixed = {
+    fixed: dict[str, Any] = {
         name: ((), value, role | {"long_name": name.replace("_", " ")})
         for name, value in SOIL.items()
         if name not in varied

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -130,7 +131,8 @@ def test_where_the_literature_depends_on_the_series_each_has_its_envelope() -> N
 
 def test_uncertainty_is_drawn_as_error_bars() -> None:
     figure = curve_figure(MADE["one parameter"]())
-    bars = figure.axes[0].containers[0].lines[2][0]
+    (drawn,) = (it for it in figure.axes[0].containers if isinstance(it, ErrorbarContainer))
+    bars = drawn.lines[2][0]
     lengths = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
     assert lengths == pytest.approx([0.6] * 6)
     assert "Error bars hold the value with 95 %." in figure.get_supxlabel()

@@ -1,7 +1,10 @@
 """Hatched bands of experience behind the points of a picture."""
 
+from typing import cast
+
 import pytest
 import xarray as xr
+from matplotlib.patches import Rectangle
 
 from harness.compare.compared import with_experience
 from harness.pictures.drawing.literature import draw_experience
@@ -14,7 +17,7 @@ def test_bands_of_the_cone_factor_are_hatched_and_named(two_soils: xr.Dataset) -
     figure, axes = empty_figure()
     draw_experience(axes, with_experience(two_soils, IDS))
     figure.draw_without_rendering()
-    wide, narrow = axes.patches
+    wide, narrow = cast("list[Rectangle]", list(axes.patches))
     bounds = wide.get_y(), wide.get_y() + wide.get_height()
     assert bounds == pytest.approx((6.17, 18.07), abs=0.005)
     assert wide.get_hatch() != narrow.get_hatch()

@@ -16,6 +16,7 @@ import pytest
 import xarray as xr
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
@@ -222,7 +223,7 @@ def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
     (axes,) = figure.axes
     rows = [text.get_text().partition(" ")[0] for text in axes.get_yticklabels()]
     assert rows == ["rigidity", "adhesion", "material", "speed"]
-    widths = [bar.get_width() for bar in axes.patches]
+    widths = [bar.get_bbox().width for bar in axes.patches if isinstance(bar, Rectangle)]
     # below and above the start of the rigidity index, then of the others as far as there are cases
     assert widths == pytest.approx([-3.0, 3.0, 0.8, -0.8])
     assert [text.get_text() for text in axes.texts] == ["25", "500", "1", "von mises"]

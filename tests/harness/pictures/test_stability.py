@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study
@@ -258,10 +260,11 @@ def test_the_share_of_the_limit_colours_what_completed() -> None:
 
 def test_bars_of_the_shares_add_up_to_one() -> None:
     axes = stability_figure(random_cases()).axes[0]
-    heights = np.array([bar.get_height() for bar in axes.patches]).reshape(2, 5)
+    bars = cast("list[Rectangle]", list(axes.patches))
+    heights = np.array([bar.get_height() for bar in bars]).reshape(2, 5)
     np.testing.assert_allclose(heights[0], [1.0, 0.75, 0.5, 0.25, 0.0])
     np.testing.assert_allclose(heights.sum(axis=0), 1.0)
-    bottoms = np.array([bar.get_y() for bar in axes.patches]).reshape(2, 5)
+    bottoms = np.array([bar.get_y() for bar in bars]).reshape(2, 5)
     np.testing.assert_allclose(bottoms, [np.zeros(5), heights[0]])
     ticks = [text.get_text() for text in axes.get_xticklabels()]
     assert ticks == ["1", "5", "9", "13", "17", "20"]

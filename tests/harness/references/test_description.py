@@ -1,5 +1,7 @@
 """`harness references`: all that there is, and one in full."""
 
+from typing import Any
+
 import pytest
 
 from harness.cli.main import main
@@ -8,7 +10,7 @@ from harness.references.experience import EXPERIENCE, HOLDS
 from harness.references.registry import WIDTH, all_entries, one_entry
 from tests.harness.conftest import Refusal
 
-ENTRIES = (*CONE_FACTORS, *EXPERIENCE)
+ENTRIES: list[Any] = [*CONE_FACTORS, *EXPERIENCE]
 
 
 def plain(text: str) -> str:
@@ -29,7 +31,7 @@ def test_all_entries_are_listed_with_what_is_known_of_them() -> None:
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=[entry.id for entry in ENTRIES])
-def test_one_entry_is_told_in_full(entry: object) -> None:
+def test_one_entry_is_told_in_full(entry: Any) -> None:
     text = plain(one_entry(entry.id))
     for name, value in vars(entry).items():
         if isinstance(value, str) and name != "factor":

@@ -33,7 +33,7 @@ def folder(tmp_path: Path, small: Study) -> Path:
 @pytest.fixture
 def half_done(folder: Path, small: Study) -> list[Case]:
     """A study of which one case is done, one has crashed and one has not run."""
-    cases = small.cases
+    cases = list(small.cases)
     done = DONE.assign(case_time=case_time(12.25))
     case_files.write_case(folder, cases[0], done, COMPLETED)
     case_files.write_case(folder, cases[1], xr.Dataset(), CRASHED, "worker killed by SIGKILL")

@@ -15,8 +15,8 @@ from harness.archive import case_files
 from harness.cli.main import main
 from harness.run.worker import run_case
 from harness.study.study import Study, load_study
+from mpm_warp.errors import SceneError
 from mpm_warp.results import variable
-from mpm_warp.scene import SceneError
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 pytestmark = pytest.mark.slow

@@ -28,7 +28,7 @@ def test_the_shares_of_a_launch_make_up_the_whole(
         if OFFSET not in launch.arguments:
             continue
         place = next(k for k, item in enumerate(launch.share(0, count).arguments) if item == 0)
-        covered = []
+        covered = list[int]()
         for number in range(count):
             share = launch.share(number, count)
             first = share.arguments[place]

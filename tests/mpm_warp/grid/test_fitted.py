@@ -45,9 +45,9 @@ def test_uniform_pressure_is_in_balance_away_from_the_boundary(grid: Grid) -> No
     pull = grid.gradient_integrals[..., :2].copy()
     pull[..., 0] += grid.gradient_integrals[..., 2]
     np.add.at(force, grid.cell_nodes, pull)
-    force = force.reshape(grid.row_count + 1, grid.column_count + 1, 2)
+    at_nodes = force.reshape(grid.row_count + 1, grid.column_count + 1, 2)
     scale = np.abs(pull).max()
-    np.testing.assert_allclose(force[1:-1, 1:-1], 0.0, atol=ROUNDING * scale)
+    np.testing.assert_allclose(at_nodes[1:-1, 1:-1], 0.0, atol=ROUNDING * scale)
 
 
 def test_critical_length_of_a_square_far_from_the_axis() -> None:

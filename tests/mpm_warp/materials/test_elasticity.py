@@ -56,7 +56,7 @@ stress_update = make_stress_update(LAW, FLOAT64)
 def deform(
     gradient: wp.array(dtype=vec5),
     time_step: wp.float64,
-    properties: LAW.properties_type,
+    properties: LAW.properties_type,  # type: ignore[name-defined]
     stress: wp.array(dtype=wp.vec4d),
     told: wp.array(dtype=vec5),
 ):

@@ -7,6 +7,7 @@ import pytest
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp.sampling import soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -33,7 +34,7 @@ def shifted(simulation: Simulation, up: float) -> tuple[Floats, Floats]:
     Returns:
         Shape functions of the nodes at them, [particle_count, node_count], and their masses.
     """
-    grid = simulation.scene.grid
+    grid = soil_scene(simulation).grid
     position = simulation.array("particle.position")
     column, row = simulation.array("particle.cell").T
     corner = grid.node_positions[grid.cell_nodes[row * grid.column_count + column]]
@@ -54,7 +55,7 @@ def returned_by_correction(simulation: Simulation) -> Floats:
     before, after = [], []
     velocity = simulation.array("particle.velocity")
     random = np.random.default_rng(3)
-    for _ in range(2 * simulation.scene.grid.node_count):
+    for _ in range(2 * soil_scene(simulation).grid.node_count):
         simulation.array("particle.stress")[:] = 0.0
         velocity[:] = random.normal(size=velocity.shape)
         simulation.advance(1)

@@ -83,7 +83,7 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
             )
             for size in (0.2, 0.1)
         )
-        return (coarse - fine) / 0.1
+        return float(coarse - fine) / 0.1
 
     assert slope(100.0, 0.0) == pytest.approx(MESH_ERRORS[0][2])
     assert slope(100.0, 1.0) == pytest.approx(MESH_ERRORS[1][2])
@@ -94,11 +94,13 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
 
 def test_only_cells_of_three_rows_are_wide() -> None:
     def error(rows: int) -> float:
-        return mesh_error(
-            rigidity_index=100.0,
-            adhesion_factor=0.0,
-            cell_size=math.sqrt(3.0) / rows,
-            cell_growth=1e-9,
+        return float(
+            mesh_error(
+                rigidity_index=100.0,
+                adhesion_factor=0.0,
+                cell_size=math.sqrt(3.0) / rows,
+                cell_growth=1e-9,
+            )
         )
 
     slope = MESH_ERRORS[0][2]

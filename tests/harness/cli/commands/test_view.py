@@ -58,7 +58,7 @@ def test_pictures_and_film_are_written(seen: Path) -> None:
             assert image.width > 1000
     (film,) = results.glob("*_animation.gif")
     with Image.open(film) as image:
-        assert image.n_frames == 2
+        assert getattr(image, "n_frames", 1) == 2
 
 
 def test_the_series_leads_to_points_grid_and_surface(seen: Path) -> None:
