@@ -265,7 +265,8 @@ def test_a_file_of_another_program_that_breaks_the_library_is_one_line(
     script = tmp_path / "broken.py"
     script.write_text(source.replace("found = outline(", f"{what}\n            found = outline("))
     monkeypatch.setattr(netcdf_content, "__file__", str(script))
-    monkeypatch.setattr(netcdf_content, "TIME_LIMIT", 1)
+    # On a busy machine the others take more than a second to start.
+    monkeypatch.setattr(netcdf_content, "TIME_LIMIT", 1 if "1 s" in told else 60)
     of_another_program(result)
     assert told in refusal(["compare", str(result)])
 

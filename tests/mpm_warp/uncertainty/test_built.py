@@ -29,6 +29,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.penetration import TBarPenetration
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone
+from mpm_warp.uncertainty.built import why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
 
 METHOD = Path(__file__).parents[3] / "mpm_warp" / "README.md"
@@ -241,7 +242,7 @@ def test_what_only_records_changes_nothing() -> None:
     test = ConePenetration(energy_audit="balance")
     assert float(stated(test).cone_factor_uncertainty) > 0.0
     recorded = test.build().with_parts(History())
-    assert cone.why_not_as_measured(recorded, ConePenetration().build()) == []
+    assert why_not_as_measured(recorded, ConePenetration().build()) == []
 
 
 @pytest.mark.slow
