@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -17,6 +18,7 @@ def test_a_step_from_rest_has_hookes_stress(floating: Scene) -> None:
     column, row = simulation.array("particle.cell").copy().T
     simulation.advance(1)
     grid, soil = floating.grid, floating.material
+    assert isinstance(soil, Isotropic)
     nodal = simulation.array("node.velocities")[grid.cell_nodes, :2]
     r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
     integrals = (

@@ -19,8 +19,10 @@ import pytest
 import warp as wp
 import xarray as xr
 
-from mpm_warp.materials.material import Material, built_name
+from mpm_warp.materials.elasticity import Isotropic, make_elastic_increment
+from mpm_warp.materials.material import built_name
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.von_mises import make_j2
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.history import History
 from mpm_warp.precision import Precision
@@ -37,7 +39,7 @@ FACTOR = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class DruckerPrager(Material):
+class DruckerPrager(Isotropic):
     """Yields where sqrt(J2) = k + a p, p the mean pressure; returns at constant pressure."""
 
     strength: float
@@ -45,7 +47,7 @@ class DruckerPrager(Material):
 
     @property
     def properties(self) -> tuple[float, ...]:
-        return (self.strength, self.pressure_factor)
+        return (*super().properties, self.strength, self.pressure_factor)
 
     def update(self, precision: Precision) -> Any:
         return _make_update(precision)
@@ -53,19 +55,19 @@ class DruckerPrager(Material):
 
 @functools.cache
 def _make_update(precision: Precision) -> Any:
-    real, vec1, vec2, vec4 = precision.real, precision.vector(1), precision.vec2, precision.vec4
+    real, vec1, vec4 = precision.real, precision.vector(1), precision.vec4
+    j2, elastic_increment = make_j2(precision), make_elastic_increment(precision)
 
     @wp.func
-    def return_to_cone(trial: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+    def return_to_cone(stress: vec4, strain: vec4, time_step: real, properties: vec4, state: vec1):
+        trial = stress + elastic_increment(strain, properties[0], properties[1])
         mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
         centre = vec4(mean, mean, real(0.0), mean)
-        d = trial - centre
-        sum_of_squares = d[0] * d[0] + d[1] * d[1] + d[3] * d[3] + real(2.0) * d[2] * d[2]
-        shear = wp.sqrt(real(0.5) * sum_of_squares)
-        strength = wp.max(properties[0] - properties[1] * mean, real(0.0))
+        shear = wp.sqrt(j2(trial))
+        strength = wp.max(properties[2] - properties[3] * mean, real(0.0))
         if shear <= strength:
             return trial, state
-        return centre + strength / shear * d, state
+        return centre + strength / shear * (trial - centre), state
 
     return return_to_cone
 
@@ -75,6 +77,7 @@ class InDruckerPrager:
 
     def build(self) -> Scene:
         scene: Scene = super().build()  # type: ignore[misc]
+        assert isinstance(scene.material, Isotropic)
         soil = DruckerPrager(
             shear_modulus=scene.material.shear_modulus,
             poissons_ratio=scene.material.poissons_ratio,
