@@ -22,8 +22,7 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow
-from mpm_warp.parts.energy_audit import EnergyAudit
-from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.parts.free_surface import FreeSurface, PassingSurface
 from mpm_warp.parts.history import History

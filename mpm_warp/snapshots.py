@@ -9,8 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from mpm_warp.arguments import POSITIVE, check_number
-from mpm_warp.parts.history import displacement
-from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.results import labelled, variable
 from mpm_warp.sampling import soil_scene

@@ -38,7 +38,7 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.strength_beside import add_strength_beside, passes_soil_that_varies
+from mpm_warp.parts.adhesion import add_changing_adhesion, passes_soil_that_varies
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
@@ -157,7 +157,7 @@ class SurfaceContact(Part):
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add what keeps the adhesion that of the soil beside the surface."""
-        add_strength_beside(plan, scene, nodes=self.nodes, adhesion_forces=self.adhesion_forces)
+        add_changing_adhesion(plan, scene, nodes=self.nodes, adhesion_forces=self.adhesion_forces)
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed.

@@ -108,12 +108,9 @@ class CyclicWindow(MovingGrid):
     def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
         """Put the soil below the grid into them: they are as many as it needs."""
         grid = scene.grid
-        position, mass, cell = (
-            plan.arrays[f"particle.{name}"].initial for name in ("position", "mass", "cell")
+        position, mass, cell, stress = (
+            plan.initial(f"particle.{name}") for name in ("position", "mass", "cell", "stress")
         )
-        assert position is not None
-        assert mass is not None
-        assert cell is not None
         row = seed_rows(grid, 0, 1, scene.particles_per_side)
         empty = np.flatnonzero(cell[:, 0] < 0)
         depth, in_row = np.divmod(np.arange(len(empty)), row.particle_count)
@@ -122,11 +119,7 @@ class CyclicWindow(MovingGrid):
         material = scene.material
         mass[empty] = material.density * row.volume[in_row]
         if material.state:
-            stress, state = (
-                plan.arrays[f"particle.{name}"].initial for name in ("stress", "state")
-            )
-            assert stress is not None
-            assert state is not None
+            state = plan.initial("particle.state")
             state[empty] = material.state_at(stress[empty], position[empty])
         column = np.full(len(cell), -1)
         column[empty] = row.cell[in_row, 0]

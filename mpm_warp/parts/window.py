@@ -185,8 +185,7 @@ def add_inflow(plan: Plan, scene: Scene) -> None:
     launch "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
     """
     plan.remedy += f", or {REMEDY}"
-    cell = plan.arrays["particle.cell"].initial
-    assert cell is not None
+    cell = plan.initial("particle.cell")
     slots = np.flatnonzero(cell[:, 1] == 0)
     slots = slots[: len(slots) // scene.particles_per_side]
     plan.add_zeros("layer.slots", "int", len(slots), (len(cell),))

@@ -180,6 +180,12 @@ class Plan:
         """The name of an array that a part may have added; None where it has not."""
         return name if name in self.arrays else None
 
+    def initial(self, name: str) -> NDArray[Any]:
+        """What an array starts with, where it was given values; they may still be changed."""
+        values = self.arrays[name].initial
+        assert values is not None, f"{name} starts with zeros"
+        return values
+
     def launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> Launch:
         """A launch; its arguments go by the names that they have in the kernel.
 

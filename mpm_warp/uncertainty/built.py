@@ -23,8 +23,7 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parameters import parameters_of
 from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.energy_audit import EnergyAudit
-from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.history import History
 from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.energy_audit import EnergyAudit
+from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan

@@ -11,7 +11,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.parts.boundaries import FarField, Fixed
-from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.energy import EnergyBalance
 from mpm_warp.parts.forces import Gravity
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.interpolation import ConservativeInterpolation

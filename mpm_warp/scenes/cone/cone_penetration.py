@@ -13,8 +13,7 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid, growing
 from mpm_warp.parts.boundaries import Fixed
-from mpm_warp.parts.energy_audit import EnergyAudit
-from mpm_warp.parts.energy_balance import EnergyBalance
+from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.history import History
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource

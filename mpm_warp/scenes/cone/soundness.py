@@ -12,7 +12,7 @@ import xarray as xr
 
 from mpm_warp.errors import InaccurateRun, UnfinishedRun
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.energy_balance import OF_CELLS, OF_NODES, OF_POINTS
+from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import variable
 from mpm_warp.sampling import transferred_energy

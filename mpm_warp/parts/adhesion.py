@@ -35,7 +35,7 @@ def passes_soil_that_varies(scene: Scene) -> bool:
     return scene.material.variation is not None and scene.find(MovingGrid) is not None
 
 
-def add_strength_beside(
+def add_changing_adhesion(
     plan: Plan, scene: Scene, *, nodes: Integers, adhesion_forces: Floats
 ) -> None:
     """Add the launches to the audited step of a plan that is complete.

@@ -7,8 +7,7 @@ import pytest
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import Isotropic
-from mpm_warp.parts.history import History, displacement
-from mpm_warp.parts.plastic_strain import PLASTIC_STRAIN
+from mpm_warp.parts.history import PLASTIC_STRAIN, History, displacement
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene

@@ -1,10 +1,17 @@
-"""Energy balance: every 16th step also records where the work of a body on the soil goes.
+"""Energy: what the transfers change, and where the work of a body on the soil goes.
 
-Symbols: m mass of a node, M the greater of it and its least mass, u velocity before the step, w by
-the stress of the soil alone, g with what the ground around does beside it, v after the step,
-x = (u + v) / 2, B velocity of the body; V volume, b viscosity, d rate of dilation of a cell; tau
-trial stress, sigma stress after the law of the material, e elastic energy per volume, dev the
-deviator, G and K moduli. Added up are, of each node, cell and point,
+Every 16th step records both. The audit of the transfers records before a step, for the velocities v
+that the last one has left, and after its momentum equation, for the velocities u before it: only
+the transfer to particles and back lies between. Over a row of nodes,
+
+    E <- E + sum m u.u / 2        before the step
+    E <- E - sum m v.v / 2        after the one before it
+
+Symbols of the balance: m mass of a node, M the greater of it and its least mass, u velocity before
+the step, w by the stress of the soil alone, g with what the ground around does beside it, v after
+the step, x = (u + v) / 2, B velocity of the body; V volume, b viscosity, d rate of dilation of a
+cell; tau trial stress, sigma stress after the law of the material, e elastic energy per volume, dev
+the deviator, G and K moduli. Added up are, of each node, cell and point,
 
     by the body     m (v - g).B, of it to the soil m (v - g).x: the rest is sliding
     by the ground   m (g - w).x
@@ -34,7 +41,6 @@ from mpm_warp.materials.material import (
 )
 from mpm_warp.materials.von_mises import make_j2
 from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.energy_audit import EnergyAudit
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -43,6 +49,28 @@ from mpm_warp.scene import Part, Scene
 OF_NODES, OF_CELLS, OF_POINTS = "balance.nodes", "balance.cells", "balance.points"
 """The arrays of work [J] per radian: of nodes (by the body, of it to the soil, by the ground,
 kinetic, least mass), of cells (viscous), of slots (plastic, elastic)."""
+
+
+class EnergyAudit(Part):
+    """Samples what energy the transfers create or dissipate."""
+
+    def add_records(self, plan: Plan, scene: Scene) -> None:
+        """Add an audited step.
+
+        The array "transfer.energy" adds up what each row of nodes has gained in these steps [J].
+        """
+        grid = scene.grid
+        plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
+        before, after = (
+            plan.launch(
+                _make_kinetic_energy(when, plan.precision),
+                grid.row_count + 1,
+                column_count=grid.column_count,
+            )
+            for when in ("before", "after")
+        )
+        plan.audit_first(after)
+        plan.audit_after("momentum", before)
 
 
 class EnergyBalance(Part):
@@ -87,6 +115,39 @@ class EnergyBalance(Part):
         plan.audit_after("surface_contact", of_nodes)
         # The rates of cells are known, and points still have the stress before the law.
         plan.audit_before("grid_to_particles", of_points)
+
+
+@functools.cache
+def _make_kinetic_energy(when: str, precision: Precision) -> Any:
+    """The kernel, launched over rows of nodes, each of which keeps its own sum.
+
+    Args:
+        when: "before" or "after" a step.
+        precision: floating point types.
+    """
+    real, vec4 = precision.real, precision.vec4
+    first, sign = {"before": (2, 1.0), "after": (0, -1.0)}[when]
+    key = f"{when}.{precision.numpy_name}"
+
+    @wp.kernel(module=f"mpm_warp.kinetic_energy.{key}", enable_backward=False)
+    def kinetic_energy(
+        column_count: int,
+        node_mass: wp.array(dtype=real),
+        node_velocities: wp.array(dtype=vec4),
+        transfer_energy: wp.array(dtype=real),
+    ):
+        j = wp.tid()
+        total = real(0.0)
+        for i in range(column_count + 1):
+            node = j * (column_count + 1) + i
+            v = node_velocities[node]
+            total += node_mass[node] * (
+                v[wp.static(first)] * v[wp.static(first)]
+                + v[wp.static(first + 1)] * v[wp.static(first + 1)]
+            )
+        transfer_energy[j] = transfer_energy[j] + real(0.5 * wp.static(sign)) * total
+
+    return kinetic_energy
 
 
 @functools.cache
