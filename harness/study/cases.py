@@ -93,7 +93,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             case = Case(
                 scene=part.name,
                 scene_version=part.scene.version,
-                parameters=complete,
+                parameters=_naming(part, complete),
                 label=label,
                 snapshots=part.snapshots,
             )
@@ -105,6 +105,15 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
     if len(refusals) == len(cases):
         raise next(iter(refusals.values()))
     return tuple(cases.values())
+
+
+def _naming(part: ScenePart, complete: Mapping[str, Value | None]) -> Mapping[str, Value | None]:
+    """The parameters that name a case, without those of other packages' laws that it has not.
+
+    So a case keeps its name whatever packages are installed.
+    """
+    absent = {name for name in part.of_other_laws if complete[name] is None}
+    return {name: value for name, value in complete.items() if name not in absent}
 
 
 def _complete(

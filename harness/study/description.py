@@ -262,6 +262,8 @@ USUAL = {
     "density": Usual(1000.0, 3000.0, {"t/m3": 1e3, "kN/m3": 1e3 / 9.81}),
 }
 """Clays from very soft to hard, offshore and on land; penetrometers from 0.8 cm2 to 300 cm2."""
+USUAL_STRESS = Usual(1e3, 1e11, PASCAL)
+"""Any stress or stiffness, of a law of another package."""
 
 
 def tell_of_unusual_values(study: Study) -> None:
@@ -278,7 +280,8 @@ def unusual_values(study: Study) -> list[str]:
 
 def _unusual_in(part: ScenePart) -> list[str]:
     lines = []
-    for name, usual in USUAL.items():
+    of_laws = [name for name in part.of_other_laws if part.parameters[name].unit == "Pa"]
+    for name, usual in {**dict.fromkeys(of_laws, USUAL_STRESS), **USUAL}.items():
         values = _given(part, name)
         units = {usual.unit_of(value) for value in values}
         if len(units) != 1 or (unit := units.pop()) is None:

@@ -60,6 +60,11 @@ class ScenePart:
     snapshots: tuple[float, ...]
 
     @property
+    def of_other_laws(self) -> tuple[str, ...]:
+        """The parameters that laws of other packages add to the scene."""
+        return getattr(self.scene, "of_other_laws", ())
+
+    @property
     def assigned(self) -> set[str]:
         """The parameters that the study gives values to; all others are left to the scene."""
         return {
