@@ -2,142 +2,106 @@
 
 from __future__ import annotations
 
-HELP: dict[str, tuple[str, tuple[str, ...]]] = {
-    "new": (
-        (
-            "Write the definition of a study into the current folder: a TOML file with all "
-            "parameters of a scene, explained, that runs as it stands. Edit it, then run it."
-        ),
-        ("new my_study", "new my_footing --scene strip_footing"),
-    ),
-    "run": (
-        (
-            "Run the cases of a study, write the dataset, the table and the pictures, and compare"
-            " them with references or exact solutions. Cases that are done stay: the same command"
-            " goes on where it was stopped."
-        ),
-        (
-            "run adhesion_factor",
-            "run my_study.toml --workers 2 --out runs",
-            "run adhesion_factor --set rigidity_index=50 --set 'adhesion_factor=[0, 1]' --out soft",
-            "run adhesion_factor --set material=von_mises --uncertainty --out von_mises",
-        ),
-    ),
-    "status": (
-        (
-            "List the cases of a study with their status, their time, and why a case did not "
-            "complete. Without a study, or with a scene: list the stored results."
-        ),
-        (
-            "status",
-            "status mesh_size",
-            "status my_study.toml --traceback",
-            "status results/mesh_size.nc",
-        ),
-    ),
-    "collect": (
-        (
-            "Write the dataset of a study from the cases that are done by now. A run does so "
-            "itself at its end."
-        ),
-        ("collect mesh_size",),
-    ),
-    "clean": (
-        (
-            "Remove files that are no results of the study as it is now: cases with other "
-            "parameters, damaged and half-written files. It lists them and asks first."
-        ),
-        ("clean mesh_size",),
-    ),
-    "rerun": (
-        "Run one case again from its file alone, and tell whether every bit is the same.",
-        ("rerun results/mesh_size.nc 0123456789abcdef",),
-    ),
-    "list": (
-        "List the studies that ship and all scenes, a line each.",
-        ("list",),
-    ),
-    "describe": (
-        (
-            "Describe a scene: its parameters with default, unit, meaning and allowed range. Or a"
-            " study: its scene, what it varies and fixes, and its cases."
-        ),
-        ("describe cone_penetration", "describe adhesion_factor", "describe my_study.toml"),
-    ),
-    "schema": (
-        "Print a JSON schema of study files, by which editors complete and check them.",
-        ("schema",),
-    ),
-    "plan": (
-        (
-            "Print what a run will cost. For one case: its kernels, arrays, steps and time. For a "
-            "study of several: material points, memory, steps and time of each."
-        ),
-        (
-            "plan cone_penetration",
-            "plan cone_penetration --set cells_per_radius=6",
-            "plan mesh_size",
-        ),
-    ),
-    "verify": (
-        (
-            "Run scenes that have an exact solution, and print error, bound and observed order. "
-            "All of them take about six minutes."
-        ),
-        ("verify --scene thick_cylinder", "verify --extreme --out checks"),
-    ),
-    "bench": (
-        "Measure the speed of the simulator on this machine and print it as tables.",
-        ("bench", "bench --set physics=cone --set 'size=[3000, 20000]'"),
-    ),
-    "references": (
-        (
-            "List the cone factors of the literature and the bands of experience that a study can "
-            "be compared with: formula, range, source, how it is known. With ID: one in full."
-        ),
-        ("references", "references lu_2004"),
-    ),
-    "compare": (
-        (
-            "Print a result beside references or exact solutions. Or set two results side by side"
-            " and print the largest difference of each variable."
-        ),
-        ("compare results/adhesion_factor.nc", "compare runs/a.nc runs/b.nc --tolerance 1e-6"),
-    ),
-    "plot": (
-        "Draw the pictures of a result again.",
-        ("plot results/adhesion_factor.nc",),
-    ),
-    "view": (
-        (
-            "Draw the soil around the penetrometer of a case that was run with --snapshots: "
-            "sections, traction and a film. With --vtk: files for ParaView too."
-        ),
-        ("view results/adhesion_factor.nc", "view results/adhesion_factor.nc --vtk --out seen"),
-    ),
-    "report": (
-        "Write one page of HTML on results, pictures included.",
-        ("report results/adhesion_factor.nc -o report.html",),
-    ),
-    "recommend": (
-        (
-            "Look through the results of a scene for the cheapest settings of the method whose "
-            "error is at most X in all cases."
-        ),
-        ("recommend cone_penetration --error 1%",),
-    ),
-    "help": (
-        "Print the commands, or the options of one.",
-        ("help", "help run"),
-    ),
-    "completion": (
-        (
-            "Print what makes a shell complete commands, options, studies and scenes by the Tab "
-            "key. Put the line of your shell into its start file: ~/.bashrc, ~/.zshrc (after "
-            "compinit), ~/.config/fish/config.fish."
-        ),
-        (),
-    ),
+import re
+
+TEXT = """\
+[new]
+Write the definition of a study into the current folder: a TOML file with all parameters of a scene,
+explained, that runs as it stands. Edit it, then run it.
+    new my_study
+    new my_footing --scene strip_footing
+[run]
+Run the cases of a study, write the dataset, the table and the pictures, and compare them with
+references or exact solutions. Cases that are done stay: the same command goes on where it was
+stopped.
+    run adhesion_factor
+    run my_study.toml --workers 2 --out runs
+    run adhesion_factor --set rigidity_index=50 --set 'adhesion_factor=[0, 1]' --out soft
+    run adhesion_factor --set material=von_mises --uncertainty --out von_mises
+[status]
+List the cases of a study with their status, their time, and why a case did not complete. Without a
+study, or with a scene: list the stored results.
+    status
+    status mesh_size
+    status my_study.toml --traceback
+    status results/mesh_size.nc
+[collect]
+Write the dataset of a study from the cases that are done by now. A run does so itself at its end.
+    collect mesh_size
+[clean]
+Remove files that are no results of the study as it is now: cases with other parameters, damaged and
+half-written files. It lists them and asks first.
+    clean mesh_size
+[rerun]
+Run one case again from its file alone, and tell whether every bit is the same.
+    rerun results/mesh_size.nc 0123456789abcdef
+[list]
+List the studies that ship and all scenes, a line each.
+    list
+[describe]
+Describe a scene: its parameters with default, unit, meaning and allowed range. Or a study: its
+scene, what it varies and fixes, and its cases.
+    describe cone_penetration
+    describe adhesion_factor
+    describe my_study.toml
+[schema]
+Print a JSON schema of study files, by which editors complete and check them.
+    schema
+[plan]
+Print what a run will cost. For one case: its kernels, arrays, steps and time. For a study of
+several: material points, memory, steps and time of each.
+    plan cone_penetration
+    plan cone_penetration --set cells_per_radius=6
+    plan mesh_size
+[verify]
+Run scenes that have an exact solution, and print error, bound and observed order. All of them take
+about six minutes.
+    verify --scene thick_cylinder
+    verify --extreme --out checks
+[bench]
+Measure the speed of the simulator on this machine and print it as tables.
+    bench
+    bench --set physics=cone --set 'size=[3000, 20000]'
+[references]
+List the cone factors of the literature and the bands of experience that a study can be compared
+with: formula, range, source, how it is known. With ID: one in full.
+    references
+    references lu_2004
+[compare]
+Print a result beside references or exact solutions. Or set two results side by side and print the
+largest difference of each variable.
+    compare results/adhesion_factor.nc
+    compare runs/a.nc runs/b.nc --tolerance 1e-6
+[plot]
+Draw the pictures of a result again.
+    plot results/adhesion_factor.nc
+[view]
+Draw the soil around the penetrometer of a case that was run with --snapshots: sections, traction
+and a film. With --vtk: files for ParaView too.
+    view results/adhesion_factor.nc
+    view results/adhesion_factor.nc --vtk --out seen
+[report]
+Write one page of HTML on results, pictures included.
+    report results/adhesion_factor.nc -o report.html
+[recommend]
+Look through the results of a scene for the cheapest settings of the method whose error is at most X
+in all cases.
+    recommend cone_penetration --error 1%
+[help]
+Print the commands, or the options of one.
+    help
+    help run
+[completion]
+Print what makes a shell complete commands, options, studies and scenes by the Tab key. Put the line
+of your shell into its start file: ~/.bashrc, ~/.zshrc (after compinit), ~/.config/fish/config.fish.
+"""
+
+HELP = {
+    name: (
+        " ".join(line for line in text.splitlines() if not line.startswith(" ")),
+        tuple(line.strip() for line in text.splitlines() if line.startswith(" ")),
+    )
+    for name, text in re.findall(r"^\[(\w+)\]\n((?:[^\[].*\n)+)", TEXT, flags=re.MULTILINE)
 }
 """By command: what it does, and examples without the program's name."""
 

@@ -37,14 +37,14 @@ COMMANDS = {
     "list": "studies.list_names",
     "describe": "studies.describe",
     "schema": "studies.schema",
-    "plan": "plan.show_plan",
+    "plan": "studies.show_plan",
     "compare": "results.compare",
     "plot": "results.plot",
     "view": "results.view",
     "report": "results.report",
     "recommend": "results.show_recommendation",
     "references": "studies.references",
-    "help": "studies.show_help",
+    "help": "completion.show_help",
     "completion": "completion.completion",
 }
 """Module of `harness.cli.commands` and function of each command; the function is given the options

@@ -7,7 +7,7 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from types import FrameType
 from typing import Any, NoReturn, TextIO
@@ -74,9 +74,9 @@ def send_nowhere(stream: TextIO) -> None:
 
 @contextmanager
 def safe_output() -> Iterator[None]:
-    """Inside the ``with``, standard output is an `_Output`, and is written out at its end."""
+    """Inside the ``with``, standard output is safe, and is written out at its end."""
     _escape_letters(sys.stdout)
-    output: Any = _Output(sys.stdout)
+    output: Any = _Stream(sys.stdout, is_output=True)
     with redirect_stdout(output):
         try:
             yield
@@ -86,9 +86,9 @@ def safe_output() -> Iterator[None]:
 
 @contextmanager
 def safe_remarks() -> Iterator[None]:
-    """Inside the ``with``, standard error is a `_Remarks`."""
+    """Inside the ``with``, what standard error cannot take is lost."""
     _escape_letters(sys.stderr)
-    remarks: Any = _Remarks(sys.stderr)
+    remarks: Any = _Stream(sys.stderr, is_output=False)
     with redirect_stderr(remarks):
         try:
             yield
@@ -103,57 +103,38 @@ def _escape_letters(stream: TextIO) -> None:
 
 
 class _Stream:
-    """A stream before another one."""
+    """A stream before another one: what cannot be written there goes nowhere from then on.
 
-    def __init__(self, stream: TextIO) -> None:
+    Args:
+        stream: the other one.
+        is_output: whether it is standard output: lines of printable characters, whose loss ends the
+            command. Without remarks on standard error it goes on.
+    """
+
+    def __init__(self, stream: TextIO, *, is_output: bool) -> None:
         self.stream = stream
+        self.is_output = is_output
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
 
-
-class _Output(_Stream):
-    """Standard output: lines of printable characters; what cannot be written ends the command."""
-
     def write(self, text: str) -> int:
+        if self.is_output:
+            text = "".join(OURS.get(it) or printable(it) for it in _OURS.split(text))
+        self._done(self.stream.write, text)
+        return len(text)
+
+    def flush(self) -> None:
+        self._done(self.stream.flush)
+
+    def _done(self, action: Callable[..., object], *given: str) -> None:
         try:
-            return self.stream.write(
-                "".join(OURS.get(it) or printable(it) for it in _OURS.split(text))
-            )
+            action(*given)
         except BrokenPipeError:
             raise
         except OSError as error:
-            raise self._lost(error) from None
-
-    def flush(self) -> None:
-        try:
-            self.stream.flush()
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            raise self._lost(error) from None
-
-    def _lost(self, error: OSError) -> HarnessError:
-        send_nowhere(self.stream)
-        return HarnessError(f"standard output: cannot be written: {error.strerror}")
-
-
-class _Remarks(_Stream):
-    """Standard error: what cannot be written there is lost, and the command goes on."""
-
-    def write(self, text: str) -> int:
-        try:
-            return self.stream.write(text)
-        except BrokenPipeError:
-            raise
-        except OSError:
             send_nowhere(self.stream)
-            return len(text)
-
-    def flush(self) -> None:
-        try:
-            self.stream.flush()
-        except BrokenPipeError:
-            raise
-        except OSError:
-            send_nowhere(self.stream)
+            if self.is_output:
+                raise HarnessError(
+                    f"standard output: cannot be written: {error.strerror}"
+                ) from None

@@ -1,4 +1,4 @@
-"""Completion by the Tab key in bash, zsh and fish: what is offered where, found at once.
+"""Help, and completion by the Tab key in bash, zsh and fish: what is offered where, found at once.
 
 The shell runs the program itself at each Tab, by argcomplete. So nothing that computes is imported
 here: names of scenes are read out of their source files.
@@ -16,12 +16,19 @@ from pathlib import Path
 import argcomplete
 from argcomplete.shell_integration import shellcode
 
+from harness.cli.options import make_parser
 from harness.cli.process import DONE
 from harness.study.files import study_names
 
 STUDIES = ("study", "subject")
 RESULTS = ("file", "other", "study")
 """Names of arguments that take studies, and those that take results."""
+
+
+def show_help(options: argparse.Namespace) -> int:
+    """Print the help of the program, or of one command."""
+    make_parser().parse_args([*([options.about] if options.about else []), "--help"])
+    return DONE
 
 
 def completion(options: argparse.Namespace) -> int:

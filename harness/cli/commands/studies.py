@@ -1,4 +1,4 @@
-"""Commands on what there is: a new study; what a scene, a study, a reference, a command is."""
+"""Commands on what there is: a new study; what a scene, study or reference is; what it takes."""
 
 from __future__ import annotations
 
@@ -6,18 +6,28 @@ import argparse
 import json
 import re
 import shlex
+import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
 
 from harness.archive.atomic_files import write_whole
-from harness.cli.options import make_parser
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
 from harness.references.registry import all_entries, one_entry
-from harness.study.description import scene_rows, study_rows, study_text
+from harness.run.resources import UPDATE_RATE
+from harness.study.cases import Case
+from harness.study.description import scene_rows, study_rows, study_text, tell_of_unusual_values
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
-from harness.study.study import is_scene, load_study
-from mpm_warp.scenes import scene_class, scene_names
+from harness.study.study import is_scene, load_study, study_of_scene
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.parameters import from_mapping
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
+from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 
 def new(options: argparse.Namespace) -> int:
@@ -80,7 +90,103 @@ def references(options: argparse.Namespace) -> int:
     return DONE
 
 
-def show_help(options: argparse.Namespace) -> int:
-    """Print the help of the program, or of one command."""
-    make_parser().parse_args([*([options.about] if options.about else []), "--help"])
+HEADING = f"{'points':>12}  {'memory':>9}  {'steps <':>12}  {'time <':>9}  case"
+
+
+def show_plan(options: argparse.Namespace) -> int:
+    """Print the kernels and arrays of one case, or a line for each case of several."""
+    read = study_of_scene if is_scene(options.subject) else load_study
+    study = read(options.subject, options.set)
+    tell_of_unusual_values(study)
+    if len(study.cases) > 1:
+        _show_cases(study.cases)
+        return DONE
+    scene = _scene_of(study.cases[0])
+    with _at_work(1, f"planning {study.name}") as bar:
+        plan = scene.plan()
+        text = _plan_text(plan, scene.step_count_bound(plan))
+        bar.update()
+    print(text)
     return DONE
+
+
+def _scene_of(case: Case) -> CatalogueScene:
+    return from_mapping(scene_class(case.scene), case.parameters)
+
+
+def _at_work(count: int, what: str) -> tqdm[Any]:
+    """A line on a terminal that says how far the planning of cases has come."""
+    layout = "{desc}, {n_fmt}/{total_fmt}, {elapsed}"
+    hidden = not sys.stderr.isatty()
+    return tqdm(total=count, desc=what, bar_format=layout, leave=False, disable=hidden)
+
+
+def _show_cases(cases: Sequence[Case]) -> None:
+    """Print what each case takes, and all of them together."""
+    print(HEADING)
+    total, unknown = 0.0, False
+    with _at_work(len(cases), "planning") as bar:
+        for case in cases:
+            row, seconds = _case_row(case)
+            tqdm.write(row, file=sys.stdout)
+            bar.update()
+            total += seconds or 0.0
+            unknown |= seconds is None
+    more = ", and more: the steps of some are not known beforehand" if unknown else ""
+    print(f"{len(cases)} cases, {_spoken_time(total)} at most on one thread{more}")
+
+
+def _case_row(case: Case) -> tuple[str, float | None]:
+    """What a case takes, and its time [s]; None where the steps are not known beforehand."""
+    try:
+        scene = _scene_of(case)
+        size = scene.run_size()
+        if size is not None:
+            points, memory, steps = size.particle_count, size.byte_count, size.step_count
+        else:
+            plan = scene.plan()
+            points = plan.particle_count
+            memory = float(sum(array.byte_count for array in plan.arrays.values()))
+            steps = float(scene.step_count_bound(plan) or 0)
+    except (ParameterError, SceneError) as error:
+        return f"{'refused':>12}  {'':9}  {'':12}  {'':9}  {case.label}: {error}", 0.0
+    seconds = points * steps / UPDATE_RATE if steps else None
+    time = "" if seconds is None else _spoken_time(seconds)
+    told_steps = f"{steps:,.0f}" if steps else "not known"
+    row = f"{points:>12,}  {memory / 1e6:>6.1f} MB  {told_steps:>12}  {time:>9}  {case.label}"
+    return row, seconds
+
+
+def _spoken_time(seconds: float) -> str:
+    """A time with two digits, in a unit that suits it."""
+    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
+def _plan_text(plan: Plan, step_count_bound: int | None) -> str:
+    """Launches of a step, arrays and their bytes, particle count, time step, steps and seconds."""
+    lines = [f"kernels of a step: {len(plan.step)}"]
+    lines += [_launch_line(launch) for launch in plan.step]
+    now_and_then = plan.launches[len(plan.step) :]
+    if now_and_then:
+        lines += ["kernels now and then:", *map(_launch_line, now_and_then)]
+    byte_count = sum(array.byte_count for array in plan.arrays.values())
+    lines += [f"arrays: {len(plan.arrays)}, {byte_count:,} bytes"]
+    lines += [
+        f"  {name:24} {array.dtype.__name__:12} {array.shape!s:14} {array.byte_count:>12,} bytes"
+        for name, array in plan.arrays.items()
+    ]
+    lines += [f"particles: {plan.particle_count:,}", f"time step: {plan.time_step:.4g} s"]
+    if step_count_bound is not None:
+        seconds = step_count_bound * plan.particle_count / UPDATE_RATE
+        lines.append(
+            f"steps: {step_count_bound:,} at most, {seconds:.2g} s at "
+            f"{UPDATE_RATE / 1e6:.0f} million particle updates a second"
+        )
+    return "\n".join(lines)
+
+
+def _launch_line(launch: Launch) -> str:
+    return f"  {launch.name:24} {launch.dim}"
