@@ -12,17 +12,19 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
 from harness.archive.collection import collect
-from harness.archive.conventions import COMPLETED, without_incomplete_curves
+from harness.archive.conventions import COMPLETED, reasons_of, without_incomplete_curves
 from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.compare.result_table import cone_factor_table
 from harness.pictures.pictures import draw
+from harness.report.report import page
 from harness.run.rerun import read_for_rerun, verdict
 from harness.run.worker import compute, run_case
 from harness.study.study import Study, load_study
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.results import curves, variable
+from mpm_warp.results import curves, text_variable, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.uncertainty.interval import stated_value
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 HYPERCUBE = """design = "latin_hypercube"
@@ -214,3 +216,43 @@ def test_a_case_that_ends_by_name_has_no_traceback(
     result = compute(small.cases[0])
     assert result.outcome.status == "diverged"
     assert "traceback" not in result.dataset.attrs
+
+
+def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_path: Path) -> None:
+    """In one of two cases; the collected file says what was built, and so does not say Tresca."""
+    made = study(tmp_path, HEAD + "[vary]\nadhesion_factor = [0, 1]\n")
+    folder = case_folder(tmp_path, made)
+    prepare(folder)
+    laws = ("tresca", "their_clay.Hardening")
+    for case, law in zip(made.cases, laws, strict=True):
+        parts = {"mesh": 0.1}
+        reasons = [] if law == "tresca" else [f"law: nobody has measured {law}"]
+        known = stated_value(
+            "cone_factor", 10.0, correction=0.1, parts=parts, reasons=reasons, description="Nc"
+        )
+        shear = variable(0.0, unit="1", meaning="shear part")
+        built = text_variable(law, meaning="law as built", role="built")
+        result = xr.Dataset(known | {"cone_factor_shear": shear, "built_law": built})
+        write_case(folder, case, result, COMPLETED)
+    write_study(tmp_path / "s.nc", collect(made, folder))
+    dataset = read_study(tmp_path / "s.nc")
+    assert dataset.cone_factor.values.tolist() == [10.1, 10.0]
+    assert np.isnan(dataset.cone_factor_uncertainty.values).tolist() == [False, True]
+    assert dataset.material.values.tolist() == list(laws)
+    line = f"no uncertainty of adhesion_factor=1.0: law: nobody has measured {laws[1]}"
+    assert line in cone_factor_table(dataset).splitlines()
+    assert page([dataset])[0].count(f"law: nobody has measured {laws[1]}") == 1
+
+
+def test_texts_that_only_one_scene_gives_are_empty_for_the_others(tmp_path: Path) -> None:
+    text = 'title = "t"\nscene = ["cone_penetration", "t_bar_penetration"]\n'
+    made = study(tmp_path, text)
+    folder = case_folder(tmp_path, made)
+    prepare(folder)
+    for case in made.cases:
+        factor = (), 10.0, {"role": "headline"}
+        told = {"why_no_uncertainty": ((), "law: none", {"role": "reason"})}
+        own = told if case.scene == "cone_penetration" else {}
+        write_case(folder, case, xr.Dataset({"cone_factor": factor, **own}), COMPLETED)
+    write_study(tmp_path / "s.nc", collect(made, folder))
+    assert reasons_of(read_study(tmp_path / "s.nc")) == ["law: none", ""]

@@ -91,3 +91,16 @@ def test_nothing_is_compared_where_nothing_completed() -> None:
     dataset = footings(["diverged", "failed"])[["status"]]
     with pytest.raises(NothingToCompareError, match="no case of 2 completed"):
         result_table(dataset)
+
+
+def test_why_there_is_no_uncertainty_stands_below_the_table() -> None:
+    """Once for all cases, or with the cases that it is of."""
+    reason = "law: nobody has measured it"
+    both = footings(["completed", "completed"])
+    for reasons, line in (
+        (["", reason], f"no uncertainty of adhesion_factor=1.0: {reason}"),
+        ([reason, reason], f"no uncertainty: {reason}"),
+    ):
+        told = both.assign(why_no_uncertainty=("adhesion_factor", reasons, {"role": "reason"}))
+        assert line in result_table(told).splitlines()
+    assert "no uncertainty" not in result_table(both)

@@ -36,3 +36,13 @@ def test_depth_goes_downward_and_each_sounding_is_one_curve_with_a_band() -> Non
     np.testing.assert_allclose(resistance.lines[0].get_xdata(), expected)
     assert len(resistance.collections) == 2
     assert [it.get_text() for it in figure.legends[0].get_texts()] == ["$α$ = 0", "$α$ = 1"]
+
+
+def test_where_there_is_no_band_the_caption_says_why() -> None:
+    reasons = np.full((2, 2), "Delta: it is beyond 0.5, from 2 to 3 m; speed: it is too high")
+    dims = ("adhesion_factor", "stretch_number")
+    told = result().assign(why_no_uncertainty=(dims, reasons, {"role": "reason"}))
+    said = "Where there is no band the error is not known: Delta, speed."
+    captions = [sounding_figure(it).get_supxlabel() for it in (told, result())]
+    assert said in " ".join(captions[0].split())
+    assert "no band" not in captions[1]

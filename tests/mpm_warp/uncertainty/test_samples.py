@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.scenes.sounding.curves import error_of_samples
+from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.laws import BOTTOM_ERROR, DOMAIN, NEAREST_BOTTOM
 
@@ -37,3 +38,22 @@ def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
     )
     of_half = BOTTOM_ERROR * 100.0 / (2.02 * nearest) ** 2
     assert near - default == pytest.approx(3.0 * of_half)
+
+
+def test_beyond_the_anisotropy_measured_the_reason_is_told_with_its_depths() -> None:
+    """Ground whose Delta grows with depth, as under K0: it is beyond 0.5 from 2 m on."""
+    depth = np.array([0.0, 2.0, 4.0])
+    ground = Profile(
+        depth=depth,
+        strength=np.full(3, 20e3),
+        shear_modulus=np.full(3, 2e6),
+        unit_weight=np.full(3, 16e3),
+        stress_anisotropy=np.array([0.3, 0.5, 0.7]),
+    )
+    sounding = Sounding(profile=ground.text, from_depth=1.5, to_depth=2.5)
+    places = np.array([1.5, 1.9, 2.1, 2.4])
+    error = error_of_samples(sounding, places, np.full(4, FACTOR * 20e3))
+    assert np.isnan(error.half_width).tolist() == [False, False, True, True]
+    assert error.correction[2:].tolist() == [0.0, 0.0]
+    reason = "Delta: the stress anisotropy is beyond 0.5, from 2.1 to 2.4 m"
+    assert error.reason == reason
