@@ -33,6 +33,8 @@ BLOCK = 10_000
 """Material points after which the random stresses are the same again."""
 LEAST_STEPS = 16
 """Least number of steps of a sample."""
+CLOCKED_STEPS = 51
+"""Steps whose stages are timed."""
 WARM_FRACTION = 0.5
 """Fraction of the time of a sample for which steps are taken before the first sample."""
 
@@ -72,7 +74,7 @@ class TimedRun:
 
 
 def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
-    """Time of each launch of a step, by the name of its kernel [s]; the mean over some steps.
+    """Time of each launch of a step, by the name of its kernel [s]; the median over some steps.
 
     The host waits for each launch. So the times are those of one thread, or of a whole GPU, and a
     launch's own time is in each: some microseconds.
@@ -82,18 +84,14 @@ def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
         step_count: number of steps, >= 1.
     """
     step = simulation.plan.step
-    seconds = np.zeros(len(step))
-    for number in range(step_count + 1):
-        if number == 1:
-            seconds[:] = 0.0  # the first step is to warm up
-        for place, launch in enumerate(step):
-            start = time.perf_counter()
-            simulation.launch(launch)
-            wp.synchronize()
-            seconds[place] += time.perf_counter() - start
-    return {
-        launch.name: float(taken) / step_count for launch, taken in zip(step, seconds, strict=True)
-    }
+    seconds = np.zeros((step_count, len(step)))
+    for number, place in np.ndindex(seconds.shape):
+        start = time.perf_counter()
+        simulation.launch(step[place])
+        wp.synchronize()
+        seconds[number, place] = time.perf_counter() - start
+    medians = np.median(seconds, axis=0).tolist()
+    return {launch.name: taken for launch, taken in zip(step, medians, strict=True)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,7 +226,7 @@ class StepCost(CatalogueScene):
                 description="each sample beside one of one thread right after it; median",
             )
         elif self.cases == 1:
-            times = stage_times(simulation, LEAST_STEPS)
+            times = stage_times(simulation, CLOCKED_STEPS)
             result = result.assign_coords(stage=list(times)).assign(
                 stage_time=variable(
                     1e9 * np.array(list(times.values())) / simulation.particle_count,
