@@ -64,7 +64,7 @@ def test_status_of_a_damaged_case_names_the_reason(
     assert main(command("status", small_file)) == 1
     line = capsys.readouterr().out.splitlines()[3]
     assert line.split()[1] == "damaged"
-    assert "NetCDF: Unknown file format" in line
+    assert "cannot be read: it is no netCDF-4 file" in line
 
 
 def test_collect_writes_what_there_is(
