@@ -20,7 +20,7 @@ from harness.pictures.drawing.plot_parts import (
 )
 from harness.pictures.drawing.quantities import axis_label
 from harness.pictures.studied import Studied
-from mpm_warp.scenes.full_flow.degradation import Degradation
+from mpm_warp.scenes.full_flow.cyclic import Degradation
 
 LOOPS, FACTOR, STRENGTH = (
     "cyclic_resistance",

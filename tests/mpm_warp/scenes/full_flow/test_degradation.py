@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpm_warp.scenes.full_flow.degradation import fitted_degradation
+from mpm_warp.scenes.full_flow.cyclic import fitted_degradation
 
 CYCLE = 0.25 + 0.5 * np.arange(10)
 SEARCHED_TO = 1e-4
