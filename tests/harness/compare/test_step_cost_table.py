@@ -12,6 +12,8 @@ import xarray as xr
 from harness.cli.main import main
 from harness.compare.step_cost_table import bench_rows
 
+pytestmark = pytest.mark.slow
+
 SPEED = "million updates/s, median (least to most)"
 GAIN = "times as fast as one thread"
 MEMORY = "arrays, bytes a point"

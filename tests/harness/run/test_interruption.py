@@ -190,10 +190,10 @@ def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
     return process.pid
 
 
-@pytest.mark.parametrize(("case_count", "kills"), [(200, 10)])
 def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
-    case_count: int, kills: int, tmp_path: Path, written: Written, wait_for_end: WaitForEnd
+    tmp_path: Path, written: Written, wait_for_end: WaitForEnd, depth: Depth
 ) -> None:
+    case_count, kills = depth(60, 200), depth(4, 10)
     study_file = definition(tmp_path / "many.toml", case_count)
     study = load_study(str(study_file))
     undisturbed = run_of(study_file, tmp_path / "whole")

@@ -13,6 +13,8 @@ from harness.cli.main import main
 from harness.run import pool
 from tests.harness.conftest import Refusal
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     ("arguments", "message"),

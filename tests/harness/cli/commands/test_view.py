@@ -15,6 +15,8 @@ from PIL import Image
 from harness.cli.main import main
 from tests.harness.conftest import Refusal
 
+pytestmark = pytest.mark.slow
+
 PAGE = Path(__file__).parents[4] / "harness" / "README.md"
 SHORT = ("penetration=1", "steady_tolerance=0", "cells_per_radius=1", "adhesion_factor=0.5")
 
