@@ -1,7 +1,5 @@
 """What all tests have in common: how deep the hostile ones go, and signal handlers put back."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable, Iterator
 

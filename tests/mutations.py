@@ -13,8 +13,6 @@ goes unnoticed. One whose text is not in its file, or more than once, is to be r
 them are listed before anything is run.
 """
 
-from __future__ import annotations
-
 import compileall
 import os
 import py_compile

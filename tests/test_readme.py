@@ -1,7 +1,5 @@
 """The pages: their Python and their commands run as they stand there, and their links lead on."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,7 +1,5 @@
 """The tables under studies/ by which the uncertainty of the cone factor is set, and tested."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re

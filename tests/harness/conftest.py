@@ -1,7 +1,5 @@
 """Studies that run in no time."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable

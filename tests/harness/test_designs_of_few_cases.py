@@ -1,7 +1,5 @@
 """Every command on every design with one and two cases, all of which, one or none completed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -3,8 +3,6 @@
 Hypothesis makes them, the same ones every time; with ``--deep`` many, others every time.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """References that a study's own file defines, in the table, in the picture and on the page."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Small scenes to take apart."""
 
-from __future__ import annotations
-
 import dataclasses
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Edges of a grid that are held, as most scenes of these tests have them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpm_warp.grid.fitted import Grid

@@ -1,7 +1,5 @@
 """Every kernel compiles for a GPU."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import sys

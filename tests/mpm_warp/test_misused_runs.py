@@ -3,8 +3,6 @@
 They are tried in a process of their own first, as those of `test_refused_values.py`.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Definitions of parameters: what is refused, and what the refusal says."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

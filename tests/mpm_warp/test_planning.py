@@ -1,7 +1,5 @@
 """From a scene to its plan: the order of the stages, and nothing that the scene does not need."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Single precision: half the memory."""
 
-from __future__ import annotations
-
 import dataclasses
 
 from mpm_warp.planning import make_plan

@@ -5,8 +5,6 @@ process. So every misuse goes as far as steps are taken, and all of them are tri
 their own first: ``python tests/mpm_warp/test_refused_values.py`` tells which one ends it.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """From a run to its dataset: moments, samples, progress, and what a run that diverges leaves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """A scene: what it refuses, and the order of its parts."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The time loop: time, steps and looks of the watch, on scenes of a few cells."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

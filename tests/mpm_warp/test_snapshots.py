@@ -1,7 +1,5 @@
 """Snapshots of the soil: when they are taken, what they hold, and that they change nothing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Files that are whole under their name or not there, whoever writes them."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """A collected result: what it says of where its cases were computed, and whether it is whole."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How the result of a study is laid out: its dims, by design, and what two scenes share."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NoReturn
 

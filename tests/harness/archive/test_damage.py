@@ -1,7 +1,5 @@
 """Damage on disk: flipped bits, cut files, and what is no file at all."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Snapshots of a case in a file beside its own: written, read, missing, damaged, removed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Disks that are full, read-only or damaged, clocks that go back: a clear word, nothing lost."""
 
-from __future__ import annotations
-
 import os
 import resource
 import shutil
@@ -154,7 +152,7 @@ def test_a_clock_set_back_changes_nothing_but_the_times_that_are_kept(
 
     class Past(datetime):
         @classmethod
-        def now(cls, tz: tzinfo | None = None) -> Past:
+        def now(cls, tz: tzinfo | None = None) -> "Past":
             return cls(1970, 1, 2, tzinfo=tz)
 
     def run_here(cases: Sequence[Case], folder: Path, *_: object, **__: object) -> None:

@@ -5,8 +5,6 @@ Whatever reads it tells that in one line that names the file, or does what it do
 result.
 """
 
-from __future__ import annotations
-
 import random
 import shutil
 from collections.abc import Callable, Iterator
@@ -57,7 +55,7 @@ class Content:
     variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, path: Path) -> Content:
+    def read(cls, path: Path) -> "Content":
         with netCDF4.Dataset(path) as file:
             file.set_auto_maskandscale(False)
             variables = {

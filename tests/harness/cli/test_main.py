@@ -1,7 +1,5 @@
 """The way to a command: each can be loaded, alone; and results that are none."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import subprocess

@@ -1,7 +1,5 @@
 """The mistakes of a newcomer: each is answered in one line that says what to do."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

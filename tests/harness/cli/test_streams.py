@@ -1,7 +1,5 @@
 """Standard streams: what a file holds is safe to print; a stream that is full is no traceback."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator

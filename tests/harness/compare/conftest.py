@@ -1,7 +1,5 @@
 """Results of three cases whose cone factors are given."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Two results side by side: case by case, and bit by bit."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path

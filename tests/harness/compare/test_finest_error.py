@@ -1,7 +1,5 @@
 """The error of each case against the one that is known best."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Settings that are recommended: out of which files and cases, and what is said where none are."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The table that a study ends with: cone factors, or what else a scene is run for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """What a step costs: the table, and its place among the other results."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import takewhile
 from pathlib import Path

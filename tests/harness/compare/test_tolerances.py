@@ -1,7 +1,5 @@
 """Tolerances that are kept and missed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

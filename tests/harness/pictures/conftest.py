@@ -1,7 +1,5 @@
 """Results that are made up, one for each kind of design."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

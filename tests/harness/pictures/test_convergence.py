@@ -1,7 +1,5 @@
 """Convergence: the order and the limit that three values tell."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

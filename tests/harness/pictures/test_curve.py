@@ -1,7 +1,5 @@
 """The picture of one parameter: what is drawn, on which axes, under which labels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection

@@ -1,7 +1,5 @@
 """The picture of cyclic tests: loops with depth downward, and resistance over cycles with fits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Stretches joined to one sounding, with their difference in the half width."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

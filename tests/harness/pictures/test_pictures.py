@@ -1,7 +1,5 @@
 """All pictures: which is meant for which study, what a page has room for, and the files."""
 
-from __future__ import annotations
-
 import dataclasses
 import errno
 import os

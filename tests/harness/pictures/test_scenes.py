@@ -1,7 +1,5 @@
 """Several scenes in the same soils: a row for each soil, and which results have such rows."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

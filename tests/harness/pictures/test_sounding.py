@@ -1,7 +1,5 @@
 """The picture of soundings: depth downward, strength beside resistance."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

@@ -1,7 +1,5 @@
 """The stability map: spans, margins, shares and words of results that are made up."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import cast

@@ -1,7 +1,5 @@
 """Error against run time, as a picture."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """A page on two studies that are made up."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -3,8 +3,6 @@
 `.ci/run` installs one and sets BROWSER_DEMANDED: then a missing one is an error.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The commands of the harness's page on pictures and the report, as they stand there."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The page that reports results: what is in it."""
 
-from __future__ import annotations
-
 import re
 from html.parser import HTMLParser
 from pathlib import Path

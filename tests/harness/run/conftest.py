@@ -1,7 +1,5 @@
 """Studies that are run in worker processes, and how their cases end."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

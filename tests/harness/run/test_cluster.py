@@ -1,7 +1,5 @@
 """Studies on a Dask cluster: a real scheduler and real workers, some of which are killed."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """`status`, `collect` and `clean`, as the command line has them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Runs that are interrupted, lose their reader or are killed: no process, no half file is left."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

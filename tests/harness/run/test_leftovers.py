@@ -1,7 +1,5 @@
 """`clean` and `run` remove nothing outside the results, and nothing but what was listed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

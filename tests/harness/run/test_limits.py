@@ -1,7 +1,5 @@
 """What a case may take of memory and time is looked at before it begins."""
 
-from __future__ import annotations
-
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path

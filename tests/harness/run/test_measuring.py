@@ -1,7 +1,5 @@
 """What a case costs."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Results that were computed by other sources of the simulator are kept, and never in silence."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Cases in worker processes: none lost, none done twice, whatever becomes of the workers."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 import os

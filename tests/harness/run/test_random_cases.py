@@ -4,8 +4,6 @@ With ``--deep`` and cold kernels that takes longer than the suite lets a test ta
 faulthandler_timeout=0``.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math

@@ -1,7 +1,5 @@
 """A case again from its file alone."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`harness run`: what it refuses, what it leaves behind, and what it does when run again."""
 
-from __future__ import annotations
-
 import inspect
 import os
 from pathlib import Path

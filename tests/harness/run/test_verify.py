@@ -1,7 +1,5 @@
 """Scenes against exact solutions: verdicts, table, files and exit codes."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

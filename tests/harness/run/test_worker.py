@@ -1,7 +1,5 @@
 """A case in a worker: how it ends where its scene raises an exception."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Designs of studies: which cases there are."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Arithmetic in study definitions: what it can, and that it can nothing else."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

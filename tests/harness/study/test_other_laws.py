@@ -1,7 +1,5 @@
 """A study of a scene to which a law of another package adds parameters."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar

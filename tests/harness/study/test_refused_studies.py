@@ -1,7 +1,5 @@
 """Studies and settings that are wrong: each is refused in one line, nothing is written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

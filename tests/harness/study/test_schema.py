@@ -1,7 +1,5 @@
 """The JSON schema agrees with what the harness itself accepts and refuses."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 

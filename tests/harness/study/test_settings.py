@@ -1,7 +1,5 @@
 """Settings from the command line, and what a study says beside its base: which of them holds."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The key `snapshots` of a study, and the option of that name."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

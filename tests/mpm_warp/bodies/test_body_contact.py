@@ -1,7 +1,5 @@
 """Contact between bodies: impulses balance, bodies part and meet again, interfaces are found."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

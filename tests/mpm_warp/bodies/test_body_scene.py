@@ -1,7 +1,5 @@
 """What a user declares for bodies, and what is refused before anything runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What the tests of shared steps have in common."""
 
-from __future__ import annotations
-
 import pytest
 
 import mpm_warp.execution.threads

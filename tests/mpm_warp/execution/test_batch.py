@@ -1,7 +1,5 @@
 """Runs that take their steps together: the same bits as alone, whoever the others are."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from functools import partial

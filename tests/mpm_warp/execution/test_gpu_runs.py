@@ -1,7 +1,5 @@
 """Runs on a GPU, where there is one: the results of the processor."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Replay of steps: the same bits with any number of threads, and however steps are divided."""
 
-from __future__ import annotations
-
 import gc
 import threading
 import time

@@ -1,7 +1,5 @@
 """The shares of a launch: together they are the whole launch, whatever the number of threads."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.execution import THREAD_COUNTS

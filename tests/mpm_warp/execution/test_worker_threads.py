@@ -1,7 +1,5 @@
 """Worker threads: a part that raises ends the work, not the threads."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,7 +1,5 @@
 """Grids of every shape of cells with horizontal rows."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.grid.fitted import Grid

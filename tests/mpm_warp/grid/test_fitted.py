@@ -1,7 +1,5 @@
 """Geometry of the grid: exact integrals, whatever the shape of the cells."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

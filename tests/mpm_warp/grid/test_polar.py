@@ -1,7 +1,5 @@
 """The grid of rings and rays: exact geometry, and what its shape functions reproduce."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Softening and rate: the strength that a point is returned to, and what it remembers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

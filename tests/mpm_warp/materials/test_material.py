@@ -1,7 +1,5 @@
 """What all materials have in common: elastic constants, and laws that keep their promises."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The return to the hexagon of Tresca: to its nearest point, a side or a corner."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Strength and stiffness by depth: what points carry, and what their stress makes of it."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 

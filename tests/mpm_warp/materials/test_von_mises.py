@@ -1,7 +1,5 @@
 """The return to the cylinder of von Mises: radially."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

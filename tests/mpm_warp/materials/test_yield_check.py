@@ -1,7 +1,5 @@
 """The kernel that finds stresses outside the yield surface: to rounding, and no further."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Adhesion beside soil that softens or varies: that of the strength beside each node."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

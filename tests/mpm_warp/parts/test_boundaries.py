@@ -1,7 +1,5 @@
 """The elastic medium beyond the grid, and soil that moves along the rays of its grid alone."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact with a rigid body: areas, where soil may part from it, nodes that the axis holds."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

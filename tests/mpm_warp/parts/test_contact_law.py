@@ -1,7 +1,5 @@
 """The contact law, branch by branch, through a kernel that does nothing but call it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import warp as wp

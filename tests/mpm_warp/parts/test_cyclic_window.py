@@ -1,7 +1,5 @@
 """The cyclic window: its motion, and the ground that rests outside the grid."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 from collections.abc import Callable

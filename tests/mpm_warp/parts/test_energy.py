@@ -1,7 +1,5 @@
 """The energy audit, by hand; the energy balance: works of nodes, cells and points, by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 

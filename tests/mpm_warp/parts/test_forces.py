@@ -1,7 +1,5 @@
 """Loads, gravity, damping and held nodes: what each does to the velocities of the nodes."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A free surface that the soil carries up through a window."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What soil has gone through since it entered: where it came from, its plastic shear strain."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Conservative velocity interpolation: its divergence, its kernels, and what it is for."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The wall that moves, and the grid that follows it."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The ground around a window and the travelling source: flow, stress, springs, what enters."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

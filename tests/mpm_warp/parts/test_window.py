@@ -1,7 +1,5 @@
 """The motion of the window: ramp, approach and final speed."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A plan: its arrays by kind, and its launches in their order."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The observed order of a scene's error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

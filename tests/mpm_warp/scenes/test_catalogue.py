@@ -1,7 +1,5 @@
 """The catalogue: which scenes there are, and what every one of them gives."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The clay of a scene: what is chosen, what has to be given together, and the time it lives in."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.errors import ParameterError

@@ -1,7 +1,5 @@
 """A run that diverges keeps its curves up to there, in every scene that records any."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a run consists of: nothing that its scene does not need."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.plan.plan import Plan

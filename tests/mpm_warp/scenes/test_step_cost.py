@@ -1,7 +1,5 @@
 """How fast a run is: what is measured of it."""
 
-from __future__ import annotations
-
 from mpm_warp.scenes.step_cost import StepCost
 
 

@@ -1,7 +1,5 @@
 """The mean velocity gradient of a cell, and the stress that it gives the soil in it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpm_warp.materials.elasticity import Isotropic

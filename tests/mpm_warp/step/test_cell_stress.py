@@ -1,7 +1,5 @@
 """The mean stress of a cell: of one that is filled in part, and of one that is viscous."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What particles take from the grid: velocity, position, and a stress that turns and yields."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

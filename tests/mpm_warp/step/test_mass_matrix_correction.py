@@ -1,7 +1,5 @@
 """From nodes to particles and back: nothing is made greater, whatever the particles' places."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The momentum equation of the nodes: what it keeps, and what bounds it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

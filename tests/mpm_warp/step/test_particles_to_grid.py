@@ -1,7 +1,5 @@
 """What particles give to nodes and cells."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Particles at the start, and slots that hold none."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 

@@ -1,7 +1,5 @@
 """What is stated of the error of a cone factor, and when nothing is."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """The error of a cone factor by further runs: exact where the laws hold, told where it is not."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """The error of a resistance factor by further runs: exact where the laws hold, told where not."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is stated of the error of samples in uniform clay: what a cone test there states."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The watch on every scene of the catalogue: faults planted in it are noticed within 500 steps."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Help: a sentence and examples of each command, and the version."""
 
-from __future__ import annotations
-
 import shlex
 
 import pytest

@@ -1,7 +1,5 @@
 """Options that a command is given: nothing is ignored, nothing is lost."""
 
-from __future__ import annotations
-
 from multiprocessing import connection
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Completion by the Tab key: what each shell is given, and what is offered where."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

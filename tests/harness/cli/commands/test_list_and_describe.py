@@ -1,7 +1,5 @@
 """`harness list` and `describe`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`harness new`, and what is told of studies: `describe`, `plan`, `status`."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`harness view`: the commands of its page, its pictures, and VTK files in another reader."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Limit loads at the surface of the ground against exact ones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Slip lines against closed forms, and against limit loads integrated by others or before."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Free flight, shortened; the whole one is in `harness verify --extreme`."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

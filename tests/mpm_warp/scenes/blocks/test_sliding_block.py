@@ -1,7 +1,5 @@
 """The sliding block against the motion of a rigid one: bounds are those that users rely on."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.errors import ParameterError

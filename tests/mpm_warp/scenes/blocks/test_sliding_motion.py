@@ -1,7 +1,5 @@
 """The exact motion of the rigid block, against the equation of motion that it solves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

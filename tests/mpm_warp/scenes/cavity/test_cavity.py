@@ -1,7 +1,5 @@
 """Cavity expansion: the closed form, the grid that follows the wall, and the two together."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

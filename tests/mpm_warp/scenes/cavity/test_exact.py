@@ -1,7 +1,5 @@
 """The integral of the cavity pressure for any strength law, against what is known of it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A penetrometer, and its contact in a small grid that is fitted to it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The cone penetration test: what must hold whatever the cone factor turns out to be."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """The load of a cone from first touch, which has one exponent."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The displacement of soil that the cone has passed, against incompressible expansion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

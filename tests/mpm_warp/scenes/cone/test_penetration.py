@@ -1,7 +1,5 @@
 """A penetrometer that is pushed in: what it takes, and when its resistance counts as steady."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The penetrometer: areas, normals, the forces read from them, and where it measures."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Excess pore pressure on a penetrometer: where it is read, relative to what, and what is given."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is no cone factor: one that still changes, one that soil cannot give; where work goes."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """The window of a cone penetration test: how long it takes, and what its approach leaves behind."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

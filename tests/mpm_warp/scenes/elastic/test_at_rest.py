@@ -1,7 +1,5 @@
 """Elastic soil at rest against closed forms, tolerances from the method's order."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """Waves along a column against exact solutions, and against the modal analysis of a step."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Bar and column that strike a wall against the exact shock, and the shock relations."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """A bar that is drawn out, less than in `harness verify --extreme`: its stress, its time step."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

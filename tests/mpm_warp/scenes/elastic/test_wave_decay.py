@@ -1,7 +1,5 @@
 """The modal analysis of a step, against the simulator and against all eigenvalues."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

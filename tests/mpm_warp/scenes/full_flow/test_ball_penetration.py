@@ -1,7 +1,5 @@
 """Steady flow round a ball against its limit load."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.scenes.full_flow.limit_load import FullFlowSphere

@@ -1,7 +1,5 @@
 """Ball and T-bar that go down and up in the same clay."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

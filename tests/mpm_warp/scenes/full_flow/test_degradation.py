@@ -1,7 +1,5 @@
 """The fit of a curve of degradation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The forces on a cylinder and a sphere in full flow against what is known of them."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder, FullFlowSphere

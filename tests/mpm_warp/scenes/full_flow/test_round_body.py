@@ -1,7 +1,5 @@
 """Ball and T-bar: outline, normals, areas, and the force read from them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Steady flow round a T-bar against the limit load."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpm_warp.errors import ParameterError

@@ -1,7 +1,5 @@
 """A sounding of next to no cost."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """What the ground of a sounding may have: softening, adhesion and stress by depth."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

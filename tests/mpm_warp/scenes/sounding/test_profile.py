@@ -1,7 +1,5 @@
 """The ground by depth: what a table says, and what is wrong with it in one line."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 

@@ -1,7 +1,5 @@
 """A sounding: its ground, its curves over depth, and the stretches that it is cut into."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

@@ -1,7 +1,5 @@
 """Soundings that start with the tip at the surface of the ground."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
