@@ -30,7 +30,8 @@ else:
         if name not in names:
             nearest = import_module("mpm_warp.parameters").did_you_mean(name, names)
             raise AttributeError(f"{missing}{nearest}")
-        return names[name]
+        # A scene has the parameters of laws of other packages beside its own.
+        return getattr(names[name], "offered", lambda: names[name])()
 
 
 def __dir__() -> list[str]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import functools
 import math
 import types
 import typing
@@ -170,18 +171,27 @@ _DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
     """All parameters of a scene class, by name, in the order of their declaration."""
     if scene not in _DEFINITIONS:
-        kinds = typing.get_type_hints(scene)
         _DEFINITIONS[scene] = {
-            field.name: Parameter(
-                name=field.name,
-                kind=_bare_type(kinds[field.name]),
-                default=typing.cast(Value | None, field.default),
-                optional=isinstance(kinds[field.name], types.UnionType),
-                **field.metadata,
-            )
-            for field in dataclasses.fields(scene)
+            field.name: definition_of(scene, field) for field in dataclasses.fields(scene)
         }
     return _DEFINITIONS[scene]
+
+
+def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
+    """The definition of a field that is made by :func:`parameter`, of a dataclass."""
+    kind = _type_hints(owner)[field.name]
+    return Parameter(
+        name=field.name,
+        kind=_bare_type(kind),
+        default=typing.cast(Value | None, field.default),
+        optional=isinstance(kind, types.UnionType),
+        **field.metadata,
+    )
+
+
+@functools.cache
+def _type_hints(owner: type) -> Mapping[str, Any]:
+    return typing.get_type_hints(owner)
 
 
 def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:

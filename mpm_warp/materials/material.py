@@ -20,6 +20,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, check_kind, check_number
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
 from mpm_warp.precision import Precision
@@ -89,6 +90,8 @@ class Material(ABC):
     def __post_init__(self) -> None:
         check_number("material: density", self.density, POSITIVE, unit="kg/m3")
         check_kind("material: variation", self.variation, (Variation, type(None)))
+        if self.variation is not None and type(self).properties_at is Material.properties_at:
+            raise SceneError(f"material: {built_name(self)} has no properties that vary by place")
 
     # The law on the device.
 
@@ -244,13 +247,24 @@ def _make_strength(
     return strength
 
 
+_REGISTERED: dict[type, str] = {}
+"""Names of laws of other packages, by class."""
+
+
+def register_name(kind: type[Material], name: str) -> None:
+    """Say by what name a law of another package is known."""
+    _REGISTERED[kind] = name
+
+
 def built_name(part: object) -> str:
     """What a part of a scene is, whatever its parameters are called.
 
-    `tresca`, `penetrometer_contact`: the class in small letters; that of another package by its
-    place, as `their_package.clay.HardeningClay`.
+    `tresca`, `penetrometer_contact`: the class in small letters; that of another package by the
+    name of its entry point, or by its place, as `their_package.clay.HardeningClay`.
     """
     kind = type(part)
+    if kind in _REGISTERED:
+        return _REGISTERED[kind]
     if kind.__module__.partition(".")[0] == __package__.partition(".")[0]:
         return re.sub(r"(?<!^)(?=[A-Z])", "_", kind.__name__).lower()
     return f"{kind.__module__}.{kind.__qualname__}".replace("<locals>.", "")

@@ -102,6 +102,11 @@ class CatalogueScene(ABC):
         """Name in the catalogue: that of the class as cone_penetration is of ConePenetration."""
         return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
 
+    @classmethod
+    def offered(cls) -> type[CatalogueScene]:
+        """The class that the catalogue offers; a scene may add parameters to what it is itself."""
+        return cls
+
     def derived(self) -> Mapping[str, float]:
         """Values of the parameters that are worked out from others where none is given."""
         return {}
@@ -241,7 +246,7 @@ def scene_class(name: str) -> type[CatalogueScene]:
     if name not in scenes:
         raise UnknownSceneError(f"unknown scene {name!r}{nearest_name(name, scenes)}")
     scene = scenes[name]
-    return _loaded(scene) if isinstance(scene, EntryPoint) else scene
+    return (_loaded(scene) if isinstance(scene, EntryPoint) else scene).offered()
 
 
 @functools.cache

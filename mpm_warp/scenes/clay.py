@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import functools
 from abc import abstractmethod
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, make_dataclass
+from typing import Any, ClassVar
 
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.perfectly_plastic import UndrainedClay
-from mpm_warp.parameters import parameter
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.other_laws import loaded_laws, other_law, other_laws
+from mpm_warp.parameters import Parameter, parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
+BOUNDS = ("minimum", "maximum", "above", "below", "choices")
+"""What a parameter's range is made of."""
 NEEDED = (
     ("rate_factor", 0.0, "reference_strain_rate", "in 1/s"),
     ("remoulded_strength_ratio", 1.0, "ductility", "the plastic shear strain of 95 % of the loss"),
@@ -27,7 +33,7 @@ class Clay:
     material: str = parameter(
         "tresca",
         "yield criterion; von_mises: sqrt(J2) = su, as Tresca in pure shear",
-        choices=tuple(CRITERIA),
+        choices=(*CRITERIA, *other_laws()),
     )
     poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
 
@@ -72,16 +78,25 @@ class ChangingStrength:
 
 @dataclass(frozen=True, kw_only=True)
 class ClayScene(ChangingStrength, Clay, CatalogueScene):
-    """A scene in clay of one stiffness and one strength.
+    """A scene in clay of one stiffness and one strength, or of a law of another package.
 
     Raises:
         mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
-            strain rate, a remoulded strength without a ductility, or a strength that falls too
-            steeply.
+            strain rate, a remoulded strength without a ductility, a strength that falls too
+            steeply, or a parameter of another law than that of `material`.
     """
+
+    of_other_laws: ClassVar[tuple[str, ...]] = ()
+    """Names of the parameters that are of laws of other packages."""
+
+    @classmethod
+    def offered(cls) -> type[CatalogueScene]:
+        """This scene, with the parameters of all laws that other packages offer beside its own."""
+        return _with_laws(cls, loaded_laws())
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self._check_other_laws()
         for name, without, needed, what in NEEDED:
             value = getattr(self, name)
             if value != without and getattr(self, needed) is None:
@@ -91,11 +106,33 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         try:
             _ = self.clay
         except SceneError as refusal:
-            raise ParameterError("ductility", str(refusal)) from None
+            raise ParameterError(
+                "material" if self.material in other_laws() else "ductility", str(refusal)
+            ) from None
+
+    def _check_other_laws(self) -> None:
+        """Check the parameters of laws of other packages, and fill in their defaults."""
+        law = other_law(self.material) if self.material in other_laws() else None
+        if law is not None and self.strength_changes:
+            raise ParameterError(
+                "material",
+                f"material = {law.name!r} has a strength of its own: rate_factor and "
+                "remoulded_strength_ratio are of other clay",
+            )
+        for name in self.of_other_laws:
+            value = getattr(self, name)
+            if law is not None and name in law.parameters:
+                definition = law.parameters[name]
+                own = definition.checked(definition.default if value is None else value)
+                object.__setattr__(self, name, own)
+            elif value is not None:
+                raise ParameterError(
+                    name, f"{name} = {value!r} is no parameter of material = {self.material!r}"
+                )
 
     @property
     @abstractmethod
-    def clay(self) -> UndrainedClay:
+    def clay(self) -> Material:
         """The clay of the run, made by `clay_with`."""
 
     def clay_with(
@@ -105,7 +142,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         density: float,
         speed_up: float,
         greatest_poissons_ratio: float = 0.5,
-    ) -> UndrainedClay:
+    ) -> Material:
         """The clay; perfectly plastic where neither strain nor rate changes its strength.
 
         Args:
@@ -114,26 +151,61 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             speed_up: speed of the run over that in reality, > 0: strain rates count as in reality.
             greatest_poissons_ratio: what Poisson's ratio is simulated as at most.
         """
+        given: dict[str, Any] = {
+            "shear_modulus": self.rigidity_index * strength,
+            "poissons_ratio": min(self.poissons_ratio, greatest_poissons_ratio),
+            "density": density,
+            "strength": strength,
+        }
+        if self.material in other_laws():
+            law = other_law(self.material)
+            own = {name: getattr(self, name, None) for name in law.parameters}
+            return law.make(own, given)
         criterion = CRITERIA[self.material]
-        intact = criterion(
-            shear_modulus=self.rigidity_index * strength,
-            poissons_ratio=min(self.poissons_ratio, greatest_poissons_ratio),
-            density=density,
-            strength=strength,
-        )
+        intact = criterion(**given)
         if not self.strength_changes:
             return intact
         return EinavRandolph(
-            shear_modulus=intact.shear_modulus,
-            poissons_ratio=intact.poissons_ratio,
-            density=density,
-            strength=strength,
+            **given,
             criterion=criterion,
             rate_factor=self.rate_factor,
             reference_strain_rate=(self.reference_strain_rate or 1.0) * speed_up,
             remoulded_strength_ratio=self.remoulded_strength_ratio,
             ductility=self.ductility or 1.0,
         )
+
+
+@functools.cache
+def _with_laws(scene: type[ClayScene], laws: tuple[str, ...]) -> type[ClayScene]:
+    """A scene class with the parameters of laws of other packages beside its own."""
+    own = {field.name for field in fields(scene)}
+    found: dict[str, list[tuple[str, Parameter]]] = {}
+    for name in laws:
+        for definition in other_law(name).parameters.values():
+            if definition.name not in own:
+                found.setdefault(definition.name, []).append((name, definition))
+    if not found:
+        return scene
+    return make_dataclass(
+        scene.__name__,
+        [(name, of[0][1].kind | None, _of_other_laws(of)) for name, of in found.items()],
+        bases=(scene,),
+        namespace={
+            "__doc__": scene.__doc__,
+            "__module__": scene.__module__,
+            "of_other_laws": tuple(found),
+        },
+        frozen=True,
+        kw_only=True,
+    )
+
+
+def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
+    """The field of a parameter that laws of these names have; bounds only where there is one."""
+    laws = "; ".join(f"of material {name}, default {it.default}" for name, it in found)
+    _, first = found[0]
+    bounds = {it: getattr(first, it) for it in BOUNDS} if len(found) == 1 else {}
+    return parameter(None, f"{first.meaning} ({laws})", unit=first.unit, **bounds)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter, redefined
@@ -100,7 +101,7 @@ class Cavity(ClayScene):
         return columns / span
 
     @property
-    def clay(self) -> UndrainedClay:
+    def clay(self) -> Material:
         """The clay around the cavity; strain rates are those of the real expansion."""
         return self.clay_with(
             strength=STRENGTH,
@@ -147,10 +148,13 @@ class Cavity(ClayScene):
         return np.zeros(4)
 
     @property
-    def exact(self) -> ExactCavity:
-        """Closed form or integral of the pressures around this cavity."""
+    def exact(self) -> ExactCavity | None:
+        """Closed form or integral of the pressures around it; None in a law of another package."""
+        clay = self.clay
+        if not isinstance(clay, UndrainedClay) or self.material not in CRITERIA:
+            return None
         return ExactCavity(
-            clay=self.clay,
+            clay=clay,
             rigidity_index=self.rigidity_index,
             wall=self.wall,
             radius=RADIUS,
@@ -160,12 +164,17 @@ class Cavity(ClayScene):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Expand the cavity, and compare its pressure with the exact one over the whole curve."""
+        """Expand the cavity, and compare its pressure with the exact one, where that is known."""
         grid, exact, wall_area = soil_scene(simulation).grid, self.exact, self.wall_area
         curve = PressureCurve(simulation, exact, lambda radius: wall_area(grid, radius))
         duration = self.duration(self.wall)
         moments = [duration * number / SAMPLE_COUNT for number in range(1, SAMPLE_COUNT + 1)]
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
+        recorded = recorded.assign(self.shape(grid, curve.on_rows)).merge(
+            pore_pressure_profile(simulation, exact)
+        )
+        if exact is None:
+            return recorded
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
         error = variable(
             float(np.abs(difference.values).max()) / exact.limit(self.expansion),
@@ -174,11 +183,7 @@ class Cavity(ClayScene):
             "or the exact one at the end where the strength changes",
             role="headline",
         )
-        return (
-            recorded.assign(error=error)
-            .assign(self.shape(grid, curve.on_rows))
-            .merge(pore_pressure_profile(simulation, exact))
-        )
+        return recorded.assign(error=error)
 
     def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
         """How well the cavity keeps its shape, from the forces on the wall's nodes at the end.
@@ -195,7 +200,7 @@ class PressureCurve:
 
     Args:
         simulation: a run of a cavity.
-        exact: its exact pressures.
+        exact: its exact pressures, or none.
         wall_area: area of the wall per radian [m2] when the cavity has a radius [m].
 
     Attributes:
@@ -203,12 +208,12 @@ class PressureCurve:
     """
 
     def __init__(
-        self, simulation: Simulation, exact: ExactCavity, wall_area: Callable[[float], float]
+        self, simulation: Simulation, exact: ExactCavity | None, wall_area: Callable[[float], float]
     ) -> None:
         self._simulation = simulation
         self._exact = exact
         self._wall_area = wall_area
-        self._radius = exact.radius
+        self._radius = RADIUS
         self._sampled_at = simulation.time
         self._expansion: list[float] = []
         self._pressure: list[float] = []
@@ -223,31 +228,30 @@ class PressureCurve:
         self.on_rows = simulation.array("wall.impulse") / (simulation.time - self._sampled_at)
         simulation.assign("wall.impulse", 0.0)
         middle = 0.5 * (self._radius + radius)
-        self._expansion.append(middle / self._exact.radius)
+        self._expansion.append(middle / RADIUS)
         self._pressure.append(self.on_rows.sum() / self._wall_area(middle) / STRENGTH)
         self._radius, self._sampled_at = radius, simulation.time
 
     def dataset(self) -> xr.Dataset:
         """Pressure over su against radius over that at the start, computed and exact."""
         expansion = np.array(self._expansion)
+        pressures = {"cavity_pressure": (np.array(self._pressure), "1", "excess pressure over su")}
+        if self._exact is not None:
+            exact = self._exact.pressure(expansion)
+            pressures["cavity_pressure_exact"] = (exact, "1", "excess pressure over su, exact")
         return curves(
             "expansion",
             (expansion, "1", "radius of the cavity over that at the start"),
-            cavity_pressure=(np.array(self._pressure), "1", "excess cavity pressure over su"),
-            cavity_pressure_exact=(
-                self._exact.pressure(expansion),
-                "1",
-                "excess cavity pressure over su, exact",
-            ),
+            **pressures,
         )
 
 
-def pore_pressure_profile(simulation: Simulation, exact: ExactCavity) -> xr.Dataset:
+def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> xr.Dataset:
     """Excess pore pressure over the distance from the middle, computed and exact, and its error.
 
     Args:
         simulation: of a cavity, at its end.
-        exact: its exact pressures.
+        exact: its exact pressures; None: the computed one alone.
     """
     grid = soil_scene(simulation).grid
     radius = float(simulation.array("wall.motion")[0, 2])
@@ -256,16 +260,20 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity) -> xr.Data
     by_rows = excess_pore_pressure(simulation).reshape(grid.row_count, grid.column_count)
     volumes = simulation.array("cell.volume").reshape(by_rows.shape)
     pressure = np.average(by_rows, axis=0, weights=volumes)
+    axis = (distance, "1", "distance from the middle over the radius of the cavity")
+    computed = (
+        pressure,
+        "Pa",
+        "excess pore pressure",
+        f"mean over each column of cells at the end; {PORE_PRESSURE_IS}",
+    )
+    if exact is None:
+        return curves("distance", axis, excess_pore_pressure=computed)
     expected = exact.pore_pressure(distance, expansion=radius / exact.radius)
     profile = curves(
         "distance",
-        (distance, "1", "distance from the middle over the radius of the cavity"),
-        excess_pore_pressure=(
-            pressure,
-            "Pa",
-            "excess pore pressure",
-            f"mean over each column of cells at the end; {PORE_PRESSURE_IS}",
-        ),
+        axis,
+        excess_pore_pressure=computed,
         excess_pore_pressure_exact=(expected, "Pa", "excess pore pressure, exact"),
     )
     error = variable(

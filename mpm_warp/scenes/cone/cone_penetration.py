@@ -128,7 +128,7 @@ class ConePenetration(ConeTest):
         return TravellingSource(
             radius=self.cone_radius,
             height=SOURCE_HEIGHT * self.penetrometer.cone_height,
-            shear_modulus=self.clay.shear_modulus,
+            shear_modulus=self.clay.ground_shear_modulus,
         )
 
     def run_size(self) -> RunSize:

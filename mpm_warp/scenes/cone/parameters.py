@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.perfectly_plastic import UndrainedClay
+from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.clay import FieldClayScene
@@ -199,7 +199,7 @@ class ConeTest(ConeGrid, ConeInGround, FieldClayScene):
         return np.array([horizontal, 0.0, 0.0, horizontal])
 
     @property
-    def clay(self) -> UndrainedClay:
+    def clay(self) -> Material:
         """The clay, as stiff as it is simulated, its strain rates those of the real speed."""
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
         speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)

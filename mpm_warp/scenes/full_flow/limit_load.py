@@ -166,7 +166,7 @@ class FullFlowSphere(FullFlow):
         ),
     )
 
-    material: str = redefined(ClayScene, "material")
+    material: str = redefined(ClayScene, "material", choices=tuple(CRITERIA))
 
     @property
     def clay(self) -> UndrainedClay:

@@ -296,7 +296,7 @@ class BallPenetration(Ball, FullFlowPenetration):
             return super().surroundings(grid)
         clay = self.clay
         source = TravellingSource(
-            radius=self.body.shaft_radius, height=0.0, shear_modulus=clay.shear_modulus
+            radius=self.body.shaft_radius, height=0.0, shear_modulus=clay.ground_shear_modulus
         )
         return SurroundingGround.around(grid, clay, source)
 

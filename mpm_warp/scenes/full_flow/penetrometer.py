@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats, Grid, growing
-from mpm_warp.materials.perfectly_plastic import UndrainedClay
+from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
@@ -107,7 +107,7 @@ class FullFlowPenetrometer(FieldClayScene):
         return self.speed_ratio * math.sqrt(shear_modulus / self.density)
 
     @property
-    def clay(self) -> UndrainedClay:
+    def clay(self) -> Material:
         """The soil."""
         return self.clay_with(
             strength=self.undrained_shear_strength,

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
@@ -16,7 +17,7 @@ from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.clay import ClayScene, FieldClayScene
-from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
+from mpm_warp.scenes.material.known_paths import PATH_COUNT, StrainPath, known_paths
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
@@ -35,6 +36,8 @@ CHANGING: dict[str, Value] = {
 @dataclass(frozen=True, kw_only=True)
 class MaterialPoint(ClayScene):
     """Clay strained and turned through the stress update of the simulator, without a grid.
+
+    In a law of another package no stress is known: it goes the same paths.
 
     Simple shear far beyond yield has the steady state of the Jaumann rate with perfect plasticity:
     half difference of the stresses and shear stress stand at the angle asin(su / G), at which the
@@ -63,7 +66,7 @@ class MaterialPoint(ClayScene):
     )
 
     @property
-    def clay(self) -> UndrainedClay:
+    def clay(self) -> Material:
         """The material of the points: a path takes a second, in reality too."""
         return self.clay_with(strength=self.undrained_shear_strength, density=1.0, speed_up=1.0)
 
@@ -77,17 +80,38 @@ class MaterialPoint(ClayScene):
 
     def build(self) -> StrainPaths:
         """The paths whose stress is known, then random ones that start without stress."""
-        paths, strength = known_paths(self.clay), self.undrained_shear_strength
+        paths, strength = self._paths, self.undrained_shear_strength
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
         gradient = np.concatenate([[path.gradient for path in paths], random])
         start = np.zeros((len(gradient), 4))
-        start[: len(paths)] = [path.start for path in paths]
+        if self._is_known:
+            start[: len(paths)] = [path.start for path in paths]
         return StrainPaths(
             material=self.clay,
             gradient=gradient,
             stress=start * strength,
             step_count=self.step_count,
         )
+
+    @property
+    def _is_known(self) -> bool:
+        """Whether the law is one of the catalogue, whose stresses are known."""
+        return self.material in CRITERIA
+
+    @property
+    def _paths(self) -> tuple[StrainPath, ...]:
+        """The paths; those of a law of another package are for clay of Tresca as stiff and strong.
+
+        Such a law starts without stress: no other may be allowed by it.
+        """
+        clay = self.clay
+        if not self._is_known:
+            clay = MaterialPoint(
+                rigidity_index=self.rigidity_index,
+                undrained_shear_strength=self.undrained_shear_strength,
+            ).clay
+        assert isinstance(clay, UndrainedClay)
+        return known_paths(clay)
 
     def step_count_bound(self, plan: Plan) -> int:
         """The strain steps of a path."""
@@ -101,8 +125,12 @@ class MaterialPoint(ClayScene):
 
     def _at_the_end(self, simulation: Simulation) -> xr.Dataset:
         """Stresses at the ends of the paths, and how far any was beyond the yield surface."""
-        paths = known_paths(self.clay)
+        paths = self._paths
         stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
+        axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
+        if not self._is_known:
+            shown = labelled(dims=("path", "component"), stress=(stress, "1", "stress over su"))
+            return xr.Dataset(shown, coords=axes)
         exact = np.array([path.exact for path in paths])
         error = (
             np.abs(stress - exact).max(),
@@ -125,5 +153,4 @@ class MaterialPoint(ClayScene):
             **labelled(role="headline", error=error),
             **labelled(yield_excess=excess),
         }
-        axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         return xr.Dataset(variables, coords=axes)

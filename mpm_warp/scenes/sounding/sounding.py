@@ -13,7 +13,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.materials.perfectly_plastic import UndrainedClay
+from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.window import Window
@@ -110,7 +110,7 @@ class Sounding(SoundingTest):
         return {name: float(it) if isinstance(it, Derived) else it for name, it in values.items()}
 
     @property
-    def _clay(self) -> UndrainedClay:
+    def _clay(self) -> Material:
         """The clay of that test, varied as the ground is."""
         variation = self.ground_passed.variation(self.start_depth, self.stress_anisotropy)
         return replace(self._test.clay, variation=variation)

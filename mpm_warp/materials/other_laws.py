@@ -1,0 +1,109 @@
+"""Laws of other packages, by the entry point group `mpm_warp.materials`.
+
+In their pyproject.toml:
+
+    [project.entry-points."mpm_warp.materials"]
+    my_clay = "their_package.my_clay:MyClay"
+
+The class is a `Material`. Fields that it makes by `mpm_warp.parameters.parameter` are its own:
+every scene that takes a law has them as parameters, to be given with `material = "my_clay"`. Its
+other fields are given by the scene, by their names: see `GIVEN`.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from mpm_warp.errors import ParameterError
+from mpm_warp.materials.material import Material, register_name
+from mpm_warp.parameters import Parameter, Value, definition_of
+
+GROUP = "mpm_warp.materials"
+"""Group of the entry points by which other packages offer laws."""
+GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")
+"""What a scene gives to a law that has a field of the name: rho [kg/m3], G [Pa], nu, su [Pa]."""
+FROM_ELSEWHERE = ("variation",)
+"""Fields that a scene sets later, where its ground varies."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherLaw:
+    """A law of another package.
+
+    Attributes:
+        name: that studies call it by.
+        kind: its class.
+        parameters: its own, by name.
+    """
+
+    name: str
+    kind: type[Material]
+    parameters: Mapping[str, Parameter]
+
+    def make(self, own: Mapping[str, Value | None], given: Mapping[str, float]) -> Material:
+        """The material, of its own parameters and of what the scene gives.
+
+        Raises:
+            SceneError: a value is not allowed.
+        """
+        values: dict[str, Any] = {
+            name: definition.default if own.get(name) is None else own[name]
+            for name, definition in self.parameters.items()
+        }
+        names = {field.name for field in fields(self.kind)}
+        values |= {name: value for name, value in given.items() if name in names}
+        return self.kind(**values)
+
+
+@functools.cache
+def other_laws() -> Mapping[str, EntryPoint]:
+    """Where the laws of other packages are, by name; none is imported for that."""
+    return {offered.name: offered for offered in entry_points(group=GROUP)}
+
+
+def loaded_laws() -> tuple[str, ...]:
+    """Names of those that can be loaded; a study that names another one is told why it cannot."""
+    return tuple(name for name in other_laws() if _can_be_loaded(name))
+
+
+def _can_be_loaded(name: str) -> bool:
+    try:
+        other_law(name)
+    except ParameterError:
+        return False
+    return True
+
+
+@functools.cache
+def other_law(name: str) -> OtherLaw:
+    """The law of another package.
+
+    Raises:
+        ParameterError: its entry point gives none that a scene can make.
+    """
+    offered = other_laws()[name]
+    where = f"material {name!r}: the entry point {offered.value!r}"
+    try:
+        kind = offered.load()
+    except Exception as error:  # it is another package's code: whatever it raises is named
+        raise ParameterError(
+            "material", f"{where} cannot be loaded: {type(error).__name__}: {error}"
+        ) from None
+    if not (isinstance(kind, type) and issubclass(kind, Material)):
+        raise ParameterError("material", f"{where} is not a class of Material")
+    own = {field.name: field for field in fields(kind) if "meaning" in field.metadata}
+    for field in fields(kind):
+        needed = field.default is MISSING and field.default_factory is MISSING
+        if needed and field.name not in (*own, *GIVEN, *FROM_ELSEWHERE):
+            raise ParameterError(
+                "material",
+                f"{where}: field {field.name!r} is neither made by `parameter` nor one that a "
+                f"scene gives: {', '.join(GIVEN)}",
+            )
+    register_name(kind, name)
+    parameters = {name: definition_of(kind, field) for name, field in own.items()}
+    return OtherLaw(name=name, kind=kind, parameters=parameters)
