@@ -62,7 +62,7 @@ class ScenePart:
     @property
     def of_other_laws(self) -> tuple[str, ...]:
         """The parameters that laws of other packages add to the scene."""
-        return getattr(self.scene, "of_other_laws", ())
+        return self.scene.of_other_laws
 
     @property
     def assigned(self) -> set[str]:

@@ -91,6 +91,8 @@ class CatalogueScene(ABC):
     """Comparisons with the exact solution, where there is one: its results hold `error`."""
     comparable: ClassVar[str | None] = None
     """Result that published values can be set beside, as ``cone_factor``; or none."""
+    of_other_laws: ClassVar[tuple[str, ...]] = ()
+    """Parameters of laws of other packages; None where `material` names another law."""
     snapshots_over: ClassVar[str | None] = None
     """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
 

@@ -6,7 +6,7 @@ import functools
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, make_dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.materials import CRITERIA
@@ -85,9 +85,6 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             strain rate, a remoulded strength without a ductility, a strength that falls too
             steeply, or a parameter of another law than that of `material`.
     """
-
-    of_other_laws: ClassVar[tuple[str, ...]] = ()
-    """Names of the parameters that are of laws of other packages."""
 
     @classmethod
     def offered(cls) -> type[CatalogueScene]:

@@ -174,7 +174,12 @@ class Cavity(ClayScene):
             pore_pressure_profile(simulation, exact)
         )
         if exact is None:
-            return recorded
+            pressure = variable(
+                recorded.cavity_pressure.values[-1],
+                meaning="excess cavity pressure at the end over su",
+                role="headline",
+            )
+            return recorded.assign(final_cavity_pressure=pressure)
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
         error = variable(
             float(np.abs(difference.values).max()) / exact.limit(self.expansion),

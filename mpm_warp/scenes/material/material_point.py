@@ -129,7 +129,14 @@ class MaterialPoint(ClayScene):
         stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         if not self._is_known:
-            shown = labelled(dims=("path", "component"), stress=(stress, "1", "stress over su"))
+            shear = 0.5 * np.hypot(stress[:, 0] - stress[:, 1], 2.0 * stress[:, 2]).max()
+            shown = {
+                **labelled(dims=("path", "component"), stress=(stress, "1", "stress over su")),
+                **labelled(
+                    role="headline",
+                    shear_stress=(shear, "1", "greatest shear stress in the plane over su"),
+                ),
+            }
             return xr.Dataset(shown, coords=axes)
         exact = np.array([path.exact for path in paths])
         error = (
