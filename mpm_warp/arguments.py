@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import reprlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, field, fields
 from numbers import Integral, Real
 from typing import Any
 
@@ -71,6 +71,27 @@ def check_number(
     if not (is_number and allowed.holds(value, value)):
         kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
         raise error(f"{name} = {_text(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}")
+
+
+def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
+    """Declare a number as a field of a `Checked`; it may be None where that is the default."""
+    return field(default=default, metadata={"allowed": allowed, "unit": unit})
+
+
+class Checked:
+    """The base of dataclasses whose numbers are checked when they are made, see `checked`.
+
+    A subclass that checks more than numbers calls `super().__post_init__()` first.
+
+    Raises:
+        SceneError: a value is not allowed; the message names class, field, value and range.
+    """
+
+    def __post_init__(self) -> None:
+        for own in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, own.name)
+            if "allowed" in own.metadata and not (value is None and own.default is None):
+                check_number(f"{type(self).__name__}: {own.name}", value, **own.metadata)
 
 
 def check_whole(

@@ -27,6 +27,7 @@ import numpy as np
 from mpm_warp.arguments import (
     FROM_ONE,
     POSITIVE,
+    Checked,
     check_array,
     check_kind,
     check_number,
@@ -52,7 +53,7 @@ class BetweenSteps(Protocol):
         """Act, if it is time."""
 
 
-class Part:
+class Part(Checked):
     """A part of a scene: a force, a boundary, a contact, a window, a record.
 
     A part has a method for each place of a step at which it acts; what it does not override adds

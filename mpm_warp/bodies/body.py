@@ -20,10 +20,11 @@ from mpm_warp.arguments import (
     FROM_ONE,
     NOT_NEGATIVE,
     POSITIVE,
+    Checked,
     check_array,
     check_kind,
-    check_number,
     check_whole,
+    checked,
 )
 from mpm_warp.bodies.grid import UniformGrid, one, real, vec2, zero
 from mpm_warp.grid.fitted import Floats
@@ -32,26 +33,22 @@ from mpm_warp.plan.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Load:
+class Load(Checked):
     """Dead forces on the particles of a body, which rise linearly from zero and then stay.
 
     Attributes:
         forces: final force on each particle [N], shape [particle_count, 2].
         start: time t_0 at which they begin to rise [s], >= 0.
         rise_time: time T that they take to rise [s], > 0.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     forces: Floats
-    start: float
-    rise_time: float
+    start: float = checked(NOT_NEGATIVE, unit="s")
+    rise_time: float = checked(POSITIVE, unit="s")
 
     def __post_init__(self) -> None:
-        check_array("load: forces", self.forces, (None, 2))
-        check_number("load: start", self.start, NOT_NEGATIVE, unit="s")
-        check_number("load: rise_time", self.rise_time, POSITIVE, unit="s")
+        super().__post_init__()
+        check_array("Load: forces", self.forces, (None, 2))
 
     def impulse_time(self, time: Floats) -> Floats:
         """Impulse until each time over the final force: time integral of the fraction acting [s].
@@ -120,7 +117,7 @@ MARGIN = 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
+class Body(Checked):
     """A linear elastic body, or a rigid one, as a square lattice of particles.
 
     Attributes:
@@ -134,34 +131,29 @@ class Body:
             times the rate of strain [s], > 0; None where the body has no damping. It damps a
             frequency omega by omega tau / 2 of the critical damping.
         loads: forces on the particles.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     position: Floats
     volume: Floats
-    spacing: float
+    spacing: float = checked(POSITIVE, unit="m")
     material: LinearElastic
     held: NDArray[np.bool_] | None = None
-    retardation_time: float | None = None
+    retardation_time: float | None = checked(POSITIVE, unit="s", default=None)
     loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         count = np.size(self.volume)
-        check_whole("body: length of volume", count, FROM_ONE)
-        check_array("body: volume", self.volume, (count,), POSITIVE)
-        check_array("body: position", self.position, (count, 2))
-        check_number("body: spacing", self.spacing, POSITIVE, unit="m")
-        check_kind("body: material", self.material, LinearElastic)
+        check_whole("Body: length of volume", count, FROM_ONE)
+        check_array("Body: volume", self.volume, (count,), POSITIVE)
+        check_array("Body: position", self.position, (count, 2))
+        check_kind("Body: material", self.material, LinearElastic)
         if self.held is not None:
-            check_array("body: held", self.held, (count,), kinds="b")
-        if self.retardation_time is not None:
-            check_number("body: retardation_time", self.retardation_time, POSITIVE, unit="s")
-        check_kind("body: loads", self.loads, tuple)
+            check_array("Body: held", self.held, (count,), kinds="b")
+        check_kind("Body: loads", self.loads, tuple)
         for load in self.loads:
-            check_kind("body: load", load, Load)
-            check_array("body: loads: forces", load.forces, (count, 2))
+            check_kind("Body: load", load, Load)
+            check_array("Body: loads: forces", load.forces, (count, 2))
 
     @property
     def particle_count(self) -> int:

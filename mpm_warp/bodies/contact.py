@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
+from mpm_warp.arguments import NOT_NEGATIVE, Checked, check_whole, checked
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.grid import UniformGrid, first_node, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import make_contact_law
@@ -49,7 +49,7 @@ contact_law = make_contact_law(FLOAT64)
 
 
 @dataclass(frozen=True, kw_only=True)
-class BodyContact:
+class BodyContact(Checked):
     """Contact between two bodies.
 
     The normal is that of the base, whose surface should go on where the body's ends: at its edges
@@ -60,21 +60,17 @@ class BodyContact:
         base: index of the other.
         friction: Coulomb coefficient, dimensionless, >= 0.
         adhesion: shear stress transmitted without normal stress [Pa], >= 0.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     body: int
     base: int
-    friction: float = 0.0
-    adhesion: float = 0.0
+    friction: float = checked(NOT_NEGATIVE, default=0.0)
+    adhesion: float = checked(NOT_NEGATIVE, unit="Pa", default=0.0)
 
     def __post_init__(self) -> None:
-        check_whole("contact: body", self.body, NOT_NEGATIVE)
-        check_whole("contact: base", self.base, NOT_NEGATIVE)
-        check_number("contact: friction", self.friction, NOT_NEGATIVE)
-        check_number("contact: adhesion", self.adhesion, NOT_NEGATIVE, unit="Pa")
+        super().__post_init__()
+        check_whole("BodyContact: body", self.body, NOT_NEGATIVE)
+        check_whole("BodyContact: base", self.base, NOT_NEGATIVE)
 
     def add_to(self, plan: Plan, index: int, bodies: Sequence[Body], grid: UniformGrid) -> None:
         """Add contact number `index` of a scene, after the velocities that each body has alone."""

@@ -24,7 +24,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, check_number
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.materials.elasticity import make_elastic_increment
 from mpm_warp.materials.material import Law
@@ -59,25 +59,19 @@ class EinavRandolph(UndrainedClay):
     """
 
     criterion: type[PerfectlyPlastic]
-    rate_factor: float
-    reference_strain_rate: float
-    remoulded_strength_ratio: float
-    ductility: float
+    rate_factor: float = checked(NOT_NEGATIVE)
+    reference_strain_rate: float = checked(POSITIVE, unit="1/s")
+    remoulded_strength_ratio: float = checked(Range(above=0.0, maximum=1.0))
+    ductility: float = checked(POSITIVE)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_number("material: rate_factor", self.rate_factor, NOT_NEGATIVE)
-        check_number(
-            "material: reference_strain_rate", self.reference_strain_rate, POSITIVE, unit="1/s"
-        )
-        ratio = self.remoulded_strength_ratio
-        check_number("material: remoulded_strength_ratio", ratio, Range(above=0.0, maximum=1.0))
-        check_number("material: ductility", self.ductility, POSITIVE)
         if self.slope > STEEPEST:
             least = self.ductility * self.slope / STEEPEST
             raise SceneError(
-                f"material: ductility = {self.ductility:g} is too brittle, must be >= {least:.2g}: "
-                f"its strength falls by {self.slope:.2g} G, {STEEPEST:g} G can be followed"
+                f"EinavRandolph: ductility = {self.ductility:g} is too brittle, must be >= "
+                f"{least:.2g}: its strength falls by {self.slope:.2g} G, {STEEPEST:g} G can be "
+                "followed"
             )
 
     @property

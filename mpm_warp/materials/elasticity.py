@@ -13,7 +13,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Range, check_number
+from mpm_warp.arguments import POSITIVE, Range, checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.precision import Precision
@@ -31,18 +31,10 @@ class Isotropic(Material):
     Attributes:
         shear_modulus: G [Pa], > 0.
         poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
-    shear_modulus: float
-    poissons_ratio: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_number("material: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
-        check_number("material: poissons_ratio", self.poissons_ratio, Range(minimum=0, below=0.5))
+    shear_modulus: float = checked(POSITIVE, unit="Pa")
+    poissons_ratio: float = checked(Range(minimum=0, below=0.5))
 
     @property
     def properties(self) -> tuple[float, ...]:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, check_kind, check_number
+from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
@@ -72,26 +72,23 @@ class Law:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Material(ABC):
+class Material(Checked, ABC):
     """A law with its numbers. A new one is a subclass in a file of its own, which may be a user's.
 
     Attributes:
         density: rho [kg/m3], > 0.
         variation: strength, stiffness and adhesion from place to place, over those of the material;
             None: they are the same everywhere.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
-    density: float
+    density: float = checked(POSITIVE, unit="kg/m3")
     variation: Variation | None = None
 
     def __post_init__(self) -> None:
-        check_number("material: density", self.density, POSITIVE, unit="kg/m3")
-        check_kind("material: variation", self.variation, (Variation, type(None)))
+        super().__post_init__()
+        check_kind(f"{type(self).__name__}: variation", self.variation, (Variation, type(None)))
         if self.variation is not None and type(self).properties_at is Material.properties_at:
-            raise SceneError(f"material: {built_name(self)} has no properties that vary by place")
+            raise SceneError(f"{type(self).__name__} has no properties that vary by place")
 
     # The law on the device.
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, check_number
+from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import Isotropic, make_elastic_increment
 from mpm_warp.precision import Precision
@@ -31,11 +31,7 @@ class UndrainedClay(Isotropic):
         strength: undrained shear strength in pure shear su [Pa], > 0.
     """
 
-    strength: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_number("material: strength", self.strength, POSITIVE, unit="Pa")
+    strength: float = checked(POSITIVE, unit="Pa")
 
     @property
     def properties(self) -> tuple[float, ...]:

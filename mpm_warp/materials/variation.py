@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, Range, check_array, check_number
+from mpm_warp.arguments import POSITIVE, Checked, Range, check_array, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Variation:
+class Variation(Checked):
     """Strength, stiffness and adhesion over those of a material, and stress, linear between depths.
 
     Two equal depths make a jump: what is at that depth and below has the second values. Above the
@@ -34,9 +34,6 @@ class Variation:
         horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
             positive, shape [n]; none where it is that of the scene everywhere.
         origin_depth: depth of z = 0 [m].
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     depth: Floats
@@ -44,28 +41,28 @@ class Variation:
     stiffness_ratio: Floats
     adhesion_ratio: Floats | None = None
     horizontal_stress: Floats | None = None
-    origin_depth: float = 0.0
+    origin_depth: float = checked(unit="m", default=0.0)
 
     def __post_init__(self) -> None:
-        check_array("variation: depth", self.depth, (None,))
+        super().__post_init__()
+        check_array("Variation: depth", self.depth, (None,))
         falls = np.flatnonzero(self.depth[1:] < self.depth[:-1])
         if len(falls):
             one, next_one = self.depth[falls[0] : falls[0] + 2]
             raise SceneError(
-                f"variation: depth[{falls[0] + 1}] = {next_one:g} must be >= {one:g}, the one "
+                f"Variation: depth[{falls[0] + 1}] = {next_one:g} must be >= {one:g}, the one "
                 "before"
             )
         at_most_one = Range(above=0.0, maximum=1.0)
-        check_array("variation: strength_ratio", self.strength_ratio, self.depth.shape, POSITIVE)
+        check_array("Variation: strength_ratio", self.strength_ratio, self.depth.shape, POSITIVE)
         check_array(
-            "variation: stiffness_ratio", self.stiffness_ratio, self.depth.shape, at_most_one
+            "Variation: stiffness_ratio", self.stiffness_ratio, self.depth.shape, at_most_one
         )
         if self.adhesion_ratio is not None:
             share = Range(minimum=0.0, maximum=1.0)
-            check_array("variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
+            check_array("Variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
         if self.horizontal_stress is not None:
-            check_array("variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
-        check_number("variation: origin_depth", self.origin_depth, unit="m")
+            check_array("Variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
 
     def strength_ratio_at(self, place: Floats) -> Floats:
         """Strength over that of the material at places (r, z) in the ground [m], [..., 2]."""

@@ -37,9 +37,6 @@ class Fixed(Part):
     Attributes:
         nodes: flat indices, each once, shape [node_count].
         free: 1 where the velocity component is free, 0 where it is held, shape [node_count, 2].
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     nodes: Integers
@@ -47,14 +44,14 @@ class Fixed(Part):
 
     def __post_init__(self) -> None:
         count = np.size(self.nodes)
-        check_array("fixed: free", self.free, (count, 2), Range(minimum=0.0, maximum=1.0))
+        check_array("Fixed: free", self.free, (count, 2), Range(minimum=0.0, maximum=1.0))
         between = self.free[(self.free != 0.0) & (self.free != 1.0)]
         if between.size:
-            raise SceneError(f"fixed: free = {between[0]:g} must be 0 or 1")
+            raise SceneError(f"Fixed: free = {between[0]:g} must be 0 or 1")
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
-        check_nodes("fixed: nodes", self.nodes, scene.grid.node_count)
+        check_nodes("Fixed: nodes", self.nodes, scene.grid.node_count)
 
     @classmethod
     def axis(cls, grid: Grid) -> Self:
@@ -162,9 +159,6 @@ class FarField(Part):
         spring: stiffness of each node per radian [N/m], >= 0, shape [node_count].
         dashpot: viscosity of each node along r and z per radian [N s/m], >= 0,
             shape [node_count, 2].
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     nodes: Integers
@@ -173,12 +167,12 @@ class FarField(Part):
 
     def __post_init__(self) -> None:
         count = np.size(self.nodes)
-        check_array("far_field: spring", self.spring, (count,), NOT_NEGATIVE)
-        check_array("far_field: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
+        check_array("FarField: spring", self.spring, (count,), NOT_NEGATIVE)
+        check_array("FarField: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, and soil that is the same everywhere."""
-        check_nodes("far_field: nodes", self.nodes, scene.grid.node_count)
+        check_nodes("FarField: nodes", self.nodes, scene.grid.node_count)
         refuse_together(
             "FarField",
             scene.material.variation is not None,

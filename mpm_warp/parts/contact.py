@@ -32,8 +32,8 @@ from mpm_warp.arguments import (
     NOT_NEGATIVE,
     check_array,
     check_nodes,
-    check_number,
     check_whole,
+    checked,
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
@@ -82,38 +82,36 @@ class SurfaceContact(Part):
         on_axis: numbers of those `nodes` that the axis holds too, so that nothing moves past the
             surface there, shape [on_axis_count]; none by default. Where less soil is near such a
             node than its least mass, as before a blunt nose, the body bears the difference.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     nodes: Integers
     normals: Floats
     normal_areas: Floats
     adhesion_forces: Floats
-    friction: float
-    in_situ_stress: float
-    speed: float = 0.0
+    friction: float = checked(NOT_NEGATIVE)
+    in_situ_stress: float = checked(NOT_NEGATIVE, unit="Pa")
+    speed: float = checked(unit="m/s", default=0.0)
     on_axis: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         count = np.size(self.nodes)
-        check_whole("contact: number of nodes", count, FROM_ONE)
-        check_array("contact: normals", self.normals, (count, 2))
+        check_whole("SurfaceContact: number of nodes", count, FROM_ONE)
+        check_array("SurfaceContact: normals", self.normals, (count, 2))
         lengths = np.hypot(self.normals[:, 0], self.normals[:, 1])
         if not np.allclose(lengths, 1.0, rtol=0.0, atol=UNIT_ROUNDING):
             worst = int(np.argmax(np.abs(lengths - 1.0)))
             raise SceneError(
-                f"contact: normals[{worst}] is {lengths[worst]:g} long, must be a unit normal"
+                f"SurfaceContact: normals[{worst}] is {lengths[worst]:g} long, must be a "
+                "unit normal"
             )
         for name in ("normal_areas", "adhesion_forces"):
-            check_array(f"contact: {name}", getattr(self, name), (count,), NOT_NEGATIVE)
+            check_array(f"SurfaceContact: {name}", getattr(self, name), (count,), NOT_NEGATIVE)
         if not self.normal_areas.any():
-            raise SceneError("contact: normal_areas are all 0, must be > 0 at one node at least")
-        check_number("contact: friction", self.friction, NOT_NEGATIVE)
-        check_number("contact: in_situ_stress", self.in_situ_stress, NOT_NEGATIVE, unit="Pa")
-        check_number("contact: speed", self.speed, unit="m/s")
-        check_nodes("contact: on_axis", self.on_axis, count)
+            raise SceneError(
+                "SurfaceContact: normal_areas are all 0, must be > 0 at one node at least"
+            )
+        check_nodes("SurfaceContact: on_axis", self.on_axis, count)
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, in its first column beside soil that changes.
@@ -121,12 +119,12 @@ class SurfaceContact(Part):
         Raises:
             SceneError: not so.
         """
-        check_nodes("contact: nodes", self.nodes, scene.grid.node_count)
+        check_nodes("SurfaceContact: nodes", self.nodes, scene.grid.node_count)
         inside = np.flatnonzero(np.asarray(self.nodes) % (scene.grid.column_count + 1))
         if inside.size and (scene.material.state or passes_soil_that_varies(scene)):
             raise SceneError(
-                f"contact: nodes[{inside[0]}] is not in the first column of the grid, must be "
-                "where the strength beside it changes: with a state, or a variation and a window"
+                f"SurfaceContact: nodes[{inside[0]}] is not in the first column of the grid, must "
+                "be where the strength beside it changes: with a state, or a variation and a window"
             )
 
     def add_contact(self, plan: Plan, scene: Scene) -> None:

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Range, check_number
+from mpm_warp.arguments import POSITIVE, Range, check_number, checked
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.parts.boundaries import FarField
@@ -48,21 +48,17 @@ class CyclicWindow(MovingGrid):
         ramp_travel: travel over which the speed rises after a turn, and falls before the next,
             linearly in time [m], > 0.
         stroke: travel of a passage, from turn to turn [m], at least that of two ramps.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     not_beside = ((FarField, "hold the nodes around the grid"),)
-    speed: float
-    ramp_travel: float
+    speed: float = checked(POSITIVE, unit="m/s")
+    ramp_travel: float = checked(POSITIVE, unit="m")
     stroke: float
 
     def __post_init__(self) -> None:
-        check_number("window: speed", self.speed, POSITIVE, unit="m/s")
-        check_number("window: ramp_travel", self.ramp_travel, POSITIVE, unit="m")
+        super().__post_init__()
         two_ramps = Range(minimum=2.0 * self.ramp_travel)
-        check_number("window: stroke", self.stroke, two_ramps, unit="m")
+        check_number("CyclicWindow: stroke", self.stroke, two_ramps, unit="m")
 
     @property
     def first_speed(self) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, check_array, check_nodes, check_number
+from mpm_warp.arguments import POSITIVE, check_array, check_nodes, checked
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.plan.plan import Plan
 from mpm_warp.precision import Precision
@@ -25,15 +25,9 @@ class Gravity(Part):
 
     Attributes:
         acceleration: g [m/s2], > 0.
-
-    Raises:
-        SceneError: the acceleration is not > 0.
     """
 
-    acceleration: float
-
-    def __post_init__(self) -> None:
-        check_number("gravity: acceleration", self.acceleration, POSITIVE, unit="m/s2")
+    acceleration: float = checked(POSITIVE, unit="m/s2")
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""
@@ -70,20 +64,17 @@ class NodalLoad(Part):
     Attributes:
         nodes: flat indices, each once, shape [node_count].
         forces: (r, z) per radian, or in plane strain per thickness [N], shape [node_count, 2].
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     nodes: Integers
     forces: Floats
 
     def __post_init__(self) -> None:
-        check_array("load: forces", self.forces, (np.size(self.nodes), 2))
+        check_array("NodalLoad: forces", self.forces, (np.size(self.nodes), 2))
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
-        check_nodes("load: nodes", self.nodes, scene.grid.node_count)
+        check_nodes("NodalLoad: nodes", self.nodes, scene.grid.node_count)
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over the loaded nodes."""
@@ -121,15 +112,9 @@ class Damping(Part):
 
     Attributes:
         rate: at which all motion dies out, force over momentum c [1/s], > 0.
-
-    Raises:
-        SceneError: the rate is not > 0.
     """
 
-    rate: float
-
-    def __post_init__(self) -> None:
-        check_number("damping: rate", self.rate, POSITIVE, unit="1/s")
+    rate: float = checked(POSITIVE, unit="1/s")
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, Range, check_number
+from mpm_warp.arguments import POSITIVE, Range, checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
@@ -55,21 +55,12 @@ class PassingSurface(FreeSurface):
         layer: thickness of the layer below it that counts as near [m], > 0; what is above the level
             counts too, soil heaves there.
         pic_fraction: a in that layer and above it, dimensionless, > 0 and <= 1.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     needs = (Window,)
-    level: float
-    layer: float
-    pic_fraction: float
-
-    def __post_init__(self) -> None:
-        check_number("passing_surface: level", self.level, unit="m")
-        check_number("passing_surface: layer", self.layer, POSITIVE, unit="m")
-        allowed = Range(above=0.0, maximum=1.0)
-        check_number("passing_surface: pic_fraction", self.pic_fraction, allowed)
+    level: float = checked(unit="m")
+    layer: float = checked(POSITIVE, unit="m")
+    pic_fraction: float = checked(Range(above=0.0, maximum=1.0))
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add the arrays "cell.pic_fraction" and "cell.full_mass"."""

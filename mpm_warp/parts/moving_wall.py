@@ -24,7 +24,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import POSITIVE, check_number
+from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.material import Material
@@ -45,18 +45,11 @@ class MovingWall(Part):
     Attributes:
         speed: final speed [m/s], > 0.
         ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     not_beside = ((MovingGrid, ""),)
-    speed: float
-    ramp_travel: float
-
-    def __post_init__(self) -> None:
-        check_number("moving_wall: speed", self.speed, POSITIVE, unit="m/s")
-        check_number("moving_wall: ramp_travel", self.ramp_travel, POSITIVE, unit="m")
+    speed: float = checked(POSITIVE, unit="m/s")
+    ramp_travel: float = checked(POSITIVE, unit="m")
 
     @property
     def ramp_time(self) -> float:

@@ -35,7 +35,7 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, check_array, check_nodes, check_number
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Checked, check_array, check_nodes, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
@@ -47,7 +47,7 @@ from mpm_warp.scene import Part, Scene
 
 
 @dataclass(frozen=True, kw_only=True)
-class TravellingSource:
+class TravellingSource(Checked):
     """The motion and the stress that a body going down leaves in elastic ground far from it.
 
     Positions are those in a grid that travels with the body.
@@ -56,19 +56,11 @@ class TravellingSource:
         radius: of the shaft behind the body [m], > 0.
         height: of the source in the grid [m].
         shear_modulus: of the ground [Pa], > 0.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
-    radius: float
-    height: float
-    shear_modulus: float
-
-    def __post_init__(self) -> None:
-        check_number("source: radius", self.radius, POSITIVE, unit="m")
-        check_number("source: height", self.height, unit="m")
-        check_number("source: shear_modulus", self.shear_modulus, POSITIVE, unit="Pa")
+    radius: float = checked(POSITIVE, unit="m")
+    height: float = checked(unit="m")
+    shear_modulus: float = checked(POSITIVE, unit="Pa")
 
     def velocity(self, position: Floats) -> Floats:
         """Velocity of the ground over that of the body, dimensionless, shape [..., 2].
@@ -143,9 +135,6 @@ class SurroundingGround(Part):
             the material varies, that of a stiffness ratio of 1.
         dashpot: viscosity of each along r and z per radian [N s/m], >= 0, shape [side_count, 2],
             likewise.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
     needs = (Window,)
@@ -162,15 +151,15 @@ class SurroundingGround(Part):
 
     def __post_init__(self) -> None:
         count = np.size(self.side)
-        check_array("surroundings: side_areas", self.side_areas, (count,), POSITIVE)
-        check_array("surroundings: spring", self.spring, (count, 2), POSITIVE)
-        check_array("surroundings: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
+        check_array("SurroundingGround: side_areas", self.side_areas, (count,), POSITIVE)
+        check_array("SurroundingGround: spring", self.spring, (count, 2), POSITIVE)
+        check_array("SurroundingGround: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
         for name, nodes in (("end", self.ends), ("side", self.side)):
             positions = getattr(self, f"{name}_positions")
-            check_array(f"surroundings: {name}_positions", positions, (np.size(nodes), 2))
-        check_array("surroundings: free", self.free, (np.size(self.ends), 2))
+            check_array(f"SurroundingGround: {name}_positions", positions, (np.size(nodes), 2))
+        check_array("SurroundingGround: free", self.free, (np.size(self.ends), 2))
         if not np.isin(self.free, (0.0, 1.0)).all():
-            raise SceneError("surroundings: free must be 0 or 1")
+            raise SceneError("SurroundingGround: free must be 0 or 1")
 
     @classmethod
     def around(cls, grid: Grid, material: Material, source: TravellingSource) -> Self:
@@ -201,7 +190,7 @@ class SurroundingGround(Part):
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
         for name, nodes in (("ends", self.ends), ("side", self.side)):
-            check_nodes(f"surroundings: {name}", nodes, scene.grid.node_count)
+            check_nodes(f"SurroundingGround: {name}", nodes, scene.grid.node_count)
 
     def stress(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) of elastic ground when the body has gone so far [Pa], [..., 4].

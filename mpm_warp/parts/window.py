@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Range, check_kind, check_number
+from mpm_warp.arguments import POSITIVE, Checked, Range, check_kind, check_number, checked
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
@@ -67,7 +67,7 @@ class MovingGrid(Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Approach:
+class Approach(Checked):
     """The window hurries to where it matters, then falls to its final speed.
 
     What the soil remembers of it is its stress, which hardly depends on the speed; what it owes to
@@ -77,20 +77,16 @@ class Approach:
         speed: of the grid before it falls [m/s], above the final one.
         travel: where it has fallen to the final speed [m], > `slowing_travel`.
         slowing_travel: travel over which it falls, linearly [m], > 0.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
-    speed: float
+    speed: float = checked(POSITIVE, unit="m/s")
     travel: float
-    slowing_travel: float
+    slowing_travel: float = checked(POSITIVE, unit="m")
 
     def __post_init__(self) -> None:
-        check_number("approach: speed", self.speed, POSITIVE, unit="m/s")
-        check_number("approach: slowing_travel", self.slowing_travel, POSITIVE, unit="m")
+        super().__post_init__()
         beyond = Range(above=self.slowing_travel)
-        check_number("approach: travel", self.travel, beyond, unit="m")
+        check_number("Approach: travel", self.travel, beyond, unit="m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,24 +102,19 @@ class Window(MovingGrid):
         approach: a hurried start, or none.
         spare_fraction: slots for particles beyond those of the full grid, over their number,
             dimensionless, > 0.
-
-    Raises:
-        SceneError: a value is not allowed.
     """
 
-    speed: float
-    ramp_travel: float
-    spare_fraction: float
+    speed: float = checked(POSITIVE, unit="m/s")
+    ramp_travel: float = checked(POSITIVE, unit="m")
+    spare_fraction: float = checked(POSITIVE)
     approach: Approach | None = None
 
     def __post_init__(self) -> None:
-        check_number("window: speed", self.speed, POSITIVE, unit="m/s")
-        check_number("window: ramp_travel", self.ramp_travel, POSITIVE, unit="m")
-        check_number("window: spare_fraction", self.spare_fraction, POSITIVE)
-        check_kind("window: approach", self.approach, (Approach, type(None)))
+        super().__post_init__()
+        check_kind("Window: approach", self.approach, (Approach, type(None)))
         if self.approach is not None:
             faster = Range(above=self.speed)
-            check_number("approach: speed", self.approach.speed, faster, unit="m/s")
+            check_number("Window: approach.speed", self.approach.speed, faster, unit="m/s")
 
     @property
     def first_speed(self) -> float:

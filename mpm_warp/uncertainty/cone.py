@@ -19,17 +19,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
-from mpm_warp.uncertainty.further_runs import without_errors
-from mpm_warp.uncertainty.interval import further_values, stated_value, those_that_hold
+from mpm_warp.uncertainty.further_runs import ALONE, TestRun
+from mpm_warp.uncertainty.interval import those_that_hold
 from mpm_warp.uncertainty.laws import (
     LARGEST_CELL,
     LARGEST_INERTIA,
@@ -68,7 +70,7 @@ not."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ConeRun:
+class ConeRun(TestRun):
     """A run of a cone test, as far as its error goes.
 
     Attributes:
@@ -79,10 +81,18 @@ class ConeRun:
             `cone_factor_shear`.
     """
 
+    name: ClassVar[str] = "cone_factor"
+    description: ClassVar[str] = (
+        "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window"
+    )
+    differences: ClassVar[Mapping[str, str]] = DIFFERENCES
+    left_open: ClassVar[Mapping[str, float]] = dict.fromkeys(DIFFERENCES, LEFT_OPEN)
+    largest_correction: ClassVar[float] = LARGEST_CORRECTION
+    approach: ClassVar[float] = APPROACH
+
     laws: ErrorLaws
     strength: float
     bounded: float
-    recorded: xr.Dataset
 
     @property
     def factor(self) -> float:
@@ -100,18 +110,58 @@ class ConeRun:
         reason = "settling: soil that the cone has not passed is still beside it"
         return [] if self.has_settled else [reason]
 
-    @property
-    def own_parts(self) -> dict[str, float]:
-        """Half widths of what a run leaves open whatever its mesh, speed and window."""
+    def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
+        """What is still to come, what more points change, and the noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
             "steadiness": left_to_come(resistance),
             "points": POINTS * self.factor,
-            "noise": NOISE,
+            "noise": NOISE * float(np.linalg.norm(weights)),
         }
 
+    def measures(self, case: Self) -> dict[str, float]:
+        """h, g^1.5 h^1.3, i and w."""
+        laws = self.laws
+        return {
+            "mesh": laws.cell_size,
+            "growth": growth_measure(laws.cell_size, laws.cell_growth),
+            "speed": float(laws.inertia),
+            "domain": (case.laws.outer / laws.outer) ** 2,
+        }
 
-def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> xr.Dataset:
+    def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
+        """Where one has not settled."""
+        return [
+            f"further runs: {which}: {why}"
+            for which, run in runs.items()
+            for why in run.why_not_settled
+        ]
+
+    def stated(
+        self, correction: float, parts: Mapping[str, float], reasons: Sequence[str]
+    ) -> dict[str, xr.Variable]:
+        """The cone factor, its normal part, and whether it has settled."""
+        stated = super().stated(correction, parts, reasons)
+        settled = (
+            float(self.has_settled),
+            "1",
+            "whether the cone factor has settled",
+            "1 where the cone has passed all soil beside the shaft, else 0",
+        )
+        normal = (
+            float(stated["cone_factor"].values) - float(self.recorded.cone_factor_shear),
+            "1",
+            "cone factor, normal part",
+            "what the normal traction on the face adds to Nc",
+        )
+        return (
+            stated
+            | labelled(role="settled", cone_factor_settled=settled)
+            | labelled(cone_factor_normal=normal)
+        )
+
+
+def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str, xr.Variable]:
     """The cone factor less what is known of its error, and its uncertainty.
 
     Args:
@@ -133,7 +183,7 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> xr.Datase
         *those_that_hold(laws.why_none_holds(largest_cell=WIDEST_CELL)),
         *run.why_not_settled,
     ]
-    return _stated(run, float(laws.correction), parts | run.own_parts, reasons)
+    return run.stated(float(laws.correction), parts | run.own_parts(ALONE, [run]), reasons)
 
 
 def _why_laws_do_not_hold(built: Scene) -> list[str]:
@@ -163,87 +213,3 @@ def check_measurable(laws: ErrorLaws) -> None:
             f"uncertainty = measured: {reason}; cells at the cone must be <= {LARGEST_CELL:g} of "
             f"its radius, and rigidity_index speed_ratio^2 <= {LARGEST_INERTIA:g}",
         )
-
-
-def measured_error(case: ConeRun, further: Mapping[str, ConeRun | str]) -> xr.Dataset:
-    """The cone factor less its error, and its uncertainty, as measured by five runs.
-
-    Args:
-        case: the run whose error is measured.
-        further: the further runs, or why there is none, by effect.
-
-    Returns:
-        What `known_error` gives, and what each further run gave. Nothing is known of the error
-        where one of the runs failed, or has not settled, or where the laws would have to take off
-        more than `LARGEST_CORRECTION`.
-    """
-    runs = {"the case": case} | {
-        f"the run with {DIFFERENCES[effect]}": run for effect, run in further.items()
-    }
-    reasons = [
-        f"further runs: {name}: {fault}"
-        for name, run in runs.items()
-        for fault in ([run] if isinstance(run, str) else run.why_not_settled)
-    ]
-    parts = dict.fromkeys(DIFFERENCES, 0.0) | case.own_parts
-    correction = 0.0
-    if not reasons:
-        whole = [run for run in runs.values() if isinstance(run, ConeRun)]
-        found = without_errors([run.factor for run in whole], [_measures(it, case) for it in whole])
-        correction = found.value - case.factor
-        if abs(correction) > LARGEST_CORRECTION * found.value:
-            off = f"their laws would take off {abs(correction) / found.value:.0%}"
-            reasons = [f"further runs: {off}, and hold up to {LARGEST_CORRECTION:.0%}"]
-        parts |= {choice: LEFT_OPEN * error for choice, error in found.left.items()}
-        parts["speed"] += APPROACH * case.factor
-        parts["noise"] = NOISE * float(np.linalg.norm(found.weights))
-    factors = {
-        effect: math.nan if isinstance(run, str) else run.factor for effect, run in further.items()
-    }
-    return _stated(case, correction, parts, reasons).assign(
-        further_values("cone_factor", factors, DIFFERENCES)
-    )
-
-
-def _measures(run: ConeRun, case: ConeRun) -> dict[str, float]:
-    """What the errors are in proportion to, by effect: h, g^1.5 h^1.3, i and w."""
-    laws = run.laws
-    return {
-        "mesh": laws.cell_size,
-        "growth": growth_measure(laws.cell_size, laws.cell_growth),
-        "speed": float(laws.inertia),
-        "domain": (case.laws.outer / laws.outer) ** 2,
-    }
-
-
-def _stated(
-    run: ConeRun, correction: float, parts: Mapping[str, float], reasons: Sequence[str]
-) -> xr.Dataset:
-    """What is said of a cone factor, whichever way its error is known."""
-    stated = stated_value(
-        "cone_factor",
-        run.factor,
-        correction=correction,
-        parts=parts,
-        reasons=reasons,
-        description="Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and "
-        "window",
-    )
-    settled = labelled(
-        role="settled",
-        cone_factor_settled=(
-            float(run.has_settled),
-            "1",
-            "whether the cone factor has settled",
-            "1 where the cone has passed all soil beside the shaft, else 0",
-        ),
-    )
-    normal = labelled(
-        cone_factor_normal=(
-            float(stated["cone_factor"].values) - float(run.recorded.cone_factor_shear),
-            "1",
-            "cone factor, normal part",
-            "what the normal traction on the face adds to Nc",
-        ),
-    )
-    return xr.Dataset(stated | settled | normal)

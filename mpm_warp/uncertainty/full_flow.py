@@ -15,15 +15,15 @@ uncertainty.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
-import xarray as xr
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.uncertainty.further_runs import without_errors
-from mpm_warp.uncertainty.interval import further_values, stated_value
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.uncertainty.further_runs import TestRun
 from mpm_warp.uncertainty.steadiness import STILL_TO_COME
 
 FINER, SLOWER, WIDER = 1.5, 0.5, 1.5
@@ -51,7 +51,7 @@ POINTS, FEW_POINTS = 0.002, 0.012
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FullFlowRun:
+class FullFlowRun(TestRun):
     """A run of a ball or T-bar, as far as its error goes.
 
     Attributes:
@@ -62,11 +62,17 @@ class FullFlowRun:
         recorded: `resistance_factor`, `resistance_factor_change` and `empty_cells`.
     """
 
+    name: ClassVar[str] = "resistance_factor"
+    description: ClassVar[str] = (
+        "resistance over projected area and su, corrected for mesh, speed and window"
+    )
+    differences: ClassVar[Mapping[str, str]] = DIFFERENCES
+    left_open: ClassVar[Mapping[str, float]] = LEFT_OPEN
+
     cells_per_radius: int
     relative_speed: float
     extent: float
     has_few_points: bool
-    recorded: xr.Dataset
 
     @property
     def factor(self) -> float:
@@ -83,6 +89,33 @@ class FullFlowRun:
         """Whether there is a hole behind the body."""
         return float(self.recorded.empty_cells) > 0.0
 
+    def measures(self, case: Self) -> dict[str, float]:
+        """h^2, V^1.4, their product, and 1 / E."""
+        mesh = 1.0 / self.cells_per_radius**2
+        speed = math.pow(self.relative_speed, POWER_OF_SPEED)
+        return {
+            "mesh": mesh,
+            "speed": speed,
+            "mesh_and_speed": mesh * speed,
+            "domain": case.extent / self.extent,
+        }
+
+    def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
+        """What is still to come in all runs, what more points change, and what the poles add."""
+        to_come = STILL_TO_COME * np.array([it.change for it in runs])
+        finest = math.ceil(FINER * self.cells_per_radius)
+        return {
+            "steadiness": float(np.linalg.norm(weights * to_come)),
+            "points": (FEW_POINTS if self.has_few_points else POINTS) * self.factor,
+            "poles": POLES / finest * self.factor,
+        }
+
+    def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
+        """Where one leaves a hole behind the body."""
+        if any(it.leaves_hole for it in runs.values()):
+            return ["hole: soil leaves one behind the body"]
+        return []
+
 
 def check_measurable(cells_per_radius: int) -> None:
     """Refuse a test whose error no further runs can measure.
@@ -96,76 +129,3 @@ def check_measurable(cells_per_radius: int) -> None:
             f"cells_per_radius = {cells_per_radius} must be >= {FEWEST_CELLS} where "
             "uncertainty = measured",
         )
-
-
-def stated_without(case: FullFlowRun, reasons: list[str]) -> dict[str, xr.Variable]:
-    """The resistance factor as simulated, and the reasons why nothing is known of its error."""
-    return _stated(case, 0.0, {}, reasons)
-
-
-def measured_error(
-    case: FullFlowRun, further: Mapping[str, FullFlowRun | str]
-) -> dict[str, xr.Variable]:
-    """The resistance factor less its error, and its uncertainty, as measured by five runs.
-
-    Args:
-        case: the run whose error is measured.
-        further: the further runs, or why there is none, by choice of the method.
-
-    Returns:
-        `resistance_factor` less its error, its correction, its uncertainty and the parts of it, and
-        what each further run gave. Where a further run failed nothing is known of the error, nor
-        where one leaves a hole behind the body.
-    """
-    reasons = [
-        f"further runs: the run with {DIFFERENCES[choice]}: {it}"
-        for choice, it in further.items()
-        if isinstance(it, str)
-    ]
-    runs = [case, *(it for it in further.values() if isinstance(it, FullFlowRun))]
-    if any(it.leaves_hole for it in runs):
-        reasons.append("hole: soil leaves one behind the body")
-    correction = 0.0
-    finest = math.ceil(FINER * case.cells_per_radius)
-    parts = dict.fromkeys(DIFFERENCES, 0.0) | {
-        "steadiness": 0.0,
-        "points": (FEW_POINTS if case.has_few_points else POINTS) * case.factor,
-        "poles": POLES / finest * case.factor,
-    }
-    if not reasons:
-        found = without_errors([it.factor for it in runs], [_measures(it, case) for it in runs])
-        correction = found.value - case.factor
-        parts |= {choice: LEFT_OPEN[choice] * error for choice, error in found.left.items()}
-        to_come = STILL_TO_COME * np.array([it.change for it in runs])
-        parts["steadiness"] = float(np.linalg.norm(found.weights * to_come))
-    values = {
-        choice: math.nan if isinstance(it, str) else it.factor for choice, it in further.items()
-    }
-    return _stated(case, correction, parts, reasons) | further_values(
-        "resistance_factor", values, DIFFERENCES
-    )
-
-
-def _stated(
-    case: FullFlowRun, correction: float, parts: Mapping[str, float], reasons: list[str]
-) -> dict[str, xr.Variable]:
-    return stated_value(
-        "resistance_factor",
-        case.factor,
-        correction=correction,
-        parts=parts,
-        reasons=reasons,
-        description="resistance over projected area and su, corrected for mesh, speed and window",
-    )
-
-
-def _measures(run: FullFlowRun, case: FullFlowRun) -> dict[str, float]:
-    """h^2, V^1.4, their product, and 1 / E, which the errors are in proportion to."""
-    mesh = 1.0 / run.cells_per_radius**2
-    speed = math.pow(run.relative_speed, POWER_OF_SPEED)
-    return {
-        "mesh": mesh,
-        "speed": speed,
-        "mesh_and_speed": mesh * speed,
-        "domain": case.extent / run.extent,
-    }

@@ -9,45 +9,91 @@ choices then determine the value v without these errors, and the slopes s:
 
 from __future__ import annotations
 
+import math
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import InaccurateRun, ParameterError, SimulationDiverged, UnfinishedRun
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import labelled
+from mpm_warp.results import labelled, variable
+from mpm_warp.uncertainty.interval import stated_value
 
 Progress = Callable[[float], None]
 """Is called now and then with the fraction done, 0 to 1."""
+ALONE: Floats = np.ones(1)
+"""The weight of a run in its own value."""
 
 
-class Size(Protocol):
-    """How large a run is."""
+class Test(Protocol):
+    """A frozen dataclass of parameters whose run has a size, and an error that can be measured."""
+
+    def run_size(self) -> Any:
+        """Of its run; `particle_updates` are material points times steps."""
+
+    def error_of(self, recorded: xr.Dataset) -> TestRun:
+        """A run of it, as far as its error goes."""
+
+
+TestT = TypeVar("TestT", bound=Test)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TestRun:
+    """A run of a test, as far as its error goes.
+
+    Attributes:
+        recorded: what came out.
+    """
+
+    name: ClassVar[str]
+    """Of the value whose error it is, "cone_factor"."""
+    description: ClassVar[str]
+    """How that value is defined."""
+    differences: ClassVar[Mapping[str, str]]
+    """What the further run has that measures an effect, as "smaller cells", by effect."""
+    left_open: ClassVar[Mapping[str, float]]
+    """Half width of an error over what the best run still has of it, by effect."""
+    largest_correction: ClassVar[float] = math.inf
+    """Error that the laws may take off, over the value."""
+    approach: ClassVar[float] = 0.0
+    """Half width of what a hurried approach leaves, over the value; it goes with that of speed."""
+
+    recorded: xr.Dataset
 
     @property
-    def particle_updates(self) -> float:
-        """Material points times steps."""
+    @abstractmethod
+    def factor(self) -> float:
+        """The value as simulated."""
 
+    @abstractmethod
+    def measures(self, case: Self) -> dict[str, float]:
+        """What the errors are in proportion to, m, by effect, where `case` is that to measure."""
 
-class Sized(Protocol):
-    """A test: a frozen dataclass of parameters whose run has a size."""
+    @abstractmethod
+    def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
+        """Why the error is not known by the sound ones of the runs; by what they are."""
 
-    def run_size(self) -> Size:
-        """Of its run."""
+    @abstractmethod
+    def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
+        """Half widths that are of no effect, by runs that have these weights in the value."""
 
-
-Test = TypeVar("Test", bound=Sized)
-
-
-@dataclass(frozen=True)
-class Run(Generic[Test]):
-    """A run of a test, and what came out."""
-
-    test: Test
-    results: xr.Dataset
+    def stated(
+        self, correction: float, parts: Mapping[str, float], reasons: Sequence[str]
+    ) -> dict[str, xr.Variable]:
+        """What is said of the value, whichever way its error is known; see `stated_value`."""
+        return stated_value(
+            self.name,
+            self.factor,
+            correction=correction,
+            parts=parts,
+            reasons=reasons,
+            description=self.description,
+        )
 
 
 @dataclass(frozen=True)
@@ -66,8 +112,8 @@ class WithoutErrors:
 
 
 def further_tests(
-    test: Test, changes: Mapping[str, Mapping[str, Any]], differences: Mapping[str, str]
-) -> dict[str, Test]:
+    test: TestT, changes: Mapping[str, Mapping[str, Any]], differences: Mapping[str, str]
+) -> dict[str, TestT]:
     """The tests to be run beside that of the case.
 
     Args:
@@ -90,22 +136,23 @@ def further_tests(
     return tests
 
 
-def run_all(
-    case: Test,
-    further: Mapping[str, Test],
-    run: Callable[[Test, Progress], xr.Dataset],
+def with_measured_error(
+    case: TestT,
+    further: Mapping[str, TestT],
+    run: Callable[[TestT, Progress], xr.Dataset],
     progress: Progress,
-) -> tuple[Run[Test], dict[str, Run[Test] | str]]:
-    """Run a case and its further tests, one after the other.
+) -> xr.Dataset:
+    """Run a test and its further tests, one after the other.
 
     Args:
         case: the test whose error is measured.
-        further: the further tests, by choice of the method.
+        further: its further tests, by effect.
         run: runs one test.
         progress: receives the fraction done of all.
 
     Returns:
-        The run of the case, and those of the further tests; for one that failed, why.
+        The results of the test with its measured error, and what the further runs took, in
+        `run_time` and `particle_updates` too.
     """
     updates = [it.run_size().particle_updates for it in (case, *further.values())]
     done = np.cumsum([0.0, *updates]) / sum(updates)
@@ -115,24 +162,68 @@ def run_all(
         # Rounding must not take it beyond the begin of the next.
         return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
 
-    of_case = Run(case, run(case, part(0)))
-    made: dict[str, Run[Test] | str] = {}
-    for number, (choice, test) in enumerate(further.items(), start=1):
+    results = run(case, part(0))
+    made: dict[str, TestRun | str] = {}
+    for number, (effect, test) in enumerate(further.items(), start=1):
         try:
-            made[choice] = Run(test, run(test, part(number)))
+            made[effect] = test.error_of(run(test, part(number)))
         except (SimulationDiverged, InaccurateRun, UnfinishedRun) as error:
-            made[choice] = str(error)
-    return of_case, made
+            made[effect] = str(error)
+    measured = measured_error(case.error_of(results), made)
+    known = [it for it in results if it in measured or "_uncertainty_" in str(it)]
+    costs = [it.recorded for it in made.values() if isinstance(it, TestRun)]
+    return _with_cost(results.drop_vars(known), costs).assign(measured)
 
 
-def with_cost(case: xr.Dataset, further: Mapping[str, Run[Test] | str]) -> xr.Dataset:
+def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[str, xr.Variable]:
+    """The value of a case less its error, and its uncertainty, as measured by its further runs.
+
+    Args:
+        case: the run whose error is measured.
+        further: the further runs, or why there is none, by effect.
+
+    Returns:
+        What `TestRun.stated` gives, and the value as simulated by each further run, not a number
+        where it failed. Nothing is known of the error where a run failed, or is not sound, or where
+        the laws would have to take off too much.
+    """
+    with_effect = {effect: f"the run with {what}" for effect, what in case.differences.items()}
+    failed = {with_effect[it]: why for it, why in further.items() if isinstance(why, str)}
+    whole = {"the case": case} | {
+        with_effect[it]: run for it, run in further.items() if isinstance(run, TestRun)
+    }
+    reasons = [f"further runs: {which}: {why}" for which, why in failed.items()]
+    reasons += case.why_unsound(whole)
+    runs, correction = list(whole.values()), 0.0
+    parts = dict.fromkeys(case.differences, 0.0)
+    if reasons:
+        parts |= case.own_parts(ALONE, [case])
+    else:
+        found = without_errors([run.factor for run in runs], [run.measures(case) for run in runs])
+        correction = found.value - case.factor
+        if abs(correction) > case.largest_correction * found.value:
+            off = f"their laws would take off {abs(correction) / found.value:.0%}"
+            reasons = [f"further runs: {off}, and hold up to {case.largest_correction:.0%}"]
+        parts = {effect: case.left_open[effect] * error for effect, error in found.left.items()}
+        parts["speed"] += case.approach * case.factor
+        parts |= case.own_parts(found.weights, runs)
+    spoken = case.name.replace("_", " ")
+    return case.stated(correction, parts, reasons) | {
+        f"{case.name}_further_{effect}": variable(
+            math.nan if isinstance(run, str) else run.factor,
+            meaning=f"{spoken} as simulated with {case.differences[effect]}",
+        )
+        for effect, run in further.items()
+    }
+
+
+def _with_cost(case: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
     """The results of a case with the cost of its further runs in `run_time`, `particle_updates`."""
-    made = [it.results for it in further.values() if isinstance(it, Run)]
     whole = {
-        name: case[name].copy(data=sum((float(it[name]) for it in made), float(case[name])))
+        name: case[name].copy(data=sum((float(it[name]) for it in further), float(case[name])))
         for name in ("run_time", "particle_updates")
     }
-    took = sum(float(it.run_time) for it in made)
+    took = sum(float(it.run_time) for it in further)
     return case.assign(whole).assign(
         labelled(
             role="measured",

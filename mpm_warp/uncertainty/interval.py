@@ -76,21 +76,3 @@ def reason(text: str) -> xr.Variable:
 def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
     """The reasons that hold, of some with what says whether they do."""
     return [text for text, holds in conditions.items() if holds]
-
-
-def further_values(
-    name: str, values: Mapping[str, float], differences: Mapping[str, str]
-) -> dict[str, xr.Variable]:
-    """The value as simulated by each further run, not a number where it failed.
-
-    Args:
-        name: of the value.
-        values: by choice of the method.
-        differences: what the further run has, as "smaller cells", by the same.
-    """
-    return {
-        f"{name}_further_{choice}": variable(
-            value, meaning=f"{name.replace('_', ' ')} as simulated with {differences[choice]}"
-        )
-        for choice, value in values.items()
-    }

@@ -243,10 +243,10 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
 ]
 """What makes a value, what it takes, and what each argument must not be."""
 IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
-    ("contact", SurfaceContact, CONTACT),
-    ("far_field", FarField, FAR),
-    ("fixed", Fixed, {"free": np.zeros((4, 2))}),
-    ("load", NodalLoad, {"forces": np.ones((4, 2))}),
+    ("SurfaceContact", SurfaceContact, CONTACT),
+    ("FarField", FarField, FAR),
+    ("Fixed", Fixed, {"free": np.zeros((4, 2))}),
+    ("NodalLoad", NodalLoad, {"forces": np.ones((4, 2))}),
 ]
 """Parts with nodes, which are checked when a scene is made of them, and their word for them."""
 Misuse = tuple[Callable[[], object], str]

@@ -217,27 +217,10 @@ class ConePenetration(ConeTest):
     def with_measured_error(
         self, run: Callable[[ConePenetration, Progress], xr.Dataset], progress: Progress
     ) -> xr.Dataset:
-        """Run the test and its further tests.
+        """Run the test and its further tests; see `further_runs.with_measured_error`."""
+        return further_runs.with_measured_error(self, self.further_tests(), run, progress)
 
-        Args:
-            run: runs one test; its results have the curve `penetration_resistance`,
-                `cone_factor_simulated`, `cone_factor_shear` and `penetration_reached`.
-            progress: receives the fraction done of all.
-
-        Returns:
-            The results of the test with its measured error, and what the further runs took, in
-            `run_time` and `particle_updates` too.
-        """
-        case, made = further_runs.run_all(self, self.further_tests(), run, progress)
-        further = {
-            effect: it if isinstance(it, str) else it.test._error_of(it.results)
-            for effect, it in made.items()
-        }
-        known = [it for it in case.results if str(it).startswith("cone_factor_uncertainty")]
-        results = further_runs.with_cost(case.results.drop_vars(known), made)
-        return results.assign(cone.measured_error(self._error_of(case.results), further))
-
-    def _error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
+    def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """A run of the test, as far as its error goes."""
         simulated = min(self.poissons_ratio, self.poissons_ratio_bound)
         return cone.ConeRun(
@@ -321,7 +304,7 @@ class ConePenetration(ConeTest):
                 meaning="time steps to the greatest penetration",
             ),
         )
-        results = results.assign(cone.known_error(self._error_of(results), built, self._expected))
+        results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
         check_energy(results)
         if balances:
             check_balance(results)

@@ -108,7 +108,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         reasons = why_not_as_measured(self.build(), self._expected)
         if reasons:
             alone = run(self._alone, progress)
-            stated = full_flow.stated_without(self._error_of(alone), reasons)
+            stated = self.error_of(alone).stated(0.0, {}, reasons)
             return self.with_exact_value(alone.assign(stated))
         return self.with_exact_value(self.with_measured_error(run, progress))
 
@@ -132,26 +132,11 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def with_measured_error(
         self, run: Callable[[FullFlowPenetration, Progress], xr.Dataset], progress: Progress
     ) -> xr.Dataset:
-        """Run the test and its further tests.
+        """Run the test and its further tests; see `further_runs.with_measured_error`."""
+        tests = self.further_tests()
+        return further_runs.with_measured_error(self._alone, tests, run, progress)
 
-        Args:
-            run: runs one test; its results have `resistance_factor`, `resistance_factor_change` and
-                `empty_cells`.
-            progress: receives the fraction done of all.
-
-        Returns:
-            The results of the test with its measured error, and what the further runs took, in
-            `run_time` and `particle_updates` too.
-        """
-        case, made = further_runs.run_all(self._alone, self.further_tests(), run, progress)
-        further = {
-            choice: it if isinstance(it, str) else it.test._error_of(it.results)
-            for choice, it in made.items()
-        }
-        measured = full_flow.measured_error(self._error_of(case.results), further)
-        return further_runs.with_cost(case.results, made).assign(measured)
-
-    def _error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
+    def error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
         """A run of the test, as far as its error goes."""
         few = self.particles_per_cell == full_flow.FEWEST_POINTS
         return full_flow.FullFlowRun(

@@ -53,7 +53,7 @@ def test_bodies_that_touch_are_accepted() -> None:
                 bodies=(ABOVE, BELOW),
                 contacts=(replace(CONTACT, friction=-0.1),),
             ),
-            "contact: friction = -0.1 must be >= 0",
+            "BodyContact: friction = -0.1 must be >= 0",
         ),
         (
             lambda: BodyScene(
@@ -61,7 +61,7 @@ def test_bodies_that_touch_are_accepted() -> None:
                 bodies=(ABOVE, BELOW),
                 contacts=(replace(CONTACT, adhesion=float("nan")),),
             ),
-            "contact: adhesion = nan Pa must be a finite number >= 0",
+            "BodyContact: adhesion = nan Pa must be a finite number >= 0",
         ),
         (
             lambda: BodyScene(
@@ -81,7 +81,7 @@ def test_bodies_that_touch_are_accepted() -> None:
         ),
         (
             lambda: BodyScene(grid=GRID, bodies=(replace(ABOVE, retardation_time=-1.0),)),
-            "body: retardation_time = -1 s must be > 0",
+            "Body: retardation_time = -1 s must be > 0",
         ),
         (
             lambda: BodyScene(
@@ -92,7 +92,7 @@ def test_bodies_that_touch_are_accepted() -> None:
                     ),
                 ),
             ),
-            "load: rise_time = 0 s must be > 0",
+            "Load: rise_time = 0 s must be > 0",
         ),
         (
             lambda: UniformGrid(lower=(0.0, 0.0), cell_size=0.0, cell_counts=(8, 8)),

@@ -50,7 +50,7 @@ def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull(
 
 
 def test_only_nodes_of_the_surface_can_be_held(surface: SurfaceContact) -> None:
-    with pytest.raises(SceneError, match=r"^contact: on_axis"):
+    with pytest.raises(SceneError, match=r"^SurfaceContact: on_axis"):
         dataclasses.replace(surface, on_axis=np.array([len(surface.nodes)]))
 
 

@@ -74,10 +74,10 @@ def test_fixed_nodes_are_at_rest_along_what_is_held(floating: Scene, rectilinear
 @pytest.mark.parametrize("value", [0.0, -9.81, float("nan")])
 def test_a_force_of_nothing_is_refused_in_one_line(value: float) -> None:
     with pytest.raises(
-        SceneError, match=r"^gravity: acceleration = .* m/s2 must be (a finite number )?> 0$"
+        SceneError, match=r"^Gravity: acceleration = .* m/s2 must be (a finite number )?> 0$"
     ):
         Gravity(value)
     with pytest.raises(
-        SceneError, match=r"^damping: rate = .* 1/s must be (a finite number )?> 0$"
+        SceneError, match=r"^Damping: rate = .* 1/s must be (a finite number )?> 0$"
     ):
         Damping(value)

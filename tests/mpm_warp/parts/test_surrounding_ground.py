@@ -138,9 +138,9 @@ def test_it_takes_the_place_of_a_far_field_and_needs_a_window(scene: Scene) -> N
 
 def test_values_that_are_not_allowed(scene: Scene) -> None:
     ground = ground_of(scene)
-    with pytest.raises(SceneError, match="surroundings: spring"):
+    with pytest.raises(SceneError, match="SurroundingGround: spring"):
         dataclasses.replace(ground, spring=-ground.spring)
-    with pytest.raises(SceneError, match="surroundings: free must be 0 or 1"):
+    with pytest.raises(SceneError, match="SurroundingGround: free must be 0 or 1"):
         dataclasses.replace(ground, free=0.5 + 0.0 * ground.free)
 
 
@@ -242,5 +242,5 @@ def test_soil_that_nothing_has_passed_has_no_stress() -> None:
 @pytest.mark.parametrize("name", ["radius", "shear_modulus"])
 def test_what_must_be_positive(name: str) -> None:
     values = {"radius": 1.0, "height": 0.0, "shear_modulus": 1.0} | {name: -1.0}
-    with pytest.raises(SceneError, match=f"source: {name} = -1"):
+    with pytest.raises(SceneError, match=f"TravellingSource: {name} = -1"):
         TravellingSource(**values)

@@ -182,7 +182,7 @@ def stated(test: ConePenetration) -> xr.Dataset:
             "penetration_reached": test.penetration,
         }
     )
-    return cone.known_error(test._error_of(recorded), test.build(), test._expected)
+    return xr.Dataset(cone.known_error(test.error_of(recorded), test.build(), test._expected))
 
 
 def check_nothing_is_known(test: ConePenetration, reason: str) -> None:

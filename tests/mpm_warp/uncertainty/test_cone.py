@@ -47,7 +47,7 @@ def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) 
 
 def known_error(test: ConePenetration, recorded: xr.Dataset) -> xr.Dataset:
     scene = test.build()
-    return cone.known_error(test._error_of(recorded), scene, scene)
+    return xr.Dataset(cone.known_error(test.error_of(recorded), scene, scene))
 
 
 def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
