@@ -42,6 +42,17 @@ PARTS = (
     ((Window, SurroundingGround), "window", "window"),
 )
 """What each kind of part is called in a reason, as its word and in its sentence."""
+PLACES = (
+    "add_forces",
+    "add_boundary",
+    "add_contact",
+    "add_after_motion",
+    "add_records",
+    "between_steps",
+    "enter",
+    "follow",
+)
+"""Places of a step and between steps at which parts act in the order of the tuple."""
 OTHER = "scene"
 """What any other part is called."""
 
@@ -117,10 +128,21 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
         if field.name != "parts":
             yield getattr(built, field.name), getattr(expected, field.name), field.name
     parts, others = (it.without(*RECORDS).parts for it in (built, expected))
-    if len(parts) == len(others):
-        yield from ((*pair, "part") for pair in zip(parts, others, strict=True))
-    else:
+    if len(parts) != len(others):
         yield _names(parts), _names(others), "parts"
+        return
+    in_order, others_in_order = (sorted(them, key=built_name) for them in (parts, others))
+    if _names(in_order) == _names(others_in_order):
+        # The order counts among parts that act at one place of a step, and among no others.
+        for place in PLACES:
+            one, other = (_names(_acting_at(place, them)) for them in (parts, others))
+            yield one, other, "the order of its parts"
+        parts, others = tuple(in_order), tuple(others_in_order)
+    yield from ((*pair, "part") for pair in zip(parts, others, strict=True))
+
+
+def _acting_at(place: str, parts: Sequence[Part]) -> list[Part]:
+    return [it for it in parts if getattr(type(it), place) is not getattr(Part, place)]
 
 
 def _names(parts: Sequence[Part]) -> str:

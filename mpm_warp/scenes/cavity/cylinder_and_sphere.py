@@ -21,7 +21,7 @@ from mpm_warp.results import variable
 from mpm_warp.scene import Part
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cavity.cavity import RADIUS, STRENGTH, Cavity
-from mpm_warp.scenes.shared_parameters import ConeInGround
+from mpm_warp.scenes.cone.parameters import ConeInGround
 
 LARGEST_PORE_PRESSURE_ERROR = 0.02
 """Of the profile of excess pore pressure, over that at the wall."""

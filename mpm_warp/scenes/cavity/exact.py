@@ -26,7 +26,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.scenes.monotonic_shear import shear_stress
+from mpm_warp.scenes.material.known_paths import shear_stress
 
 SMALLEST, LARGEST = 1e-9, 60.0
 """Strains between which the integral is worked out: tau rises linearly below, e^-60 is left."""

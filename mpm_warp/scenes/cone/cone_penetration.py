@@ -25,7 +25,6 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.parameters import (
     ConeTest,
-    extent_ratio,
     slowing_penetration,
     unsteady_penetration,
 )
@@ -243,7 +242,7 @@ class ConePenetration(ConeTest):
             outer=self.domain_radius,
             above=self.domain_above,
             below=self.domain_below,
-            extent_ratio=extent_ratio(self, self.default_extents),
+            extent_ratio=self.extent_ratio,
             way=way,
         )
 
@@ -310,11 +309,5 @@ class ConePenetration(ConeTest):
             check_balance(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():
             check_levelled(results)
-        check_bound(
-            results,
-            rigidity_index=self.rigidity_index,
-            strength_ratio=self.strength_in_compression,
-            face_shear=1.0 if self.friction_coefficient > 0.0 else self.adhesion_factor,
-            apex_angle=math.radians(self.apex_angle),
-        )
+        check_bound(results, built, strength)
         return results

@@ -7,6 +7,7 @@ for.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
@@ -17,9 +18,9 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.window import Approach, Window
+from mpm_warp.precision import PRECISIONS
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
-from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
 from mpm_warp.uncertainty.steadiness import forgetting, steady_penetration
 
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
@@ -27,8 +28,6 @@ WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Cells per cone radius, extents of the window over those of `default_extents`, and speed over that
 of shear waves, by accuracy."""
-VON_MISES_STRENGTH = 2.0 / math.sqrt(3.0)
-"""Strength of soil of von Mises in compression along one axis, over that of Tresca."""
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 RAMP = 1.0
@@ -48,7 +47,95 @@ INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeTest(ConeGrid, ConeInGround, FieldClayScene):
+class ConeInGround:
+    """A cone penetrometer and the stress of the ground around it; scenes inherit it."""
+
+    adhesion_factor: float = parameter(
+        0.0, "adhesion factor of the cone face", minimum=0, maximum=1
+    )
+    shaft_adhesion_factor: float = parameter(
+        None, "adhesion factor of the shaft (default: the face's)", minimum=0, maximum=1
+    )
+    # A standard cone has a base of 10 cm2.
+    cone_radius: float = parameter(
+        0.01785, "radius of the cone's base", unit="m", minimum=1e-6, maximum=1e3
+    )
+    stress_anisotropy: float = parameter(
+        0.0,
+        "stress anisotropy Delta in the ground before: vertical less horizontal stress over 2 su",
+        above=-1,
+        below=1,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConeGrid:
+    """The grid around a cone penetrometer, its time step and its numbers."""
+
+    cell_growth: float = parameter(
+        0.4, "growth of the cells' width per distance from the penetrometer", minimum=0.1, maximum=2
+    )
+    time_step_fraction: float = parameter(
+        0.85, "time step over the critical one", minimum=0.01, maximum=1.2
+    )
+    domain_radius: float = parameter(
+        None,
+        "radius of the grid over cone radius, to the nearest cell "
+        "(default: 4 sqrt(Ir), 40 at least)",
+        minimum=5,
+        maximum=1000,
+    )
+    domain_above: float = parameter(
+        None,
+        "extent of the grid above the shoulder over cone radius "
+        "(default: 1.3 sqrt(Ir), 13 at least)",
+        minimum=2,
+        maximum=500,
+    )
+    domain_below: float = parameter(
+        None,
+        "extent of the grid below the tip over cone radius (default: sqrt(Ir), 14 at least)",
+        minimum=2,
+        maximum=500,
+    )
+    precision: str = parameter(
+        "float64", "floating point numbers of the simulation", choices=tuple(PRECISIONS)
+    )
+
+
+class FittedToCone:
+    """What follows for a scene of a cone in a grid that is fitted to it."""
+
+    cone_radius: float
+    cells_per_radius: float
+    apex_angle: float = 60.0
+
+    @property
+    @abstractmethod
+    def default_extents(self) -> dict[str, float]:
+        """Extents of a window that the resistance hardly depends on, over cone radius."""
+
+    @property
+    def extent_ratio(self) -> float:
+        """Greatest ratio of an extent of the window by default to what it is."""
+        extents = self.default_extents.items()
+        ratios: list[float] = [by_default / getattr(self, name) for name, by_default in extents]
+        return max(ratios)
+
+    @property
+    def penetrometer(self) -> Penetrometer:
+        """The penetrometer."""
+        return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
+
+    @property
+    def cell_size(self) -> float:
+        """Width and height of the cells at the cone [m]."""
+        rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
+        return self.penetrometer.cone_height / rows
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -177,17 +264,6 @@ class ConeTest(ConeGrid, ConeInGround, FieldClayScene):
         }
 
     @property
-    def penetrometer(self) -> Penetrometer:
-        """The penetrometer."""
-        return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
-
-    @property
-    def cell_size(self) -> float:
-        """Width and height of the cells at the cone [m]."""
-        rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
-        return self.penetrometer.cone_height / rows
-
-    @property
     def relative_cell_size(self) -> float:
         """Width of the cells at the cone over its radius."""
         return self.cell_size / self.cone_radius
@@ -233,17 +309,6 @@ class ConeTest(ConeGrid, ConeInGround, FieldClayScene):
             spare_fraction=SPARE_SLOTS_WITH_FRICTION if rubs else SPARE_SLOTS,
         )
 
-    @property
-    def strength_in_compression(self) -> float:
-        """Strength of intact clay in compression along one axis, over 2 su, at the cone's rate."""
-        of_criterion = VON_MISES_STRENGTH if self.material == "von_mises" else 1.0
-        if self.rate_factor == 0.0:
-            return of_criterion
-        assert self.reference_strain_rate is not None
-        rate = self.penetration_speed / self.cone_radius
-        cycles = math.log10(max(rate / self.reference_strain_rate, 1.0))
-        return of_criterion * (1.0 + self.rate_factor * cycles)
-
 
 def approach_speed_ratio(rigidity_index: float) -> float:
     """Speed of the approach by default, over that of shear waves."""
@@ -276,9 +341,3 @@ def slowing_penetration(window: Window, radius: float) -> tuple[float, float] | 
     if approach is None:
         return None
     return (approach.travel - approach.slowing_travel) / radius, approach.travel / radius + PUSHED
-
-
-def extent_ratio(test: ConeGrid, default_extents: Mapping[str, float]) -> float:
-    """Greatest ratio of an extent of the window by default to that of a test."""
-    ratios: list[float] = [it / getattr(test, name) for name, it in default_extents.items()]
-    return max(ratios)

@@ -12,10 +12,17 @@ import xarray as xr
 
 from mpm_warp.errors import InaccurateRun, UnfinishedRun
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.materials.perfectly_plastic import UndrainedClay, limit_pressure
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS
+from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import variable
 from mpm_warp.sampling import transferred_energy
+from mpm_warp.scene import Scene
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import STEADY_SAMPLES
 
@@ -94,42 +101,33 @@ def check_levelled(results: xr.Dataset) -> None:
         )
 
 
-def cone_factor_estimate(
-    *, rigidity_index: float, strength_ratio: float, face_shear: float, apex_angle: float
-) -> float:
+def cone_factor_estimate(*, cavity_pressure: float, face_shear: float, apex_angle: float) -> float:
     """Limit pressure of a spherical cavity and shear on the face, over su, as a cone factor.
 
-    4/3 k (1 + ln(Ir / k)) + a cot(apex angle / 2), with k the strength in compression along one
-    axis over 2 su, and a the shear stress on the face over su.
-
     Args:
-        rigidity_index: G/su.
-        strength_ratio: k; 1 for soil of Tresca.
-        face_shear: a; with friction 1, for soil bears no more shear than su.
+        cavity_pressure: the limit pressure over su.
+        face_shear: over su; with friction 1, for soil bears no more shear than su.
         apex_angle: full angle of the cone [rad].
     """
-    cavity = 4.0 / 3.0 * strength_ratio * (1.0 + math.log(rigidity_index / strength_ratio))
-    return cavity + face_shear / math.tan(0.5 * apex_angle)
+    return cavity_pressure + face_shear / math.tan(0.5 * apex_angle)
 
 
-def check_bound(
-    results: xr.Dataset,
-    *,
-    rigidity_index: float,
-    strength_ratio: float,
-    face_shear: float,
-    apex_angle: float,
-) -> None:
+def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
     """Refuse a cone factor that is far above all that soil can give; see `cone_factor_estimate`.
+
+    Args:
+        results: of the run.
+        built: the scene that was simulated; its law and its contact say what soil can give.
+        strength: su, which the cone factor is over [Pa].
 
     Raises:
         InaccurateRun: it is more than `LARGEST_OVER_CAVITY` times the estimate.
     """
+    contact = built[PenetrometerContact]
     estimate = cone_factor_estimate(
-        rigidity_index=rigidity_index,
-        strength_ratio=strength_ratio,
-        face_shear=face_shear,
-        apex_angle=apex_angle,
+        cavity_pressure=_cavity_pressure(built) / strength,
+        face_shear=1.0 if contact.friction > 0.0 else contact.face_adhesion / strength,
+        apex_angle=2.0 * contact.half_angle,
     )
     factor, bound = float(results.cone_factor), LARGEST_OVER_CAVITY * estimate
     if factor > bound:
@@ -138,6 +136,26 @@ def check_bound(
             "the face can give: try a lower speed_ratio, or more cells_per_radius",
             results,
         )
+
+
+def _cavity_pressure(built: Scene) -> float:
+    """Limit pressure of a spherical cavity in the soil of a cone test [Pa].
+
+    It is 4/3 q (1 + ln(G / q)), q half the strength of intact clay in compression along one axis,
+    at the rate of the cone; in a law of one's own, what the law says.
+    """
+    clay, criterion = built.material, type(built.material)
+    if not isinstance(clay, UndrainedClay) or criterion not in (Tresca, VonMises, EinavRandolph):
+        return clay.limit_pressure
+    half = clay.strength
+    if isinstance(clay, EinavRandolph):
+        criterion = clay.criterion
+        rate = built[Window].speed / float(built.grid.surface_radius[-1])
+        cycles = math.log10(max(rate / clay.reference_strain_rate, 1.0))
+        half *= 1.0 + clay.rate_factor * cycles
+    if criterion is VonMises:
+        half *= 2.0 / math.sqrt(3.0)
+    return limit_pressure(clay.shear_modulus, half)
 
 
 class EnergyBalanceCurves:

@@ -216,7 +216,7 @@ class CyclicTBar(TBar, CyclicPenetration):
         )
 
 
-class ResistanceLoops:
+class ResistanceLoops(ResistanceSamples):
     """Samples the resistance at even distances of the way, about `SAMPLE_SPACING` radii.
 
     Args:
@@ -236,8 +236,7 @@ class ResistanceLoops:
         cycle_count: int,
         strength: float,
     ) -> None:
-        self._samples = ResistanceSamples(simulation, body)
-        self._radius = body.radius
+        super().__init__(simulation, body)
         self._stroke = stroke
         self._strength = strength
         self._shape = 2 * cycle_count, round(stroke / SAMPLE_SPACING)
@@ -249,22 +248,18 @@ class ResistanceLoops:
         spacing = self._stroke * self._radius / per_passage
         return [number * spacing for number in range(1, passages * per_passage + 1)]
 
-    def sample(self) -> None:
-        """Record the mean force since the sample before."""
-        self._samples.take()
-
     @property
     def work(self) -> float:
         """Of the body so far [J], per radian or per unit length of half of it."""
         downward = np.where(np.arange(self._shape[0]) % 2 == 0, 1.0, -1.0)
-        forces = self._by_passage(np.array(self._samples.forces))
+        forces = self._by_passage(np.array(self.forces))
         spacing = self._stroke * self._radius / self._shape[1]
         return float(np.nansum(forces * downward[:, None])) * spacing
 
     def dataset(self) -> xr.Dataset:
         """The loops, and the mean over the middle of each passage."""
         passages, per_passage = self._shape
-        loops = self._by_passage(self._samples.resistance)
+        loops = self._by_passage(self.resistance)
         cycle = FIRST_CYCLE + 0.5 * np.arange(passages)
         place = (np.arange(per_passage) + 0.5) / per_passage * self._stroke
         is_middle = np.abs(place - 0.5 * self._stroke) < 0.5 * MIDDLE

@@ -21,7 +21,8 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.shared_parameters import ConeInGround
+from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.full_flow.round_body import upward_force
 from mpm_warp.simulation import Simulation
 
 OUTER_RADIUS = 6.0
@@ -98,11 +99,9 @@ class FullFlow(Bearing):
 
     def load(self, scene: Scene, nodal: Floats) -> float:
         """The force along the line of travel, over projected area and su."""
-        normals = scene[SurfaceContact].normals
-        upward = nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]
         # Forces are those on half a cylinder, or on a radian of a sphere.
         area = RADIUS if self.planar else 0.5 * RADIUS**2
-        return float(upward.sum()) / (area * STRENGTH)
+        return upward_force(scene[SurfaceContact], nodal) / (area * STRENGTH)
 
 
 @dataclass(frozen=True, kw_only=True)

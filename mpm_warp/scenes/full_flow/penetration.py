@@ -220,33 +220,21 @@ def _empty_cells(simulation: Simulation, height: float) -> int:
     return int(np.count_nonzero(~is_filled[is_near]))
 
 
-class _ResistanceCurve:
-    """Samples the resistance, at every `SAMPLE_SPACING` radii of penetration."""
-
-    def __init__(self, simulation: Simulation, body: RoundBody) -> None:
-        self._radius = body.radius
-        self._samples = ResistanceSamples(simulation, body)
-
-    def sample(self) -> None:
-        """Record the mean force since the sample before."""
-        self._samples.take()
+class _ResistanceCurve(ResistanceSamples):
+    """The resistance at every `SAMPLE_SPACING` radii of penetration."""
 
     @property
     def work(self) -> float:
         """Of the body so far [J], per radian or per unit length of half of it."""
-        return math.fsum(self._samples.forces) * SAMPLE_SPACING * self._radius
+        return math.fsum(self.forces) * SAMPLE_SPACING * self._radius
 
     def dataset(self) -> xr.Dataset:
         """The curve."""
+        what = "resistance over projected area"
         return curves(
             "penetration",
-            penetration_axis(len(self._samples.forces), over="radius of the body"),
-            penetration_resistance=(
-                self._samples.resistance,
-                "Pa",
-                "resistance over projected area",
-                "excess over the in-situ stress",
-            ),
+            penetration_axis(len(self.forces), over="radius of the body"),
+            penetration_resistance=(self.resistance, "Pa", what, "excess over the in-situ stress"),
         )
 
 

@@ -24,9 +24,9 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import FieldClayScene
+from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
 from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
-from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
 from mpm_warp.simulation import Simulation
 
 NO_PARTING = 1000.0
@@ -195,7 +195,7 @@ class TBar(FullFlowPenetrometer):
 
 
 class ResistanceSamples:
-    """The resistance of a body, mean values from sample to sample.
+    """Samples the resistance of a body: means from sample to sample.
 
     Args:
         simulation: at its start.
@@ -208,11 +208,12 @@ class ResistanceSamples:
 
     def __init__(self, simulation: Simulation, body: RoundBody) -> None:
         self._contact = soil_scene(simulation)[SurfaceContact]
+        self._radius = body.radius
         self._area = body.radius if body.planar else 0.5 * body.radius**2
         self._contact_forces = ContactForces(simulation)
         self.forces: list[float] = []
 
-    def take(self) -> None:
+    def sample(self) -> None:
         """Record the mean force since the sample before."""
         self.forces.append(upward_force(self._contact, self._contact_forces.take()))
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.cone.parameters import extent_ratio
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty import interval
 from mpm_warp.uncertainty.laws import TOP, ErrorLaws, top_error
@@ -135,7 +134,7 @@ def error_of_samples(
         outer=sounding.domain_radius,
         above=sounding.domain_above,
         below=sounding.domain_below,
-        extent_ratio=extent_ratio(sounding, sounding.default_extents),
+        extent_ratio=sounding.extent_ratio,
         way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size)),
     )
     surface = {}

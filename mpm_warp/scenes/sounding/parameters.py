@@ -12,8 +12,7 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.clay import ChangingStrength, FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetrometer import Penetrometer
-from mpm_warp.scenes.shared_parameters import ConeGrid, ConeInGround
+from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.profile import Profile, layered
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
@@ -26,14 +25,13 @@ WAY = 30.0
 """Way from the first to the last depth of the curves by default, in cone radii."""
 ROUNDING = 1e-6
 """Share of a sample that counts as rounding of a depth."""
-APEX_ANGLE = math.radians(60.0)
 LAYER = 1.0
 """Thickness of the layer of soil that counts as near the surface, over the cone's radius; when it
 has left the window above, nothing of the surface is in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class SoundingTest(ConeGrid, ConeInGround, ChangingStrength, CatalogueScene):
+class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, CatalogueScene):
     """Ground, penetrometer and method of a sounding."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -162,17 +160,6 @@ class SoundingTest(ConeGrid, ConeInGround, ChangingStrength, CatalogueScene):
         below = self.travel + self.domain_below * self.cone_radius
         begin = max(float(self.ground.depth[0]), self.start_depth - self._extent_above_tip)
         return self.ground.between(begin, self.start_depth + below)
-
-    @property
-    def penetrometer(self) -> Penetrometer:
-        """The penetrometer."""
-        return Penetrometer(radius=self.cone_radius, apex_angle=APEX_ANGLE)
-
-    @property
-    def cell_size(self) -> float:
-        """Width and height of the cells at the cone [m]."""
-        rows = self.penetrometer.rows_on_face(self.cone_radius / self.cells_per_radius)
-        return self.penetrometer.cone_height / rows
 
     @property
     def dynamic_pressure(self) -> float:

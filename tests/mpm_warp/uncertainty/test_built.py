@@ -234,6 +234,17 @@ def test_nothing_is_known_of_clay_that_is_stiffer_than_it_is_said_to_be() -> Non
     )
 
 
+def test_parts_may_stand_in_any_order_unless_they_act_at_one_place() -> None:
+    scene = ConePenetration().build()
+    fixed, ground, *others = scene.parts
+    assert why_not_as_measured(replace(scene, parts=(*others, fixed, ground)), scene) == []
+    (reason,) = why_not_as_measured(replace(scene, parts=(ground, fixed, *others)), scene)
+    assert reason == (
+        "scene: the error is not known with the scene built, the order of its parts = "
+        "surrounding_ground, fixed instead of fixed, surrounding_ground"
+    )
+
+
 def test_nothing_is_known_on_a_grid_of_another_family() -> None:
     check_nothing_is_known(
         ConeOnUprightColumns(),

@@ -10,7 +10,7 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cavity.exact import cavity_pressure, strain_rate
-from mpm_warp.scenes.monotonic_shear import shear_stress
+from mpm_warp.scenes.material.known_paths import shear_stress
 
 CYLINDER, SPHERE = (2, 1.0), (3, 4 / 3)
 PERFECT = Tresca(shear_modulus=100.0, poissons_ratio=0.49, density=1.0, strength=1.0)

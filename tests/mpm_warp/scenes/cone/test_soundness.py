@@ -2,11 +2,14 @@
 
 import dataclasses
 import math
+from contextlib import nullcontext
+from typing import Any
 
 import pytest
 import xarray as xr
 
 from mpm_warp.errors import InaccurateRun, UnfinishedRun
+from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.soundness import (
     LARGEST_RESIDUAL,
@@ -49,21 +52,38 @@ def test_the_resistance_may_still_change_by_a_twentieth(variation: float, is_res
 
 def test_the_estimate_is_the_limit_pressure_of_a_cavity_and_the_shear_on_the_face() -> None:
     angle = math.radians(60.0)
-    rough = cone_factor_estimate(
-        rigidity_index=100.0, strength_ratio=1.0, face_shear=1.0, apex_angle=angle
-    )
-    assert rough == pytest.approx(4 / 3 * (1 + math.log(100)) + math.sqrt(3), rel=1e-12)
+    rough = cone_factor_estimate(cavity_pressure=7.5, face_shear=1.0, apex_angle=angle)
+    assert rough == pytest.approx(7.5 + math.sqrt(3), rel=1e-12)
 
 
-@pytest.mark.parametrize(("factor", "is_result"), [(14.9, True), (15.0, False)])
-def test_no_cone_factor_is_twice_the_estimate(factor: float, is_result: bool) -> None:
-    soil = {"rigidity_index": 100.0, "strength_ratio": 1.0, "face_shear": 0.0, "apex_angle": 1.0}
-    results = xr.Dataset({"cone_factor": factor})
-    if is_result:
-        check_bound(results, **soil)
-        return
-    with pytest.raises(InaccurateRun, match=r"the cone factor 15 is above 14\.9"):
-        check_bound(results, **soil)
+@pytest.mark.parametrize(
+    ("changed", "share"),
+    [
+        ({}, 1.0),
+        ({"material": "von_mises"}, 2 / math.sqrt(3)),
+        # 20 mm/s over 17.85 mm is 1.12 1/s: 2.05 log cycles.
+        ({"rate_factor": 0.1, "reference_strain_rate": 0.01}, 1.205),
+    ],
+)
+def test_no_cone_factor_is_twice_the_estimate(changed: dict[str, Any], share: float) -> None:
+    test = dataclasses.replace(SHORT, **changed)
+    estimate = 4 / 3 * share * (1 + math.log(100 / share))
+    for factor in (1.99, 2.01):
+        results = xr.Dataset({"cone_factor": factor * estimate})
+        with nullcontext() if factor < 2 else pytest.raises(InaccurateRun, match=r"is above"):
+            check_bound(results, test.build(), test.undrained_shear_strength)
+
+
+def test_the_bound_is_that_of_the_soil_built() -> None:
+    """A subclass may build a soil that its parameters do not tell of."""
+    scene = SHORT.build()
+    assert isinstance(scene.material, Tresca)
+    twice = dataclasses.replace(scene.material, strength=2 * SHORT.undrained_shear_strength)
+    results = xr.Dataset({"cone_factor": 20.0})
+    with pytest.raises(InaccurateRun):
+        check_bound(results, scene, SHORT.undrained_shear_strength)
+    stronger = dataclasses.replace(scene, material=twice)
+    check_bound(results, stronger, SHORT.undrained_shear_strength)
 
 
 def test_a_cone_too_fast_for_its_soil_has_no_cone_factor() -> None:
