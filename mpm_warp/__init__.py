@@ -10,8 +10,6 @@ scene of one's own is made of.
 `import mpm_warp` by itself takes no time. The simulator is imported with the first of its names.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING

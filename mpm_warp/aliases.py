@@ -1,7 +1,5 @@
 """What else a user may call a parameter: symbols and words of the field."""
 
-from __future__ import annotations
-
 from collections.abc import Container
 
 ALIASES: dict[tuple[str, ...], dict[str, str]] = {

@@ -4,8 +4,6 @@ Each check raises an error of one line: which argument, its value, and what is a
 the part too: "contact: nodes".
 """
 
-from __future__ import annotations
-
 import math
 import reprlib
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 An error that is the outcome of a case has a `status`, by which a harness files the case.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -49,7 +47,7 @@ class SimulationDiverged(RuntimeError):
     """
 
     status = "diverged"
-    curves: xarray.Dataset | None = None
+    curves: "xarray.Dataset | None" = None
 
 
 class WindowOverfull(SimulationDiverged):
@@ -65,7 +63,7 @@ class InaccurateRun(RuntimeError):
 
     status = "inaccurate"
 
-    def __init__(self, message: str, curves: xarray.Dataset) -> None:
+    def __init__(self, message: str, curves: "xarray.Dataset") -> None:
         super().__init__(message)
         self.curves = curves
 
@@ -79,7 +77,7 @@ class UnfinishedRun(RuntimeError):
 
     status = "unfinished"
 
-    def __init__(self, message: str, curves: xarray.Dataset) -> None:
+    def __init__(self, message: str, curves: "xarray.Dataset") -> None:
         super().__init__(message)
         self.curves = curves
 

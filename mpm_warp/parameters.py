@@ -7,8 +7,6 @@ Parameters that several scenes share stand in a dataclass of their own, a group,
 inherit; :func:`redefined` changes what differs in one of them.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import difflib
 import functools

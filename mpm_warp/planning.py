@@ -4,8 +4,6 @@ What acts at which place is said in `mpm_warp.scene`. Stages ask for the parts t
 by their kind, or by an array that such a part adds.
 """
 
-from __future__ import annotations
-
 import functools
 
 from mpm_warp.materials.yield_check import add_yield_check

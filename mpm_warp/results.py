@@ -1,7 +1,5 @@
 """Labelled variables: what a run leaves behind as a dataset, and the part that each plays in it."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From a run to its dataset: samplers record what they watch, at the moments of a schedule."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 

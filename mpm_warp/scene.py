@@ -17,8 +17,6 @@ in the order of the tuple. A part that is not in the tuple has no kernel, no arr
     between steps, by the host      between_steps       soil enters: `enter`, then `follow`
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Protocol, Self, TypeVar
 
@@ -69,39 +67,39 @@ class Part(Checked):
             to do instead, or "".
     """
 
-    needs: ClassVar[tuple[type[Part], ...]] = ()
-    not_beside: ClassVar[tuple[tuple[type[Part], str], ...]] = ()
+    needs: "ClassVar[tuple[type[Part], ...]]" = ()
+    not_beside: "ClassVar[tuple[tuple[type[Part], str], ...]]" = ()
 
-    def check(self, scene: Scene) -> None:
+    def check(self, scene: "Scene") -> None:
         """Check that the part fits grid and material; the other parts have been checked.
 
         Raises:
             SceneError: it does not.
         """
 
-    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+    def add_to_points(self, plan: Plan, scene: "Scene") -> None:
         """Add arrays of the material points, or what stages look for; before the first stage."""
 
-    def add_forces(self, plan: Plan, scene: Scene) -> None:
+    def add_forces(self, plan: Plan, scene: "Scene") -> None:
         """Add launches that change the new velocities of nodes, after the momentum equation."""
 
-    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+    def add_boundary(self, plan: Plan, scene: "Scene") -> None:
         """The same, after all forces."""
 
-    def add_contact(self, plan: Plan, scene: Scene) -> None:
+    def add_contact(self, plan: Plan, scene: "Scene") -> None:
         """The same, after all boundaries; the strain rates of cells are next."""
 
-    def add_after_motion(self, plan: Plan, scene: Scene) -> None:
+    def add_after_motion(self, plan: Plan, scene: "Scene") -> None:
         """Add launches to the end of a step, when points have moved."""
 
-    def add_records(self, plan: Plan, scene: Scene) -> None:
+    def add_records(self, plan: Plan, scene: "Scene") -> None:
         """Add launches to the audited step of a plan whose step is complete, or between steps."""
 
-    def between_steps(self, run: Run, scene: Scene) -> BetweenSteps | None:
+    def between_steps(self, run: Run, scene: "Scene") -> BetweenSteps | None:
         """What the host does for the part between steps of a run; none by default."""
         return None
 
-    def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
+    def enter(self, run: Run, scene: "Scene", position: Floats, travel: float) -> None:
         """Give a layer of soil that is about to enter what it has by this part.
 
         Args:
@@ -111,7 +109,7 @@ class Part(Checked):
             travel: how far the grid has travelled down through the soil [m].
         """
 
-    def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
+    def follow(self, run: Run, scene: "Scene", travel: float, *, by_a_row: bool) -> None:
         """Give the arrays of the part their values from here on, after a layer has entered.
 
         Args:

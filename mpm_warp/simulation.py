@@ -1,7 +1,5 @@
 """A run of a scene: its arrays on a device, and the time loop."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The soil of a run at some moments: its material points and the nodes of its grid."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 import numpy as np

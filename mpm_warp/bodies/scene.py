@@ -5,8 +5,6 @@ from their particles in every step; nothing of it is declared. A part that is No
 nothing in the run. SI units; plane strain per unit thickness, axisymmetric per radian.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ case that is to take steps waits until all other cases wait too, or have ended; 
 taken.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections import defaultdict
@@ -36,8 +34,8 @@ class Batch(Execution):
     On a processor the result of a run does not depend on the other runs of the batch, not by a bit.
     """
 
-    _replays: dict[tuple[_BatchedSteps, ...], Replay] = field(default_factory=dict, init=False)
-    _at_work: _CaseThread | None = field(default=None, init=False)
+    _replays: "dict[tuple[_BatchedSteps, ...], Replay]" = field(default_factory=dict, init=False)
+    _at_work: "_CaseThread | None" = field(default=None, init=False)
     _case_count: int = field(default=0, init=False)
 
     def run(self, works: Sequence[Callable[[], Result]]) -> list[Result]:
@@ -73,7 +71,7 @@ class Batch(Execution):
                 case.dismiss()
         return [results[number] for number in range(len(works))]
 
-    def steps(self, plan: Plan, arrays: dict[str, Any]) -> _BatchedSteps:
+    def steps(self, plan: Plan, arrays: dict[str, Any]) -> "_BatchedSteps":
         """The steps of a plan, for one run; to be called from a function given to `run`.
 
         Args:
@@ -99,7 +97,7 @@ class Batch(Execution):
     def _is_on_gpu(self) -> bool:
         return bool(wp.get_device(self.device).is_cuda)
 
-    def _take_steps(self, waiting: Sequence[_BatchedSteps]) -> None:
+    def _take_steps(self, waiting: "Sequence[_BatchedSteps]") -> None:
         """Take as many steps as all runs of a group have left; keep the replays in use."""
         groups: dict[Hashable, list[_BatchedSteps]] = defaultdict(list)
         for run in waiting:
@@ -118,14 +116,14 @@ class Batch(Execution):
                 replays[together] = replay
         self._replays = replays
 
-    def _portions(self, group: Sequence[_BatchedSteps]) -> Iterator[tuple[_BatchedSteps, ...]]:
+    def _portions(self, group: "Sequence[_BatchedSteps]") -> "Iterator[tuple[_BatchedSteps, ...]]":
         size = len(group)
         if not self._is_on_gpu:
             size = max(1, POINTS_IN_CACHE // max(1, group[0].plan.particle_count))
         for first in range(0, len(group), size):
             yield tuple(group[first : first + size])
 
-    def _replay_of(self, together: tuple[_BatchedSteps, ...]) -> Replay:
+    def _replay_of(self, together: "tuple[_BatchedSteps, ...]") -> Replay:
         plan, arrays = together[0].plan, together[0].arrays
         if len(together) > 1:
             # A GPU has a thread for each item. On a processor each thread makes views of the arrays
@@ -149,7 +147,9 @@ class _BatchedSteps:
         left: steps that are still to be taken before the case goes on.
     """
 
-    def __init__(self, case: _CaseThread, plan: Plan, arrays: dict[str, Any], device: str) -> None:
+    def __init__(
+        self, case: "_CaseThread", plan: Plan, arrays: dict[str, Any], device: str
+    ) -> None:
         self.plan = plan
         self.arrays = arrays
         self.batch_key = batch_key(plan)

@@ -1,7 +1,5 @@
 """Where a run is computed, and a plan there: its arrays, and the ways to launch its kernels."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from typing import Any, Protocol

@@ -16,8 +16,6 @@ node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per rad
 plane strain per unit thickness.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property

@@ -1,7 +1,5 @@
 """A background grid of rings and rays, around a cylinder in plane strain or around a sphere."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Where material points (particles) start in the cells of a grid."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

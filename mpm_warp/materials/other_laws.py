@@ -10,8 +10,6 @@ every scene that takes a law has them as parameters, to be given with `material 
 other fields are given by the scene, by their names: see `GIVEN`.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields

@@ -5,8 +5,6 @@ grid had at the start: a grid that has travelled down by T sees soil at rest fro
 Soil keeps the properties of its place wherever it moves.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -17,8 +17,6 @@ thrown about.
 The soil is weightless, so the surface need not be known better than that it is in the layer.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

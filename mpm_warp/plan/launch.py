@@ -1,7 +1,5 @@
 """One kernel launch of a plan, and how it is split into shares that run at the same time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -88,7 +86,7 @@ class Launch:
         names = (item.name if isinstance(item, ShareRow) else item for item in self.arguments)
         return tuple(name for name in names if isinstance(name, str))
 
-    def share(self, number: int, count: int) -> Launch:
+    def share(self, number: int, count: int) -> "Launch":
         """One of `count` shares of the launch, as even as can be."""
         begin, end = share_bounds(self.dim[0], count)[number : number + 2].tolist()
         arguments: list[Any] = []

@@ -3,8 +3,6 @@
 It can be printed, compared and tested. Nothing here knows of a scene.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, Protocol

@@ -1,7 +1,5 @@
 """The time step of a run in which what is stable changes on the way."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -11,8 +11,6 @@ Other packages offer scenes by the entry point group `mpm_warp.scenes`, in their
     pile_driving = "their_package.pile_driving:PileDriving"
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import inspect
@@ -105,7 +103,7 @@ class CatalogueScene(ABC):
         return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
 
     @classmethod
-    def offered(cls) -> type[CatalogueScene]:
+    def offered(cls) -> "type[CatalogueScene]":
         """The class that the catalogue offers; a scene may add parameters to what it is itself."""
         return cls
 

@@ -1,7 +1,5 @@
 """Scenes in undrained clay: perfectly plastic, or of a strength that strain and its rate change."""
 
-from __future__ import annotations
-
 import functools
 from abc import abstractmethod
 from collections.abc import Sequence

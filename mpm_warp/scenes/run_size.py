@@ -1,7 +1,5 @@
 """How large a run is, from its parameters alone, before anything large is allocated."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

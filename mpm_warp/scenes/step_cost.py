@@ -1,7 +1,5 @@
 """What a step costs: the speed of the simulator itself, by size, physics and threads."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import time

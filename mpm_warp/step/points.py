@@ -5,8 +5,6 @@ called `particle.*` belongs to the particles: what enters through a window, and 
 all of them along, whichever they are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

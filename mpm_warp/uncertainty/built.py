@@ -7,8 +7,6 @@ parameters, part by part. Where they are the same, the parameters say what was s
 laws of the error may be asked. Where they are not, nobody has measured the error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Protocol
@@ -61,7 +59,7 @@ class Buildable(Protocol):
     """A scene of the catalogue."""
 
     @classmethod
-    def offered(cls) -> type[Buildable]:
+    def offered(cls) -> "type[Buildable]":
         """The class that the catalogue offers."""
 
     def build(self) -> Scene:

@@ -14,8 +14,6 @@ w = (extent of the window of the case / extent)^2. These are the laws of `laws`,
 are known from other cases. This is for cases whose error those do not give.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -12,8 +12,6 @@ pole the first chord is the longest, which adds an error in proportion to h. It 
 uncertainty.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ choices then determine the value v without these errors, and the slopes s:
     simulated value = v + s_1 m_1 + s_2 m_2 + ...
 """
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -35,7 +33,7 @@ class Test(Protocol):
     def run_size(self) -> Any:
         """Of its run; `particle_updates` are material points times steps."""
 
-    def error_of(self, recorded: xr.Dataset) -> TestRun:
+    def error_of(self, recorded: xr.Dataset) -> "TestRun":
         """A run of it, as far as its error goes."""
 
 

@@ -1,7 +1,5 @@
 """A value with its uncertainty, or with the reason why it has none, as variables of a result."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

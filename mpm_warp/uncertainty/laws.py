@@ -24,8 +24,6 @@ measured is in `scenes/cone/README.md`; `studies/mesh_error.toml` measures B. Th
 cone test (`cone`), and for each sample of a sounding (`samples`).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ is in the window. Near a border they are taken as they are. The place of the bor
 cell: half of what a shift by one cell changes is a part of the half width.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

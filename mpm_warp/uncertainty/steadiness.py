@@ -3,8 +3,6 @@
 All lengths are over the radius of the penetrometer.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from statistics import fmean

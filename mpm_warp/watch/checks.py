@@ -3,8 +3,6 @@
 Each raises a `Fault` that names what, and where; when, and what may help, is added by who calls.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

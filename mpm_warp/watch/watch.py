@@ -1,7 +1,5 @@
 """The watch on a run: one that diverges ends with a named error, not with wrong numbers."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
 from typing import Any, Protocol

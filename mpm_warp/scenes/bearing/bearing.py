@@ -1,7 +1,5 @@
 """A rigid body pressed slowly into soil, to the load that it cannot exceed."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Rigid footings and cones at the surface of the ground, whose strength may grow with depth."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from dataclasses import dataclass, replace

@@ -15,8 +15,6 @@ The field begins at the free surface beside the rim, where s = 1 and psi = pi/2,
 the rim, and ends on the face, where the adhesion gives psi. Its outermost line ends on the axis.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A block that is pressed on a base and driven along it: parameters, forces, exact motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

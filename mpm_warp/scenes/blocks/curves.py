@@ -1,7 +1,5 @@
 """Curves of a sliding block, its balances of momentum and energy, and the exact motion beside."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

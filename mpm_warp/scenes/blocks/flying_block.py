@@ -1,7 +1,5 @@
 """An elastic block in free flight, turning: what nothing acts on must not change."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

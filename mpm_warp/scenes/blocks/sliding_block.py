@@ -1,7 +1,5 @@
 """An elastic block on a base, which sticks or slides under friction and adhesion."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import ClassVar

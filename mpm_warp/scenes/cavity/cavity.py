@@ -1,7 +1,5 @@
 """A cavity that expands in undrained clay: its wall moves, its pressure beside the exact one."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Expansion of a cylindrical and of a spherical cavity in undrained clay, at large strain."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping

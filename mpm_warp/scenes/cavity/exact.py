@@ -13,8 +13,6 @@ e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm,
     (p - p0)/su = k Ir Li2(e) while e <= x, then k (Ir Li2(x) + ln(e/x))
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The cone penetration test in undrained clay, to steady state."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -182,7 +180,7 @@ class ConePenetration(ConeTest):
     def _compute(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots | None
     ) -> xr.Dataset:
-        def run(test: ConePenetration, report: Progress) -> xr.Dataset:
+        def run(test: "ConePenetration", report: Progress) -> xr.Dataset:
             shown = snapshots if test is self else None
             scene = test.build() if shown is None else test.build().with_parts(History())
             simulation = Simulation(scene, execution)
@@ -214,7 +212,7 @@ class ConePenetration(ConeTest):
         return further_runs.further_tests(alone, changes, cone.DIFFERENCES)
 
     def with_measured_error(
-        self, run: Callable[[ConePenetration, Progress], xr.Dataset], progress: Progress
+        self, run: "Callable[[ConePenetration, Progress], xr.Dataset]", progress: Progress
     ) -> xr.Dataset:
         """Run the test and its further tests; see `further_runs.with_measured_error`."""
         return further_runs.with_measured_error(self, self.further_tests(), run, progress)

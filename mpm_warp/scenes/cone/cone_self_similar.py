@@ -1,7 +1,5 @@
 """A cone pushed into the ground from first touch."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -143,7 +141,7 @@ class ConeSelfSimilar(CatalogueScene):
         recorded = follow(simulation, depths, simulation.travel_to, [curve], progress)
         return recorded.assign(self._fitted(curve))
 
-    def _fitted(self, curve: _LoadCurve) -> dict[str, xr.Variable]:
+    def _fitted(self, curve: "_LoadCurve") -> dict[str, xr.Variable]:
         """Exponent of the depth, its error, and the load over the section of the cone."""
         depth, load, reached = curve.depth, np.array(curve.loads), np.array(curve.reached)
         late = depth > FITTED_FROM * self._final_depth

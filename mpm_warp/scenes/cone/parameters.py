@@ -4,8 +4,6 @@ Until the resistance is of interest the penetrometer goes faster; at last it has
 for.
 """
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A penetration: curves of resistance as a penetrometer is pushed in, and their steady values."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

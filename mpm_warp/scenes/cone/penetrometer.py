@@ -6,8 +6,6 @@ cm2, and 5 mm above its end is the filter u3. These heights are over the radius,
 penetrometer has its places in proportion.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ It is the change of mean total stress of the soil beside the surface. An elastic
 undrained clay has no other part.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Snapshots of a cone test: the soil around the penetrometer, and the traction on its surface."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

@@ -3,8 +3,6 @@
 And where the work of the penetrometer goes, as shares of it.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

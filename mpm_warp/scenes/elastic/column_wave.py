@@ -1,7 +1,5 @@
 """Pressure waves along a confined elastic column."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

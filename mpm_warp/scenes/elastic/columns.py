@@ -1,7 +1,5 @@
 """A column of soil that moves along its height alone; one that settles under its own weight."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """A bar and a column that strike a rigid wall: the exact shock, and runs compared with it."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Callable

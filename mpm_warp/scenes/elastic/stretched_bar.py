@@ -1,7 +1,5 @@
 """A bar drawn out to many times its length, at a stress that has a closed form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

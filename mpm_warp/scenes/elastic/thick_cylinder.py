@@ -1,7 +1,5 @@
 """An elastic thick-walled cylinder under internal pressure."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

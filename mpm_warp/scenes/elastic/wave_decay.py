@@ -15,8 +15,6 @@ is a = |a| exp(i w dt): each step multiplies its amplitude by |a|, its energy by
 angular frequency.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy  # loads sparse matrices where they are first used: no other scene waits for them
 

@@ -15,8 +15,6 @@ the soil has borne 2 n xi_p on the average when the body passes it, and so
     xi_95 = 2 xi_p n_95
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -154,7 +152,7 @@ class CyclicPenetration(FullFlowPenetrometer):
             return ratio
         return ratio | self.fitted(fitted_degradation(factor["cycle"].values, factor.values))
 
-    def fitted(self, fit: Degradation) -> dict[str, xr.Variable]:
+    def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
         """The fit of practice; what lies beyond the end of the test is not a number."""
         known = fit.cycles <= self.cycle_count
         cycles, remoulded = (fit.cycles, fit.remoulded_share) if known else (math.nan, math.nan)
@@ -203,7 +201,7 @@ class CyclicTBar(TBar, CyclicPenetration):
     summary: ClassVar[str] = "T-bar pushed down and pulled up in undrained clay, plane strain"
     version: ClassVar[int] = 3
 
-    def fitted(self, fit: Degradation) -> dict[str, xr.Variable]:
+    def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
         """The fit of practice, and the ductility that it tells."""
         fitted = super().fitted(fit)
         return fitted | labelled(

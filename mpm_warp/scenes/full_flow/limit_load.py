@@ -1,7 +1,5 @@
 """Limit loads of round bodies in soil on all sides, moved by a small part of their radius."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

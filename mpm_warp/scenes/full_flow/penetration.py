@@ -1,7 +1,5 @@
 """Ball and T-bar that are pushed down until soil flows round them."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Callable
@@ -98,7 +96,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
 
-        def run(test: FullFlowPenetration, report: Progress) -> xr.Dataset:
+        def run(test: "FullFlowPenetration", report: Progress) -> xr.Dataset:
             simulation = Simulation(test.build(), execution)
             report(0.0)
             return test.record(simulation, report)
@@ -130,7 +128,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
 
     def with_measured_error(
-        self, run: Callable[[FullFlowPenetration, Progress], xr.Dataset], progress: Progress
+        self, run: "Callable[[FullFlowPenetration, Progress], xr.Dataset]", progress: Progress
     ) -> xr.Dataset:
         """Run the test and its further tests; see `further_runs.with_measured_error`."""
         tests = self.further_tests()

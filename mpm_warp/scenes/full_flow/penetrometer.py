@@ -1,7 +1,5 @@
 """What ball and T-bar have in common, however they are moved: soil, grid, contact."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A ball or a T-bar that goes down: its outline, the grid fitted to it, its contact."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

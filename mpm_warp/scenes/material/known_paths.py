@@ -5,8 +5,6 @@ Symbols: gamma shear strain, its elastic part tau / G; xi its plastic part; k st
     tau = min(G gamma, k(xi)),   xi = gamma - tau / G
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass

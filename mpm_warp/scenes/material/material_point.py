@@ -1,7 +1,5 @@
 """One material point on strain paths whose stress is known exactly."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

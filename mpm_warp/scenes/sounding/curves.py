@@ -3,8 +3,6 @@
 That is how far the resistance feels a border, and how much of a thin layer's resistance is reached.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The parameters of a sounding, and what follows from them: the ground, the way of the cone."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

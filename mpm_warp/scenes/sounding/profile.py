@@ -13,8 +13,6 @@ new lines or by semicolons, values by commas:
 Two rows of one depth make the border of two layers. A row that begins with # is a remark.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

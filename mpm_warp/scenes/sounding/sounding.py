@@ -1,7 +1,5 @@
 """A sounding: the cone test from one depth to another, through ground that changes with depth."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
