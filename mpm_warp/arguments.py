@@ -6,12 +6,13 @@ the part too: "contact: nodes".
 
 import math
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import MISSING, dataclass, field, fields
 from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpm_warp.errors import SceneError
 
@@ -68,7 +69,9 @@ def check_number(
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if not (is_number and allowed.holds(value, value)):
         kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
-        raise error(f"{name} = {_text(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}")
+        raise error(
+            f"{name} = {in_words(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}"
+        )
 
 
 def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
@@ -102,7 +105,7 @@ def check_whole(
     """
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole:
-        raise error(f"{name} = {_text(value)} must be an integer {allowed.allowed}")
+        raise error(f"{name} = {in_words(value)} must be an integer {allowed.allowed}")
     check_number(name, value, allowed, error=error)
 
 
@@ -115,7 +118,25 @@ def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
         words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
-        raise SceneError(f"{name} = {_text(value)} must be of type {words}")
+        raise SceneError(f"{name} = {in_words(value)} must be of type {words}")
+
+
+def check_known(name: str, value: object, known: Collection[object]) -> None:
+    """Check that a value is one of those that there are.
+
+    Raises:
+        SceneError: it is not.
+    """
+    if value not in known:
+        raise SceneError(f"{name} = {in_words(value)} must be one of {', '.join(map(str, known))}")
+
+
+def as_array(values: object) -> NDArray[Any]:
+    """Values as an array; lists of different lengths as one of objects, which no check allows."""
+    try:
+        return np.asarray(values)
+    except ValueError:
+        return np.array(None)
 
 
 def check_array(
@@ -142,7 +163,7 @@ def check_array(
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         what = {"b": "true and false", "iu": "integers"}.get(kinds, "numbers")
-        raise error(f"{name} = {_text(values)} must be an array of {what}")
+        raise error(f"{name} = {in_words(values)} must be an array of {what}")
     lengths = zip(values.shape, shape, strict=False)
     if values.ndim != len(shape) or any(b is not None and a != b for a, b in lengths):
         wanted = ", ".join("any" if length is None else str(length) for length in shape)
@@ -168,7 +189,7 @@ def check_nodes(name: str, nodes: Any, count: int) -> None:
         raise SceneError(f"{name}: node {present.argmax()} is there more than once")
 
 
-def _text(value: object) -> str:
+def in_words(value: object) -> str:
     """A value in a few words on one line."""
     if isinstance(value, float):
         return f"{value:g}"

@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import NOT_NEGATIVE, check_number, check_whole
+from mpm_warp.arguments import Range, check_kind, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import DeviceRun, Execution
 from mpm_warp.execution.threads import in_turn
@@ -18,6 +18,8 @@ from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import BetweenSteps, Scene
 from mpm_warp.watch.watch import make_watch
 
+STEP_COUNTS = Range(minimum=0, maximum=10**12)
+"""Steps that can be asked for at once: the most would take a small run days."""
 CHECK_INTERVAL = 500
 """Steps between two looks of the watch."""
 NOTHING_TRAVELS = "has no window: nothing travels"
@@ -41,6 +43,7 @@ class Simulation:
 
     @in_turn
     def __init__(self, scene: object, execution: Execution | None = None) -> None:
+        check_kind("execution", execution, (Execution, type(None)))
         execution = execution or Execution()
         start = time.perf_counter()
         on_gpu = wp.get_device(execution.device).is_cuda
@@ -125,18 +128,19 @@ class Simulation:
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan; a launch of another plan is not checked, as in `array`."""
+        check_kind("launch", launch, Launch)
         self._run.launch(launch)
 
     def advance(self, step_count: int) -> None:
         """Take steps.
 
         Raises:
-            ValueError: `step_count` is not an integer >= 0.
+            ValueError: `step_count` is not an integer of 0 to 10**12.
             SimulationDiverged: noticed by the watch, which looks every `CHECK_INTERVAL` steps; the
                 message names what, where, when and what may help.
             WindowOverfull: more soil has stayed in the window than it has slots for.
         """
-        check_whole("step_count", step_count, NOT_NEGATIVE, error=ValueError)
+        check_whole("step_count", step_count, STEP_COUNTS, error=ValueError)
         if self._first_step_at is None:
             self._first_step_at = time.perf_counter()
         last = self.step_count + step_count
@@ -176,6 +180,7 @@ class Simulation:
         """
         check_number("time", time, unit="s", error=ValueError)
         while (left := self._steps_until(time)) > 0:
+            check_number("time: steps until then", left, STEP_COUNTS, error=ValueError)
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
     def travel_to(self, travel: float) -> None:

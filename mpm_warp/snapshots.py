@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import POSITIVE, check_number
+from mpm_warp.arguments import POSITIVE, check_kind, check_number
 from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.results import labelled, variable
@@ -35,6 +35,7 @@ class Snapshots:
     """
 
     def __init__(self, at: Iterable[float]) -> None:
+        check_kind("snapshots: at", at, Iterable)
         moments = list(at)
         for moment in moments:
             check_number("snapshots: moment", moment, POSITIVE, error=ValueError)

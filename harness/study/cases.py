@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from harness.errors import tell
 from harness.study.designs import (
     LATIN_HYPERCUBE,
     Combination,
@@ -22,6 +24,9 @@ from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping
 from mpm_warp.scenes import CatalogueScene
+
+MANY = 10_000
+"""Cases beyond which a study takes seconds to read, and says so."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +49,7 @@ class Case:
     label: str
     snapshots: tuple[float, ...] = ()
 
-    @property
+    @functools.cached_property
     def key(self) -> str:
         """16 hexadecimal digits: the same parameters of the same scene version, the same key."""
         identity = [self.scene, self.scene_version, self.parameters]
@@ -74,6 +79,8 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
     """
     if (count := most_cases(parts, design)) > LARGEST_STUDY:
         raise StudyError(f"{where}: gives {count} cases; a study has at most {LARGEST_STUDY}")
+    if count > MANY:
+        tell(f"{where}: checks the parameters of {count} cases")
     cases: dict[str, Case] = {}
     refusals: dict[str, StudyError] = {}
     for part in parts:

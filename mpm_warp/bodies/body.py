@@ -270,8 +270,9 @@ def add_particles(plan: Plan, bodies: Sequence[Body]) -> None:
     numbers = np.repeat(np.arange(len(bodies)), counts)
     plan.add_array("particle.body", "int", numbers.astype(np.int32), (len(bodies),))
     plan.add_array("particle.position", "vec2", np.concatenate([b.position for b in bodies]))
-    plan.add_array("particle.mass", "real", np.concatenate([b.mass for b in bodies]))
-    plan.add_array("particle.volume", "real", np.concatenate([b.volume for b in bodies]))
+    for name in ("mass", "volume"):
+        values = np.concatenate([getattr(body, name) for body in bodies])
+        plan.add_array(f"particle.{name}", "real", values, least=0.0)
     plan.add_zeros("particle.velocity", "vec2", plan.particle_count)
     plan.add_zeros("particle.affine", "mat22", plan.particle_count)
     plan.add_zeros("particle.stress", "vec4", plan.particle_count)

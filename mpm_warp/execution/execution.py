@@ -8,7 +8,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import FROM_ONE, check_whole
+from mpm_warp.arguments import FROM_ONE, check_kind, check_known, check_whole
+from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -48,14 +49,17 @@ class Execution:
             change while a run goes on. A GPU ignores it.
 
     Raises:
-        ValueError: the number of threads is not an integer >= 1.
+        SceneError: there is no such device here, or the number of threads is another.
     """
 
     device: str = "cpu"
     threads: int = 1
 
     def __post_init__(self) -> None:
-        check_whole("threads", self.threads, FROM_ONE, error=ValueError)
+        check_kind("device", self.device, str)
+        check_whole("threads", self.threads, FROM_ONE)
+        check_known("device", self.device, device_names())
+        check_known("threads", self.threads, THREAD_COUNTS)
 
     def steps(self, plan: Plan, arrays: dict[str, Any]) -> Steps:
         """The steps of a plan on the device, for one run.

@@ -11,7 +11,15 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import FROM_ONE, POSITIVE, Range, check_array, check_number, check_whole
+from mpm_warp.arguments import (
+    FROM_ONE,
+    POSITIVE,
+    Range,
+    as_array,
+    check_array,
+    check_number,
+    check_whole,
+)
 from mpm_warp.errors import SceneError
 from mpm_warp.parameters import nearest_name
 from mpm_warp.plan.launch import OFFSET, Launch
@@ -38,6 +46,7 @@ class Array:
         counts: how many there are of what its numbers are indices of, for each component; none
             where they are no indices.
         may_be_none: whether indices may be -1 all, for none.
+        least: lowest value that may be assigned.
     """
 
     kind: str
@@ -46,6 +55,7 @@ class Array:
     initial: np.ndarray | None
     counts: tuple[int, ...] = ()
     may_be_none: bool = False
+    least: float = -math.inf
 
     @property
     def byte_count(self) -> int:
@@ -64,11 +74,11 @@ class Array:
         Raises:
             ValueError: shape or type is another, one is not finite, or an index is out of range.
         """
-        given = np.asarray(values)
+        given = as_array(values)
         scalar = getattr(self.dtype, "_wp_scalar_type_", self.dtype)
         is_whole = self.kind in WHOLE
         limits: Any = (np.iinfo if is_whole else np.finfo)(wp.dtype_to_numpy(scalar))
-        allowed = Range(minimum=float(limits.min), maximum=float(limits.max))
+        allowed = Range(minimum=max(float(limits.min), self.least), maximum=float(limits.max))
         shape = (*self.shape, *getattr(self.dtype, "_shape_", ())) if given.ndim else ()
         kinds = "iu" if is_whole else "fiu"
         check_array(name, given, shape, allowed, kinds=kinds, error=ValueError)
@@ -138,6 +148,7 @@ class Plan:
         values: np.ndarray,
         counts: tuple[int, ...] = (),
         may_be_none: bool = False,
+        least: float = -math.inf,
     ) -> str:
         """Add an array that starts with the given values; returns its name.
 
@@ -147,6 +158,7 @@ class Plan:
             values: its numbers; the last axes are the components of a vector.
             counts: see `Array`.
             may_be_none: see `Array`.
+            least: see `Array`.
 
         Raises:
             SceneError: the plan has an array of that name, or of one that is the same in kernels.
@@ -156,7 +168,7 @@ class Plan:
         shape = values.shape[: values.ndim - len(components)]
         scalar = np.int32 if kind in WHOLE else self.precision.numpy_name
         initial = np.array(values, dtype=scalar, order="C")
-        return self._add(name, Array(kind, dtype, shape, initial, counts, may_be_none))
+        return self._add(name, Array(kind, dtype, shape, initial, counts, may_be_none, least))
 
     def add_zeros(
         self, name: str, kind: str, shape: int | tuple[int, ...], counts: tuple[int, ...] = ()
@@ -171,7 +183,7 @@ class Plan:
         Raises:
             KeyError: there is none; the message names the nearest.
         """
-        if name not in self.arrays:
+        if not isinstance(name, str) or name not in self.arrays:
             raise KeyError(f"no array {name!r} in this run{nearest_name(str(name), self.arrays)}")
 
     def find(self, name: str) -> str | None:

@@ -28,6 +28,7 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
+from mpm_warp.arguments import check_kind, check_known
 from mpm_warp.errors import SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import Value, check_parameters, nearest_name
@@ -155,6 +156,8 @@ class CatalogueScene(ABC):
             mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
             mpm_warp.errors.SceneError: the scene takes no snapshots.
         """
+        check_kind("execution", execution, (Execution, type(None)))
+        check_kind("snapshots", snapshots, (Snapshots, type(None)))
         with _reporter(progress, self.catalogue_name()) as report:
             if snapshots is None:
                 results = self.compute(report, execution)
@@ -210,6 +213,7 @@ def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]
     if callable(progress):
         yield progress
         return
+    check_known("progress", progress, (True, False, None))
     layout = "{desc} {percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
     with tqdm(desc=name, total=1.0, disable=not progress, bar_format=layout) as bar:
 

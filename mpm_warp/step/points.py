@@ -52,7 +52,7 @@ def add_points(
     plan.add_zeros("particle.velocity", "vec2", slots)
     stress = stress_at(position)
     plan.add_array("particle.stress", "vec4", stress)
-    plan.add_array("particle.mass", "real", mass)
+    plan.add_array("particle.mass", "real", mass, least=0.0)
     counts = (grid.column_count, grid.row_count)
     plan.add_array("particle.cell", "vec2i", cell, counts, may_be_none=spare_fraction > 0.0)
     if material.variation is not None:

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
@@ -22,7 +24,9 @@ from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.simulation import Simulation
+from mpm_warp.snapshots import Snapshots
 
 NAN, INF = float("nan"), float("inf")
 CONE = ConePenetration(cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3)
@@ -41,14 +45,16 @@ ASSIGNED: Mapping[str, list[Any]] = {
     "fixed.nodes": [NODES, -5],
     "layer.slots": [10**6, -1],
     "layer.cell": [10**6, -1],
+    "particle.mass": [-1.0],
     "particle.stress": [NAN, INF, np.zeros(4), np.zeros((3, 4)), "much", 1j, None],
     "window.motion": [np.array([0.0, INF, 0.0]), np.zeros(4)],
 }
 """Arrays of a run of soil, and what they must not be given."""
 CALLS: Mapping[str, tuple[str, list[Any]]] = {
-    "advance": ("step_count", [-1, 2.0, 1.5, NAN, INF, "3", None, True]),
-    "advance_to_step": ("step", [NAN, INF, "3"]),
-    "advance_to": ("time", [NAN, INF, -INF, None]),
+    "advance": ("step_count", [-1, 2.0, 1.5, NAN, INF, "3", None, True, 2**70]),
+    "advance_to_step": ("step", [NAN, INF, "3", 1e300]),
+    "advance_to": ("time", [NAN, INF, -INF, None, 1e300]),
+    "launch": ("launch", [3, None]),
     "travel_to": ("travel", [NAN, INF, "far"]),
 }
 """Ways to advance a run, their argument, and what it must not be."""
@@ -111,7 +117,7 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
         for count in (0, -1, 1.5):
             do = functools.partial(make_plan, scene, share_count=count)
             yield f"{kind} share_count {count}", (do, SceneError, "share_count")
-    for threads in (0, -1, 1.5, "all"):
+    for threads in (0, -1, 1.5, "all", 3, 2**70):
         yield (
             f"threads {threads}",
             (functools.partial(compute_with, threads), ValueError, "threads"),
@@ -127,6 +133,29 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
 
 MISUSES = dict(misuses())
 
+ODD = st.one_of(
+    st.none(),
+    st.integers(),
+    st.floats(),
+    st.text(max_size=8),
+    st.complex_numbers(),
+    st.lists(st.one_of(st.text(max_size=3), st.floats(), st.none(), st.lists(st.floats()))),
+    st.dictionaries(st.text(max_size=3), st.integers(), max_size=2),
+)
+"""What a call may be given by mistake."""
+TAKES_ONE: Mapping[str, Callable[[Any], object]] = {
+    "device": lambda it: Execution(device=it),
+    "threads": lambda it: Execution(threads=it),
+    "execution": lambda it: Simulation(SCENE, it) if it is not None else None,
+    "progress": lambda it: CONE.run(progress=it) if not isinstance(it, bool | None) else None,
+    "snapshots": lambda it: Snapshots(at=it),
+    "profile": lambda it: Profile(depth=it, strength=it, shear_modulus=it, unit_weight=it),
+    "particle.mass": lambda it: soil().assign("particle.mass", it),
+    "launch": lambda it: soil().launch(it),
+    "no array": lambda it: soil().array(it),
+}
+"""Calls, by the word that a refusal tells."""
+
 
 @pytest.fixture(scope="module")
 def crash(tried_alone: Callable[[str], str]) -> str:
@@ -140,6 +169,19 @@ def test_a_misuse_ends_in_one_line_that_names_the_argument(
     assert not crash
     do, error, word = MISUSES[name]
     refused(do, error, word)
+
+
+@pytest.mark.parametrize("word", TAKES_ONE)
+@given(value=ODD)
+def test_whatever_is_given_is_taken_or_refused_by_a_line_of_ours(word: str, value: Any) -> None:
+    kept = soil().array("particle.mass").copy()
+    refusals = []
+    try:
+        TAKES_ONE[word](value)
+    except (ValueError, KeyError) as error:
+        refusals = [str(error)]
+    assert all(word in refusal and "\n" not in refusal for refusal in refusals)
+    soil().assign("particle.mass", kept)
 
 
 def test_values_of_a_run_may_be_given_back_to_it() -> None:

@@ -172,10 +172,13 @@ def standing_wave_curves(phase: Floats, displacement: Floats, energy: Floats) ->
 
 def _sampled_steps(time_step: float, period_count: int) -> list[int]:
     """All steps of the periods that are sampled: some of them all, the first and the last too."""
-    step = np.arange(round(period_count * PERIOD / time_step) + 1)
-    kept = np.linspace(0, period_count - 1, min(period_count, MOST_SAMPLED_PERIODS)).round()
-    period = period_of(step * time_step / PERIOD, period_count)
-    sampled: list[int] = step[np.isin(period, kept)].tolist()
+    per_period = PERIOD / time_step
+    last = round(period_count * per_period)
+    sampled: list[int] = []
+    for kept in np.linspace(0, period_count - 1, min(period_count, MOST_SAMPLED_PERIODS)).round():
+        begin, end = math.floor(kept * per_period), math.ceil((kept + 1.0) * per_period)
+        step = np.arange(max(0, begin - 1), min(end + 1, last) + 1)
+        sampled += step[period_of(step * time_step / PERIOD, period_count) == kept].tolist()
     return sampled
 
 

@@ -16,12 +16,12 @@ Two rows of one depth make the border of two layers. A row that begins with # is
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from typing import Self
 
 import numpy as np
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, as_array, in_words
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
@@ -77,8 +77,11 @@ class Profile:
     stress_anisotropy: Floats | None = None
 
     def __post_init__(self) -> None:
-        given = {name: values for name, values in vars(self).items() if values is not None}
-        columns = {name: np.asarray(values, dtype=float) for name, values in given.items()}
+        columns = {
+            it.name: _numbers(it.name, getattr(self, it.name))
+            for it in fields(self)
+            if getattr(self, it.name) is not None or it.default is MISSING
+        }
         for name, values in columns.items():
             object.__setattr__(self, name, values)
             if values.ndim != 1 or values.size == 0 or values.shape != self.depth.shape:
@@ -339,6 +342,14 @@ def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
         return [float(cell) for cell in cells]
     except ValueError:
         raise refused(f"row {number} {line!r}: must be numbers") from None
+
+
+def _numbers(name: str, values: object) -> Floats:
+    """A column as an array; anything but numbers is refused."""
+    column = as_array(values)
+    if column.dtype.kind not in "fiu":
+        raise refused(f"{name} = {in_words(values)} must be a column of numbers")
+    return column.astype(float)
 
 
 def refused(problem: str) -> ParameterError:
