@@ -9,7 +9,8 @@ laws of the error may be asked. Where they are not, nobody has measured the erro
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
-from typing import Protocol
+from inspect import isabstract
+from typing import Any
 
 import numpy as np
 
@@ -55,33 +56,27 @@ OTHER = "scene"
 """What any other part is called."""
 
 
-class Buildable(Protocol):
-    """A scene of the catalogue."""
-
-    @classmethod
-    def offered(cls) -> "type[Buildable]":
-        """The class that the catalogue offers."""
-
-    def build(self) -> Scene:
-        """What is simulated."""
-
-
-def expected_scene(catalogue: type[Buildable], test: object) -> Scene | None:
-    """What a class of the catalogue builds of the parameters of a test.
+def expected_scene(test: Any) -> Scene | None:
+    """What the catalogue builds of the parameters of a test.
 
     Args:
-        catalogue: the class.
-        test: a scene of this class, or of one that is derived from it and may build another scene.
+        test: a scene of the catalogue, or of a class that is derived from one of this package and
+            may build another scene.
 
     Returns:
-        The scene; None where the class does not allow the parameters.
+        The scene; None where the catalogue's class does not allow the parameters.
     """
+    own = __package__.partition(".")[0]
+    catalogue: Any = next(it for it in type(test).__mro__ if it.__module__.partition(".")[0] == own)
+    if isabstract(catalogue):
+        return None
     offered = catalogue.offered()  # a law of another package adds its parameters
     given = {name: getattr(test, name) for name in parameters_of(offered)}
     try:
-        return offered(**given).build()
+        built: Scene = offered(**given).build()
     except (ParameterError, SceneError):
         return None
+    return built
 
 
 def why_not_as_measured(built: Scene, expected: Scene | None) -> list[str]:

@@ -26,9 +26,13 @@ from mpm_warp.scenes.cone.parameters import (
     slowing_penetration,
     unsteady_penetration,
 )
-from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
+from mpm_warp.scenes.cone.penetration import (
+    PenetrationCurves,
+    PorePressureCurves,
+    pore_pressure_factors,
+    steady_values,
+)
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
     EnergyBalanceCurves,
@@ -247,7 +251,7 @@ class ConePenetration(ConeTest):
     @property
     def _expected(self) -> Scene | None:
         """What a cone test of the catalogue builds of these parameters."""
-        return expected_scene(ConePenetration, replace(self, uncertainty="known"))
+        return expected_scene(replace(self, uncertainty="known"))
 
     def record(
         self, simulation: Simulation, progress: Progress, snapshots: Snapshots | None = None

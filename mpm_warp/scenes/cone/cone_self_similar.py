@@ -44,11 +44,7 @@ class ConeSelfSimilar(CatalogueScene):
     summary: ClassVar[str] = "load of a cone against its depth, from first touch"
     version: ClassVar[int] = 3
     verifications: ClassVar[tuple[Verification, ...]] = (
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(12, 16),
-            bounds={"error": 0.05},
-        ),
+        Verification(resolution="cells_per_radius", resolutions=(12, 16), bounds={"error": 0.05}),
     )
 
     rigidity_index: float = redefined(ConeTest, "rigidity_index", minimum=10, maximum=1000)

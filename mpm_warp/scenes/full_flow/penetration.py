@@ -1,7 +1,6 @@
 """Ball and T-bar that are pushed down until soil flows round them."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
@@ -146,9 +145,9 @@ class FullFlowPenetration(FullFlowPenetrometer):
         )
 
     @property
-    @abstractmethod
     def _expected(self) -> Scene | None:
         """What the catalogue builds of these parameters."""
+        return expected_scene(self._alone)
 
     def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
         """The results beside the exact resistance factor, where there is one."""
@@ -257,10 +256,6 @@ class BallPenetration(Ball, FullFlowPenetration):
             radius=self.ball_radius, shaft_radius=self.shaft_radius_ratio * self.ball_radius
         )
 
-    @property
-    def _expected(self) -> Scene | None:
-        return expected_scene(BallPenetration, self._alone)
-
     def surroundings(self, grid: Grid) -> SurroundingGround | None:
         """The ground that makes room for the shaft, seen from afar as a travelling source."""
         if self.shaft_radius_ratio == 0.0:
@@ -290,10 +285,6 @@ class TBarPenetration(TBar, FullFlowPenetration):
         )
         for adhesion_factor in (0.0, 0.5, 1.0)
     )
-
-    @property
-    def _expected(self) -> Scene | None:
-        return expected_scene(TBarPenetration, self._alone)
 
     def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
         """The results beside the limit load, in perfectly plastic clay."""

@@ -71,12 +71,7 @@ def sounding_curves(
             "uncertainty of the net cone resistance",
             "half width, 95 %, of a sample; not a number where the error is not known",
         ),
-        total_resistance=(
-            net + vertical,
-            "Pa",
-            "cone resistance",
-            "net, and sigma_v0",
-        ),
+        total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
         sleeve_friction=(
             given.sleeve_friction.values,
             "Pa",

@@ -20,8 +20,7 @@ from mpm_warp.sampling import follow, soil_scene, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetration import PenetrationCurves
-from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves
+from mpm_warp.scenes.cone.penetration import PenetrationCurves, PorePressureCurves
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
@@ -59,14 +58,9 @@ class Sounding(SoundingTest):
         check_sounding(self)
         try:
             _ = self._clay
-        except ParameterError as refusal:
-            raise ParameterError(
-                refusal.key, f"in the ground that the cone passes: {refusal}"
-            ) from None
-        except SceneError as refusal:
-            raise ParameterError(
-                "ductility", f"in the ground that the cone passes: {refusal}"
-            ) from None
+        except (ParameterError, SceneError) as refusal:
+            key = refusal.key if isinstance(refusal, ParameterError) else "ductility"
+            raise ParameterError(key, f"in the ground that the cone passes: {refusal}") from None
 
     @property
     def _test(self) -> ConePenetration:
@@ -146,7 +140,7 @@ class Sounding(SoundingTest):
             tolerance=0.0,
         )
         pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=None)
-        why_none = why_not_known(soil_scene(simulation), expected_scene(Sounding, self))
+        why_none = why_not_known(soil_scene(simulation), expected_scene(self))
         count = self.lead_count + len(self.samples)
         moments = [number * self.spacing for number in range(1, count + 1)]
         try:

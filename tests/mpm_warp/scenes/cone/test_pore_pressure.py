@@ -8,8 +8,8 @@ import xarray as xr
 
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetration import PLACES, PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.penetrometer import SHAFT_FILTER, SHOULDER_FILTER
-from mpm_warp.scenes.cone.pore_pressure import PLACES, PorePressureCurves, pore_pressure_factors
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-12
