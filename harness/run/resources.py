@@ -15,7 +15,7 @@ from mpm_warp.scenes import CatalogueScene, scene_class
 
 LONG = 24 * 3600.0
 """Time of a case beyond which a run reports it before it begins [s]."""
-PROCESS_MEMORY = 300e6
+PROCESS_MEMORY = 285e6
 """What a process takes before it runs a case: the interpreter and its libraries [byte]."""
 SNAPSHOT_BYTES = 150.0
 """What a material point takes in a snapshot: as it is taken, gathered and written [byte]."""

@@ -87,7 +87,10 @@ def other_law(name: str) -> OtherLaw:
     where = f"material {name!r}: the entry point {offered.value!r}"
     try:
         kind = offered.load()
-    except Exception as error:  # it is another package's code: whatever it raises is named
+    except (
+        Exception,
+        SystemExit,
+    ) as error:  # another package's code
         raise ParameterError(
             "material", f"{where} cannot be loaded: {type(error).__name__}: {error}"
         ) from None

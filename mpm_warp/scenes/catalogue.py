@@ -306,7 +306,7 @@ def _loaded(entry_point: EntryPoint) -> type[CatalogueScene]:
     where = f"scene {entry_point.name!r}: {_origin(entry_point)}"
     try:
         scene: type[CatalogueScene] = entry_point.load()
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise UnknownSceneError(f"{where} cannot be loaded: {reason}") from error
     if not _is_scene(scene):

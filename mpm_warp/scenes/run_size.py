@@ -21,6 +21,7 @@ class RunSize:
         step_count: steps to the end of the run; 0 where they are not known beforehand.
         bytes_per_cell: memory of a cell with its share of nodes, what set-up takes included.
         bytes_per_particle: memory of a material point, likewise.
+        curve_bytes: memory of what is sampled on the way, and of curves made of it.
     """
 
     cell_count: int
@@ -28,6 +29,7 @@ class RunSize:
     step_count: float = 0.0
     bytes_per_cell: float = 1000.0
     bytes_per_particle: float = 130.0
+    curve_bytes: float = 0.0
 
     @property
     def byte_count(self) -> float:
@@ -36,7 +38,8 @@ class RunSize:
         The default of each cell and point is from peaks of cone tests of 1,275 to 53,489 cells with
         4 and 25 points: within 15 %, and rather more than less.
         """
-        return self.cell_count * self.bytes_per_cell + self.particle_count * self.bytes_per_particle
+        in_grid = self.cell_count * self.bytes_per_cell
+        return in_grid + self.particle_count * self.bytes_per_particle + self.curve_bytes
 
     @property
     def particle_updates(self) -> float:
@@ -45,7 +48,12 @@ class RunSize:
 
 
 def size_in_grid(
-    grid: Grid, *, particles_per_cell: int, spare_fraction: float = 0.0, step_count: float
+    grid: Grid,
+    *,
+    particles_per_cell: int,
+    spare_fraction: float = 0.0,
+    step_count: float,
+    curve_bytes: float = 0.0,
 ) -> RunSize:
     """The size of a run of soil in a grid, every cell of which may hold soil.
 
@@ -54,20 +62,25 @@ def size_in_grid(
         particles_per_cell: material points seeded in a cell.
         spare_fraction: slots for points that enter, over those that are there at the start.
         step_count: steps to the end of the run.
+        curve_bytes: memory of what is sampled.
     """
     return RunSize(
         cell_count=grid.cell_count,
         particle_count=round(grid.cell_count * particles_per_cell * (1.0 + spare_fraction)),
         step_count=step_count,
+        curve_bytes=curve_bytes,
     )
 
 
-def size_of_bodies(*, cell_count: int, particle_count: int, step_count: float = 0.0) -> RunSize:
+def size_of_bodies(
+    *, cell_count: int, particle_count: int, step_count: float = 0.0, curve_bytes: float = 0.0
+) -> RunSize:
     """The size of a run of bodies in contact; the arguments are those of `RunSize`."""
     return RunSize(
         cell_count=cell_count,
         particle_count=particle_count,
         step_count=step_count,
+        curve_bytes=curve_bytes,
         bytes_per_cell=BODY_CELL_BYTES,
         bytes_per_particle=BODY_PARTICLE_BYTES,
     )

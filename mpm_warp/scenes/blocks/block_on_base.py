@@ -12,6 +12,9 @@ from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 
+SAMPLE_COUNT = 100
+"""Samples of the curves, after the moment when the driving force begins."""
+
 SETTLING = 40.0
 """Duration of the start over the time in which a shear wave crosses the height of the block: the
 normal load rises, and the block comes to rest."""
@@ -211,11 +214,14 @@ class BlockOnBase(CatalogueScene):
         """Cells of a square around block and base, and their material points, at most about."""
         along = self.cells_per_length * (1.0 + self.travel) + 8
         across = self.cells_per_length * self.height_ratio + 8
+        block_count = self.cells_per_length**2 * self.height_ratio * self.particles_per_cell
         return size_of_bodies(
             cell_count=round(along + across) ** 2 if self.grid_angle else round(along * across),
             particle_count=round(
                 (self.cells_per_length * across + 4 * along) * self.particles_per_cell
             ),
+            # Places of the points of the block: kept, stacked, and three arrays of that shape.
+            curve_bytes=5.0 * 16.0 * (SAMPLE_COUNT + 1) * block_count,
         )
 
     @property

@@ -9,11 +9,8 @@ import xarray as xr
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.blocks.block_on_base import SlidingMotion
+from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, SlidingMotion
 from mpm_warp.simulation import Simulation
-
-SAMPLE_COUNT = 100
-"""Samples of the curves, after the moment when the driving force begins."""
 
 Variables = dict[str, xr.Variable]
 

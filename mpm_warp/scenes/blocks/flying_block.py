@@ -65,10 +65,13 @@ class FlyingBlock(CatalogueScene):
     def run_size(self) -> RunSize:
         """Cells along the flight of the block, and its material points."""
         columns, rows = self._cell_counts
+        count = 4 * self.cells_per_side**2
         return size_of_bodies(
             cell_count=columns * rows,
-            particle_count=4 * self.cells_per_side**2,
+            particle_count=count,
             step_count=self.step_count,
+            # Distances of all points from all: kept, stacked, less the first, without sign.
+            curve_bytes=4.0 * 8.0 * (SAMPLE_COUNT + 1) * count**2,
         )
 
     @property

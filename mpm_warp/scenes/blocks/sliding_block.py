@@ -12,8 +12,8 @@ from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.sampling import follow
-from mpm_warp.scenes.blocks.block_on_base import BlockOnBase
-from mpm_warp.scenes.blocks.curves import SAMPLE_COUNT, SlidingCurves
+from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, BlockOnBase
+from mpm_warp.scenes.blocks.curves import SlidingCurves
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.simulation import Simulation
 

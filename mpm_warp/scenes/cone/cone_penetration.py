@@ -160,6 +160,8 @@ class ConePenetration(ConeTest):
             particles_per_cell=self.particles_per_cell,
             spare_fraction=window.spare_fraction,
             step_count=self._time_to_the_end / time_step,
+            # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
+            curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
         )
 
     def step_count_bound(self, plan: Plan) -> int:

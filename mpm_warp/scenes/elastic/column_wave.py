@@ -29,6 +29,8 @@ PRESSURE = CONSTRAINED_MODULUS * STRAIN
 WAVE_SPEED = math.sqrt(CONSTRAINED_MODULUS / DENSITY)
 PERIOD = 4 * HEIGHT / WAVE_SPEED
 TIME_STEP_FRACTION = 0.85
+SAMPLE_BYTES = 700.0
+"""Memory of a sample, from peaks of runs of 300 and 1000 cells [byte]."""
 MOST_SAMPLED_PERIODS = 10
 """Periods of which curves are kept, the first and the last among them."""
 
@@ -85,7 +87,14 @@ class ElasticColumnWave(CatalogueScene):
         grid = self._column.grid
         period_count = 1 if self.excitation == "sudden_load" else self.period_count
         crossings = period_count * PERIOD * WAVE_SPEED / shortest_crossing(grid)
-        return size_in_grid(grid, particles_per_cell=4, step_count=crossings / TIME_STEP_FRACTION)
+        step_count = crossings / TIME_STEP_FRACTION
+        sampled = step_count * min(1.0, MOST_SAMPLED_PERIODS / period_count)
+        return size_in_grid(
+            grid,
+            particles_per_cell=4,
+            step_count=step_count,
+            curve_bytes=SAMPLE_BYTES * sampled,
+        )
 
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""

@@ -119,7 +119,9 @@ class Sounding(SoundingTest):
         test = self._test
         size = test.run_size()
         of_way = self.travel / (test.penetration * test.cone_radius)
-        return replace(size, step_count=of_way * size.step_count)
+        return replace(
+            size, step_count=of_way * size.step_count, curve_bytes=of_way * size.curve_bytes
+        )
 
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the last depth of the stretch."""

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import dask.config
@@ -13,7 +14,6 @@ import pytest
 from harness.archive import case_files, netcdf_files, study_files
 from harness.cli.main import main
 from harness.compare.differences import differing
-from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import Refusal, Written
 
@@ -270,7 +270,7 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     from harness.run.worker import compute
 
     case = twenty.cases[0]
-    older = Case(**{**vars(case), "scene_version": case.scene_version - 1})
+    older = replace(case, scene_version=case.scene_version - 1)
     outcome = compute(older).outcome
     assert outcome.status == "failed"
     asked, here = older.scene_version, case.scene_version

@@ -1,6 +1,7 @@
 """A case again from its file alone."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,9 +106,7 @@ def test_what_cannot_be_run_again_is_one_line(
     forged, older = tmp_path / "forged.nc", tmp_path / "older.nc"
     attributes = {"parameters": json.dumps({**parameters, "rigidity_index": 51.0})}
     netcdf_files.write_netcdf(changed.assign_attrs(attributes), forged)
-    case_files.write_case(
-        tmp_path, old := one.__class__(**{**vars(one), "scene_version": 0}), changed, "completed"
-    )
+    case_files.write_case(tmp_path, old := replace(one, scene_version=0), changed, "completed")
     case_files.case_file(tmp_path, old).rename(older)
     text, list_, unversioned, unread = (tmp_path / f"{name}.nc" for name in range(4))
     for path_, attributes_ in (

@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -181,6 +182,16 @@ def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None])
     result = scene(cell_count=6).run()
     assert int(result.steps) == 3
     assert int(result.cell_count) == 6
+
+
+def test_a_package_that_ends_the_process_as_it_is_imported_does_not_end_ours(
+    offer: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "that_exits.py").write_text("raise SystemExit(7)")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    offer(lost="that_exits:Scene")
+    with pytest.raises(UnknownSceneError, match="cannot be loaded: SystemExit: 7"):
+        scene_class("lost")
 
 
 def test_packages_are_asked_for_scenes_once(monkeypatch: pytest.MonkeyPatch) -> None:
