@@ -9,8 +9,9 @@ from __future__ import annotations
 import re
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -88,13 +89,18 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
     limits = limits_of(dataset).items()
     limit = " or ".join(f"{spoken(name)} over its limit of {size:g}" for name, size in limits)
     if dataset.attrs["design"] == ONE_AT_A_TIME:
-        figure = _figure_of_strips(strips(dataset), limit)
+        cases = strips(dataset)
+        figure = _figure(cases)
+        handles = _explain_strips(figure, cases, limit)
         explanation = "One parameter at a time differs from the default."
     else:
-        figure = _figure_of_shares(shares(dataset), limit)
+        parts = shares(dataset)
+        figure = _figure(parts)
+        handles = _explain_shares(parts, limit)
         explanation = (
             "Each range is cut into parts of equally many cases; bars are shares of a part."
         )
+    figure.legend(handles=handles, loc="upper left", ncols=5, fontsize=7)
     write_caption(figure, dataset, explanation)
     return figure
 
@@ -106,9 +112,8 @@ def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     return [SHARE_HEADING, *(share.row for share in shares(dataset))]
 
 
-@dataclass(frozen=True)
-class Outcomes:
-    """How cases ended.
+class Outcomes(NamedTuple):
+    """How cases ended, each field of shape [case].
 
     Attributes:
         status: of each case.
@@ -132,7 +137,12 @@ class Outcomes:
 
     def at(self, cases: np.ndarray) -> Outcomes:
         """Those of some cases."""
-        return Outcomes(self.status[cases], self.reason[cases], self.limit_share[cases])
+        return Outcomes(*(field[cases] for field in self))
+
+    @property
+    def known_shares(self) -> Floats:
+        """The shares of the limit that are known."""
+        return self.limit_share[np.isfinite(self.limit_share)]
 
 
 def short_reason(message: str) -> str:
@@ -184,40 +194,52 @@ class Strip:
     @property
     def row(self) -> tuple[str, ...]:
         """The strip in words, under `STRIP_HEADING`."""
-        known = self.outcomes.limit_share[np.isfinite(self.outcomes.limit_share)]
+        known = self.outcomes.known_shares
         share = f"up to {known.max():.0%} of the limit" if known.size else ""
         default = self.values.text(self.default)
-        margins = self.margin(-1), self.margin(1)
-        return self.values.label, default, self.stable_text, *margins, share
+        return (
+            *(self.values.label, default, self.stable_text),
+            *(self.margin(-1), self.margin(1), share),
+        )
 
     def margin(self, side: int) -> str:
         """How far it is from the default to the first failure on a side, and what gives way."""
-        place = self.failure(side)
+        values, place = self.values, self.failure(side)
         if place is None:
-            return self._tried(side)
-        number = float(self.values.numbers[place])
-        where = "the default itself" if number == self.default else self._distance(number, side)
-        status, reason = self.outcomes.status[place], self.outcomes.reason[place]
-        return f"{where}, {': '.join(filter(None, (str(status), str(reason))))}"
+            beyond = side * (values.numbers - self.default)
+            if values.categories or not (beyond > 0.0).any():
+                return "none failed" if (beyond > 0.0).any() else "no case"
+            furthest = values.text(values.numbers[np.argmax(beyond)])
+            return f"none failed {'up' if side > 0 else 'down'} to {furthest}"
+        number = float(values.numbers[place])
+        where = values.text(number)
+        if number == self.default:
+            where = "the default itself"
+        elif not values.categories:
+            is_ratio = values.logarithmic and min(number, self.default) > 0.0
+            factor = f"factor {(number / self.default) ** side:.3g}" if is_ratio else ""
+            where += f" ({factor or f'difference {number - self.default:+.3g}'})"
+        why = self.outcomes.status[place], self.outcomes.reason[place]
+        return f"{where}, {': '.join(filter(None, map(str, why)))}"
 
-    def _tried(self, side: int) -> str:
-        """How far a side without failure was tried."""
-        beyond = side * (self.values.numbers - self.default)
-        if not (beyond > 0.0).any():
-            return "no case"
-        if self.values.categories:
-            return "none failed"
-        furthest = self.values.text(self.values.numbers[np.argmax(beyond)])
-        return f"none failed {'up' if side > 0 else 'down'} to {furthest}"
-
-    def _distance(self, number: float, side: int) -> str:
-        """A value, with its factor to the default on a logarithmic axis, else its difference."""
-        text = self.values.text(number)
-        if self.values.categories:
-            return text
-        if self.values.logarithmic and min(number, self.default) > 0.0:
-            return f"{text} (factor {(number / self.default) ** side:.3g})"
-        return f"{text} (difference {number - self.default:+.3g})"
+    def draw(self, axes: Axes) -> None:
+        """Draw a mark for each case, the default, and the span that is stable."""
+        stable, outcomes = self.stable, self.outcomes
+        if stable.size and not self.values.categories:
+            ends = stable[[0, -1]]
+            axes.plot(ends, [0, 0], color="0.8", lw=8, solid_capstyle="round", gid="stable")
+        axes.axvline(self.default, color="black", lw=1, gid="default")
+        for number, status, share in zip(
+            self.values.numbers, outcomes.status.tolist(), outcomes.limit_share, strict=True
+        ):
+            marker, colour = STATUSES.get(status, OTHER)
+            if np.isfinite(share):
+                colour = to_hex(SHADES(share))
+            axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
+        self.values.dress(axes, room=6)
+        axes.set_ylim(-1, 1)
+        axes.set_yticks([])
+        _write_beside(axes, f"below: {self.margin(-1)}", f"above: {self.margin(1)}")
 
 
 def strips(dataset: xr.Dataset) -> list[Strip]:
@@ -251,14 +273,9 @@ class Shares:
     bounds: Floats
     parts: Sequence[Outcomes]
 
-    @property
-    def counts(self) -> Mapping[str, NDArray[np.intp]]:
-        """Cases of each part by status, `completed` first, shape [part_count]."""
-        present = {status for part in self.parts for status in part.status.tolist()}
-        kinds = [COMPLETED, *sorted(present - {COMPLETED})]
-        return {
-            kind: np.array([np.sum(part.status == kind) for part in self.parts]) for kind in kinds
-        }
+    def count(self, status: str) -> NDArray[np.intp]:
+        """Cases of each part that ended so, shape [part_count]."""
+        return np.array([np.sum(part.status == status) for part in self.parts])
 
     @property
     def case_count(self) -> NDArray[np.intp]:
@@ -268,7 +285,7 @@ class Shares:
     @property
     def completed(self) -> Floats:
         """Share of the cases that completed, of each part."""
-        share: Floats = self.counts[COMPLETED] / self.case_count
+        share: Floats = self.count(COMPLETED) / self.case_count
         return share
 
     @property
@@ -279,19 +296,19 @@ class Shares:
     @property
     def limit_share(self) -> Floats:
         """Median size of results over their limit, of each part; else not a number."""
-        known = [part.limit_share[np.isfinite(part.limit_share)] for part in self.parts]
+        known = [part.known_shares for part in self.parts]
         return np.array([np.median(value) if value.size else np.nan for value in known])
 
     @property
     def row(self) -> tuple[str, ...]:
         """The shares in words, under `SHARE_HEADING`."""
         least = int(np.argmin(self.completed))
-        texts = [
+        told = ", ".join(
             f"{self.text(part)}: {share:.0%} of {count}"
             for part, (share, count) in enumerate(zip(self.completed, self.case_count, strict=True))
-        ]
+        )
         worst = self.text(least), self.failures(least)
-        return self.values.label, ", ".join(texts), f"{self.spread:.0%}", *worst
+        return self.values.label, told, f"{self.spread:.0%}", *worst
 
     def text(self, part: int) -> str:
         """The values of a part in words."""
@@ -310,6 +327,33 @@ class Shares:
         reason = outcomes.reason[outcomes.status == failed.most_common(1)[0][0]][0]
         return ": ".join(filter(None, (texts, str(reason))))
 
+    def draw(self, axes: Axes) -> None:
+        """Draw a bar for each part, in the colours of how its cases ended."""
+        counts, bounds = self.case_count, self.bounds
+        places, base = np.arange(counts.size), np.zeros(counts.size)
+        for status in _in_order(self.parts):
+            height = self.count(status) / counts
+            axes.bar(places, height, 0.9, base, color=STATUSES.get(status, OTHER)[1], gid=status)
+            base += height
+        axes.hlines(self.limit_share, places - 0.45, places + 0.45, color="black", lw=2)
+        if np.array_equal(bounds[:, 0], bounds[:, 1]):
+            axes.set_xticks(places, [self.text(part) for part in places.tolist()])
+        else:
+            edges = [*bounds[:, 0], bounds[-1, 1]]
+            # Three digits, without an exponent where the number is not long.
+            texts = [f"{float(f'{edge:.3g}'):g}" for edge in edges]
+            axes.set_xticks(np.arange(len(edges)) - 0.5, texts)
+        axes.set_xlim(-0.5, places.size - 0.5)
+        axes.set_ylim(0, 1)
+        axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
+        least, most = self.completed.min(), self.completed.max()
+        if least == 1.0:
+            _write_beside(axes, f"all {counts.sum()} complete")
+            return
+        worst = int(np.argmin(self.completed))
+        failures = f"least at {self.text(worst)}: {self.failures(worst)}"
+        _write_beside(axes, f"{least:.0%} to {most:.0%} complete", failures)
+
 
 def shares(dataset: xr.Dataset) -> list[Shares]:
     """The shares over each parameter of random cases, those first over which they differ most.
@@ -319,38 +363,48 @@ def shares(dataset: xr.Dataset) -> list[Shares]:
     """
     ran = dataset.isel(case=dataset["status"].values != MISSING)
     outcomes = Outcomes.of(ran)
-    found = [_shares(Values.of(ran, name), outcomes) for name in varied_names(ran)]
+    found = []
+    for name in varied_names(ran):
+        values = Values.of(ran, name)
+        numbers, edges = values.numbers, values.different
+        if not values.categories and edges.size > PART_COUNT:
+            quantiles = np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1))
+            edges = np.unique(quantiles)[1:-1]
+        part = np.searchsorted(edges, numbers)
+        members = [np.flatnonzero(part == value) for value in np.unique(part)]
+        bounds = np.array([[numbers[cases].min(), numbers[cases].max()] for cases in members])
+        found.append(Shares(values, bounds, [outcomes.at(cases) for cases in members]))
     return sorted(found, key=lambda it: it.spread, reverse=True)
 
 
-def _shares(values: Values, outcomes: Outcomes) -> Shares:
-    numbers = values.numbers
-    singles = np.unique(numbers)
-    if values.categories or singles.size <= PART_COUNT:
-        part = np.searchsorted(singles, numbers)
-    else:
-        edges = np.unique(np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1)))
-        part = np.searchsorted(edges[1:-1], numbers)
-    members = [np.flatnonzero(part == value) for value in np.unique(part)]
-    bounds = np.array([[numbers[cases].min(), numbers[cases].max()] for cases in members])
-    return Shares(values, bounds, [outcomes.at(cases) for cases in members])
+def _figure(rows: Sequence[Strip] | Sequence[Shares]) -> Figure:
+    """A row for each parameter, with its name before it."""
+    height = STRIP_HEIGHT * len(rows) + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
+    with rc_context({"figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(Figure().get_figwidth(), height))
+    all_axes = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
+    top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
+    figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
+    for axes, row in zip(all_axes, rows, strict=True):
+        axes.spines[["top", "right", "left"]].set_visible(False)
+        label = textwrap.fill(row.values.label, 17)
+        axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
+        axes.tick_params(axis="x", labelsize=6, pad=1)
+        row.draw(axes)
+    return figure
 
 
-def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
-    figure, rows = _rows([strip.values for strip in found])
-    for axes, strip in zip(rows, found, strict=True):
-        _draw_strip(axes, strip)
-    is_scaled = any(np.isfinite(strip.outcomes.limit_share).any() for strip in found)
-    handles = []
-    for status in _in_order(status for strip in found for status in strip.outcomes.status.tolist()):
-        marker, own = _look(status)
-        colour = "white" if is_scaled and status == COMPLETED else own
-        handles.append(
-            Line2D([], [], ls="", marker=marker, color=colour, mec="black", label=status)
-        )
+def _explain_strips(figure: Figure, found: Sequence[Strip], limit: str) -> list[Artist]:
+    """The legend's entries; where results have a limit, the scale of colours as well."""
+    outcomes = [strip.outcomes for strip in found]
+    is_scaled = any(it.known_shares.size for it in outcomes)
+    handles: list[Artist] = []
+    for status in _in_order(outcomes):
+        marker, own = STATUSES.get(status, OTHER)
+        look = {"color": "white" if is_scaled and status == COMPLETED else own, "mec": "black"}
+        handles.append(Line2D([], [], ls="", marker=marker, label=status, **look))
     handles.append(Line2D([], [], color="black", lw=1, label="default"))
     handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
-    _legend(figure, handles)
     if is_scaled:
         height = figure.get_figheight()
         axes = figure.add_axes((LEFT, 0.85 / height, RIGHT - LEFT, 0.08 / height))
@@ -358,96 +412,26 @@ def _figure_of_strips(found: Sequence[Strip], limit: str) -> Figure:
         figure.colorbar(scale, cax=axes, orientation="horizontal")
         axes.set_xlabel(f"{limit}, of completed cases", fontsize=7)
         axes.tick_params(labelsize=6)
-    return figure
+    return handles
 
 
-def _draw_strip(axes: Axes, strip: Strip) -> None:
-    stable, outcomes = strip.stable, strip.outcomes
-    if stable.size and not strip.values.categories:
-        axes.plot(stable[[0, -1]], [0, 0], color="0.8", lw=8, solid_capstyle="round", gid="stable")
-    axes.axvline(strip.default, color="black", lw=1, gid="default")
-    for number, status, share in zip(
-        strip.values.numbers, outcomes.status.tolist(), outcomes.limit_share, strict=True
-    ):
-        marker, colour = _look(status)
-        if np.isfinite(share):
-            colour = to_hex(SHADES(share))
-        axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
-    strip.values.dress(axes, room=6)
-    axes.set_ylim(-1, 1)
-    axes.set_yticks([])
-    _write_beside(axes, [f"below: {strip.margin(-1)}", f"above: {strip.margin(1)}"])
-
-
-def _figure_of_shares(found: Sequence[Shares], limit: str) -> Figure:
-    figure, rows = _rows([entry.values for entry in found])
-    for axes, share in zip(rows, found, strict=True):
-        _draw_shares(axes, share)
+def _explain_shares(found: Sequence[Shares], limit: str) -> list[Artist]:
+    """The legend's entries."""
     handles: list[Artist] = [
-        Patch(color=_look(name)[1], label=name) for name in _in_order(found[0].counts)
+        Patch(color=STATUSES.get(status, OTHER)[1], label=status)
+        for status in _in_order(found[0].parts)
     ]
     if any(np.isfinite(entry.limit_share).any() for entry in found):
         handles.append(Line2D([], [], color="black", lw=2, label=f"{limit}, median of completed"))
-    _legend(figure, handles)
-    return figure
+    return handles
 
 
-def _draw_shares(axes: Axes, shares: Shares) -> None:
-    places, base = np.arange(shares.case_count.size), np.zeros(shares.case_count.size)
-    for status in _in_order(shares.counts):
-        height = shares.counts[status] / shares.case_count
-        axes.bar(places, height, 0.9, base, color=_look(status)[1], gid=status)
-        base += height
-    axes.hlines(shares.limit_share, places - 0.45, places + 0.45, color="black", lw=2)
-    if np.array_equal(shares.bounds[:, 0], shares.bounds[:, 1]):
-        axes.set_xticks(places, [shares.text(part) for part in places.tolist()])
-    else:
-        edges = [*shares.bounds[:, 0], shares.bounds[-1, 1]]
-        # Three digits, without an exponent where the number is not long.
-        texts = [f"{float(f'{edge:.3g}'):g}" for edge in edges]
-        axes.set_xticks(np.arange(len(edges)) - 0.5, texts)
-    axes.set_xlim(-0.5, places.size - 0.5)
-    axes.set_ylim(0, 1)
-    axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
-    least = int(np.argmin(shares.completed))
-    if shares.completed[least] == 1.0:
-        _write_beside(axes, [f"all {shares.case_count.sum()} complete"])
-        return
-    span = f"{shares.completed.min():.0%} to {shares.completed.max():.0%} complete"
-    _write_beside(axes, [span, f"least at {shares.text(least)}: {shares.failures(least)}"])
-
-
-def _rows(all_values: Sequence[Values]) -> tuple[Figure, list[Axes]]:
-    """Axes one below the other, each with a parameter's name."""
-    count = len(all_values)
-    height = STRIP_HEIGHT * count + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
-    with rc_context({"figure.constrained_layout.use": False}):
-        figure = Figure(figsize=(Figure().get_figwidth(), height))
-    rows = list(figure.subplots(count, 1, squeeze=False)[:, 0])
-    top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
-    figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
-    for axes, values in zip(rows, all_values, strict=True):
-        axes.spines[["top", "right", "left"]].set_visible(False)
-        label = textwrap.fill(values.label, 17)
-        axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
-        axes.tick_params(axis="x", labelsize=6, pad=1)
-    return figure, rows
-
-
-def _write_beside(axes: Axes, lines: Iterable[str]) -> None:
+def _write_beside(axes: Axes, *lines: str) -> None:
     text = "\n".join(textwrap.fill(line, BESIDE, max_lines=2) for line in lines)
     axes.text(1.03, 0.5, text, transform=axes.transAxes, va="center", fontsize=6)
 
 
-def _legend(figure: Figure, handles: Sequence[Artist]) -> None:
-    figure.legend(handles=handles, loc="upper left", ncols=5, fontsize=7)
-
-
-def _look(status: str) -> tuple[str, str]:
-    return STATUSES.get(status, OTHER)
-
-
-def _in_order(statuses: Iterable[str]) -> list[str]:
+def _in_order(outcomes: Iterable[Outcomes]) -> list[str]:
     """Each status once, in the order of `STATUSES`, others last."""
-    present = set(statuses)
+    present = {status for it in outcomes for status in it.status.tolist()}
     return [*(status for status in STATUSES if status in present), *sorted(present - set(STATUSES))]
