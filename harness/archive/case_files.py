@@ -206,10 +206,7 @@ def fields_file(folder: Path, case: Case) -> Path:
 def write_fields(folder: Path, case: Case, fields: xr.Dataset | None) -> None:
     """Keep the snapshots of a case, or remove those of an earlier run where there are none.
 
-    Args:
-        folder: the folder of the study's cases.
-        case: the case.
-        fields: its snapshots, with the attributes of its result.
+    They have the attributes of its result.
 
     Raises:
         ArchiveError: they cannot be written, or not be removed.

@@ -49,10 +49,6 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     number. Its `status` and `message` say why, also where its file is of no use. Where, when and
     with what the cases were computed are attributes where all agree that were computed, otherwise
     variables over the cases, an empty text where a case file does not say.
-
-    Args:
-        study: the study.
-        folder: where its case files are.
     """
     results = [_result(folder, case) for case in study.cases]
     gathered = _gathered(results)
@@ -124,14 +120,7 @@ def _parameters(
     names: Mapping[str, str],
     axes: Mapping[str, Sequence[Value]],
 ) -> tuple[Variables, Variables]:
-    """The parameters as variables, and those that the study varies as coordinates.
-
-    Args:
-        study: the study.
-        definitions: of its parameters, by name.
-        names: what each is called in the dataset.
-        axes: values along the dims of cases.
-    """
+    """The parameters as variables, and those that the study varies as coordinates."""
     variables: Variables = {}
     coordinates: Variables = {}
     grid = {name: len(values) for name, values in axes.items()}

@@ -161,11 +161,8 @@ def varied_names(dataset: xr.Dataset) -> list[str]:
     names = [name for name in along if name not in (CASE, "scene_version")]
     if "scene" not in names:
         return names
-    return [name for name in names if name == "scene" or _is_varied(dataset, name)]
-
-
-def _is_varied(dataset: xr.Dataset, name: str) -> bool:
-    return len({value for value in over_cases(dataset, name).tolist() if is_there(value)}) > 1
+    values = {name: filter(is_there, over_cases(dataset, name).tolist()) for name in names}
+    return [name for name in names if name == "scene" or len(set(values[name])) > 1]
 
 
 def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:

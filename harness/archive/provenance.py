@@ -56,9 +56,6 @@ def sources_digest(scene: type) -> str:
     The digest is over all ``.py`` files of the package `mpm_warp`, and over the file that defines
     the scene where that is elsewhere. It is worked out once a process, in some 10 ms: a process
     computes with the sources that it has loaded.
-
-    Args:
-        scene: class of the scene.
     """
     package = Path(mpm_warp.__path__[0])
     files = sorted(package.rglob("*.py"))

@@ -132,12 +132,7 @@ SHOWN_LENGTH = 40
 
 
 def mistake_in(arguments: Sequence[str], commands: Collection[str]) -> str | None:
-    """What is wrong with a command line before it is parsed; None where nothing is seen.
-
-    Args:
-        arguments: the command line without the program's name.
-        commands: names of the commands.
-    """
+    """What is wrong with a command line before it is parsed; None where nothing is seen."""
     for argument in arguments:
         if any("\ud800" <= character <= "\udfff" for character in argument):
             return f"{argument!r}: is not text, which results could not keep"
@@ -145,12 +140,7 @@ def mistake_in(arguments: Sequence[str], commands: Collection[str]) -> str | Non
 
 
 def unrecognised(words: Sequence[str], options: Collection[str]) -> str:
-    """What a parser could make nothing of, and what was meant by it.
-
-    Args:
-        words: what is left over.
-        options: those that the command has.
-    """
+    """What a parser could make nothing of, and what was meant by it."""
     from mpm_warp.parameters import did_you_mean  # help is at once, without it
 
     first, *_ = words

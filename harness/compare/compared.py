@@ -161,10 +161,6 @@ BOUND = "bound"
 def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset:
     """Set bands of experience beside the result of a study.
 
-    Args:
-        dataset: the result.
-        entry_ids: ids out of :func:`harness.references.experience.experience_ids`.
-
     Returns:
         The dataset with `experience_<id>` for each id, over the dim `bound`: the least and the
         greatest factor. The attributes say what the band is of, which su it means, what it spans,

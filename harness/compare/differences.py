@@ -128,12 +128,8 @@ def difference_rows(found: Sequence[Difference], tolerance: float) -> list[str]:
 def differing(one: xr.Dataset, other: xr.Dataset, *, measures_machine: bool = False) -> list[str]:
     """Names of the variables of two results of a case that are not the same to the last bit.
 
-    Left aside are parameters, measurements, and what tells where and when a case was computed.
-
-    Args:
-        one: a result.
-        other: another.
-        measures_machine: whether what the scene is run for is a measurement too.
+    Left aside are parameters, measurements, and what tells where and when a case was computed; what
+    the scene is run for as well, where it measures the machine.
     """
     roles = [Role.MEASURED, Role.PARAMETER, *([Role.HEADLINE] if measures_machine else [])]
     aside = {*OF_CASE, *with_role(one, *roles), *with_role(other, *roles)}

@@ -55,10 +55,8 @@ class Recommendation:
 def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation | None:
     """The cheapest settings whose error is at most `largest_error` in every case that has them.
 
-    Args:
-        scene: name of the scene.
-        largest_error: dimensionless, > 0.
-        files: results; what is no study, not of the scene, or without errors is passed over.
+    A file that is no study, not of the scene, or without errors is passed over. The error is
+    dimensionless.
 
     Raises:
         HarnessError: no result of the scene has an error; the message says whether any is there.
@@ -123,13 +121,7 @@ def _why_nothing(method: Collection[str], results: Collection[xr.Dataset]) -> st
 
 
 def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> list[Recommendation]:
-    """What each combination of settings of the method cost and was worth.
-
-    Args:
-        kinds: types of the parameters of the method, by name.
-        dataset: the result of a study.
-        file: where it is from.
-    """
+    """What each combination of settings of the method cost and was worth."""
     if error_name(dataset) is None or "run_time" not in dataset:
         return []
     error = credited_error(dataset)

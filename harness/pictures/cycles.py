@@ -62,7 +62,8 @@ def cycles_figure(dataset: xr.Dataset) -> Figure:
     factors.set_ylabel(r"resistance factor $q/s_\mathrm{u}$ [-]")
     factors.set_xlim(left=0.0)
     factors.set_ylim(bottom=0.0)
-    most = min(drawn, key=lambda it: _share_left(cases[FACTOR].values[it]), default=None)
+    known = {it: row[np.isfinite(row)] for it, row in enumerate(cases[FACTOR].values)}
+    most = min(drawn, key=lambda it: known[it][-1] / known[it][0], default=None)
     if most is not None:
         _draw_loops(loops, cases.isel(case=int(most)))
     loops.set_xlabel(r"resistance over strength $q/s_\mathrm{u}$ [-]")
@@ -95,11 +96,6 @@ def _by_case(dataset: xr.Dataset) -> xr.Dataset:
     cases = xr.Dataset(kept, coords=coordinates)
     cases[LOOPS] = cases[LOOPS] / xr.DataArray(strength, dims="case")
     return cases
-
-
-def _share_left(factor: np.ndarray) -> float:
-    left = factor[np.isfinite(factor)]
-    return float(left[-1] / left[0])
 
 
 def _draw_factor(axes: Axes, case: xr.Dataset, rank: int, count: int, label: str) -> None:

@@ -61,12 +61,9 @@ def draw(
 ) -> tuple[list[Path], Failures]:
     """Write the pictures of a study's result.
 
-    Each file is written whole or not at all.
-
-    Args:
-        dataset: result of a study; the attribute ``study`` names the files.
-        folder: where the pictures go; made where it does not exist.
-        forms: formats, of :data:`harness.pictures.drawing.plot_parts.FORMATS`.
+    Each file is written whole or not at all, and is called by the attribute ``study`` of the
+    result. The folder is made where it does not exist; `forms` are of
+    :data:`harness.pictures.drawing.plot_parts.FORMATS`.
 
     Returns:
         Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result;
@@ -104,10 +101,6 @@ def rendered(
 
     A failed case has no curve there. A picture that fails, which is an error of this program, takes
     nothing from the others.
-
-    Args:
-        dataset: result of a study.
-        render: what is made of a figure.
 
     Returns:
         What is made of each figure, and the errors of those that failed.

@@ -51,11 +51,7 @@ class NodalValues:
         self._sum = self._added(np.ones(int(self._present.sum())))
 
     def of(self, values: Floats) -> Floats:
-        """Values of the points at the nodes, [row, column]; not a number where no point is near.
-
-        Args:
-            values: in each slot, shape [point].
-        """
+        """Values of the points at the nodes, [row, column]; not a number where no point is near."""
         with np.errstate(invalid="ignore"):
             averages: Floats = self._added(values[self._present]) / self._sum
         return averages
@@ -202,14 +198,7 @@ def scales(fields: xr.Dataset) -> list[Normalize]:
 def draw_sections(
     figure: Figure, fields: xr.Dataset, penetration: float, norms: Sequence[Normalize]
 ) -> None:
-    """Draw the sections of the snapshot nearest to a penetration into an empty figure.
-
-    Args:
-        figure: where they are drawn.
-        fields: the snapshots of a case.
-        penetration: over the cone radius.
-        norms: the colour scales, see `scales`.
-    """
+    """Draw the sections of the snapshot nearest to a penetration [cone radii] into a figure."""
     snapshot = fields.sel(penetration=penetration, method="nearest")
     nodal = NodalValues(snapshot)
     all_axes = figure.subplots(1, len(QUANTITIES), sharex=True, sharey=True)
@@ -275,9 +264,6 @@ MOST_CURVES = 6
 def traction_figure(fields: xr.Dataset) -> Figure:
     """Normal and shear traction over the distance along the surface, a curve a snapshot.
 
-    Args:
-        fields: the snapshots of a case.
-
     Raises:
         KeyError: the dataset has no snapshots of a cone test.
     """
@@ -329,9 +315,7 @@ RESOLUTION = 80
 def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
     """Write the film as a GIF, and as an MP4 beside it where `ffmpeg` is installed.
 
-    Args:
-        fields: the snapshots of a case.
-        path: of the GIF; the MP4 has the ending `.mp4` instead.
+    `path` is that of the GIF.
 
     Returns:
         The files, each written whole or not at all.

@@ -38,16 +38,8 @@ CURVES = (
 )
 
 
-def is_sounding(dataset: xr.Dataset) -> bool:
-    """Whether a result holds curves over depth."""
-    return RESISTANCE in dataset and DEPTH in dataset.dims and "status" in dataset
-
-
 def joined(dataset: xr.Dataset) -> xr.Dataset:
     """The curves of a result with stretches joined, over depth and a dim `sounding`.
-
-    Args:
-        dataset: a result with curves over depth.
 
     Returns:
         The curves, and `overlap_difference` [Pa] of neighbours; the coordinate `case` holds the
@@ -98,8 +90,8 @@ HEIGHT = 5.0
 
 
 def shows_sounding(dataset: xr.Dataset) -> bool:
-    """Whether a result holds soundings."""
-    return is_sounding(dataset)
+    """Whether a result holds curves over depth."""
+    return RESISTANCE in dataset and DEPTH in dataset.dims and "status" in dataset
 
 
 @STYLED

@@ -30,11 +30,6 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
     Points carry what they carry in the snapshots; the nodes of the grid have averages of it, and
     their own velocities. Between the nodes of the surface the traction is linear.
 
-    Args:
-        fields: the snapshots of a case.
-        folder: where they are written.
-        name: of the series.
-
     Returns:
         The series, and every file that it lists.
 

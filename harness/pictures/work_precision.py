@@ -150,11 +150,7 @@ LABEL_GAP = 0.06
 
 
 def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
-    """Write the picture, whole or not at all.
-
-    Args:
-        dataset: `error` and `run_time` over `check` and `rank`.
-        path: the PNG file.
+    """Write the picture of `error` and `run_time` over `check` and `rank`, whole or not at all.
 
     Raises:
         ArchiveError: it cannot be written.

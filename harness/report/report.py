@@ -81,10 +81,6 @@ class StudySection:
 def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
     """Write the page, whole or not at all.
 
-    Args:
-        datasets: results of studies.
-        path: the HTML file; an earlier page is replaced.
-
     Returns:
         The errors of the pictures that could not be drawn; the page is whole without them.
 

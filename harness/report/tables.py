@@ -181,29 +181,19 @@ class Comparison:
         scene: name of the scene.
         headline: what is compared, with its unit.
         studies: their names.
-        differing: parameters that are not the same in all of them: the name, and the value or
-            values in each study.
+        differing: rows of the parameters that are not the same in all of them: the name, and the
+            value or values in each study.
         varied: parameters that tell the shared cases apart.
-        rows: of each shared case the values of `varied`, the headline in each study, and how much
-            the last differs from the first that has it.
+        shared: rows of the shared cases: the values of `varied`, the headline in each study, and
+            how much the last differs from the first that has it.
     """
 
     scene: str
     headline: str
     studies: list[str]
-    differing: list[tuple[str, list[str]]]
+    differing: list[list[str]]
     varied: list[str]
-    rows: list[tuple[list[str], list[str], str]]
-
-    @property
-    def shared_rows(self) -> list[list[str]]:
-        """The shared cases as rows of a table."""
-        return [[*values, *results, change] for values, results, change in self.rows]
-
-    @property
-    def differing_rows(self) -> list[list[str]]:
-        """What differs as rows of a table."""
-        return [[name, *values] for name, values in self.differing]
+    shared: list[list[str]]
 
 
 def comparisons(datasets: list[xr.Dataset]) -> list[Comparison]:
@@ -236,21 +226,16 @@ def _comparison(scene: str, group: list[Studied]) -> Comparison:
         studies=[str(studied.dataset.attrs["study"]) for studied in group],
         differing=_differing(group),
         varied=[name.replace("_", " ") for name in varied],
-        rows=[_row(key, varied, soils) for key in shared],
+        shared=[_row(key, varied, soils) for key in shared],
     )
 
 
-def _row(
-    key: Key, varied: list[str], soils: list[dict[Key, float]]
-) -> tuple[list[str], list[str], str]:
+def _row(key: Key, varied: list[str], soils: list[dict[Key, float]]) -> list[str]:
     found = [soil.get(key, np.nan) for soil in soils]
     known = [value for value in found if np.isfinite(value)]
     change = known[-1] / known[0] - 1.0 if len(known) > 1 and known[0] else np.nan
-    values, results = (
-        [dict(key)[name] for name in varied],
-        [words.text(entry, digits=3) for entry in found],
-    )
-    return values, results, words.percent(change)
+    values = (dict(key)[name] for name in varied)
+    return [*values, *(words.text(entry, digits=3) for entry in found), words.percent(change)]
 
 
 def _by_soil(studied: Studied) -> dict[Key, float]:
@@ -274,13 +259,13 @@ def _by_soil(studied: Studied) -> dict[Key, float]:
     return found
 
 
-def _differing(group: list[Studied]) -> list[tuple[str, list[str]]]:
+def _differing(group: list[Studied]) -> list[list[str]]:
     names = dict.fromkeys(name for studied in group for name in parameter_names(studied.dataset))
     rows = [
-        (name.replace("_", " "), [_values(studied.dataset, name) for studied in group])
+        [name.replace("_", " "), *(_values(studied.dataset, name) for studied in group)]
         for name in names
     ]
-    return [row for row in rows if len(set(row[1])) > 1]
+    return [row for row in rows if len(set(row[1:])) > 1]
 
 
 def _values(dataset: xr.Dataset, name: str) -> str:

@@ -75,12 +75,6 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
     the reason; then it is `crashed`. An exception, such as Ctrl-C raises, takes the cases back;
     the results so far are kept.
 
-    Args:
-        cases: what to run.
-        folder: where the case files are.
-        client: of the cluster.
-        watcher: receives reports of what goes on.
-
     Raises:
         ClusterError: the scheduler is lost.
         ArchiveError: a result cannot be written.

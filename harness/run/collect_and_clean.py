@@ -257,10 +257,7 @@ def _identity(path: Path) -> tuple[int, int, int]:
 def _described(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
     """Describe a file in the folder of a study's cases that belongs to none of these cases.
 
-    Args:
-        path: the file.
-        keys: of the study's cases.
-        shared: by scene, the parameters that are the same in all of these.
+    `keys` are those of the cases, `shared` the parameters that are the same in all, by scene.
     """
     try:
         said = read_attributes(path)

@@ -31,8 +31,7 @@ class Measurement:
     def variables(self, idle_time: float = 0.0) -> dict[str, xr.Variable]:
         """What was measured up to now, as variables of a case's dataset.
 
-        Args:
-            idle_time: time for which the case stood still [s], left out of its time.
+        The time for which the case stood still [s] is left out.
         """
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {

@@ -29,10 +29,6 @@ PROVENANCE = [it for it in OF_CASE if it not in ("command_line", "cores", "time_
 def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
     """A case and its result, from its own file or from a collected one.
 
-    Args:
-        path: the file.
-        key: which case; a case file has but one.
-
     Raises:
         ArchiveError: there is no such case, or another version of the simulator computed it, or
             the file lacks what is needed.

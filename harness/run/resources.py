@@ -47,10 +47,7 @@ def default_memory_limit() -> float:
 def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -> None:
     """Refuse a scene that needs more memory than it may take, before anything is built.
 
-    Args:
-        scene: what is to be run.
-        limit: memory that its process may take [byte].
-        snapshot_count: snapshots of the soil that are kept until its end.
+    The limit is that of its process [byte]; snapshots of the soil are kept until its end.
 
     Raises:
         TooLarge: it needs more.

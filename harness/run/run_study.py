@@ -114,12 +114,6 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     that were computed by other sources of the simulator are kept, and one line says so. However
     the run ends, what is done is in the archive, and collected.
 
-    Args:
-        study: what to run.
-        out: folder of results.
-        run: how the cases are run.
-        fresh: whether what is done already is run again.
-
     Raises:
         HarnessError: results cannot be written or lie outside the folder of results, or a cluster
             is lost.

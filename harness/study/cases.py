@@ -68,11 +68,6 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
     A combination that a scene does not allow is an error in every design but the Latin hypercube,
     where chance has chosen it: there it is a case that its scene will refuse.
 
-    Args:
-        parts: what the study does with each scene.
-        design: how the varied values are combined.
-        where: the study's file, for messages.
-
     Raises:
         StudyError: a scene does not allow a combination, or none of a Latin hypercube; or there are
             too many cases, or none.

@@ -123,10 +123,6 @@ OWN_REFERENCE = """\
 def study_text(name: str, scene_name: str) -> str:
     """A study in TOML that varies one parameter and has the defaults of the others as comments.
 
-    Args:
-        name: of the study.
-        scene_name: of its scene.
-
     Raises:
         UnknownSceneError: there is no such scene.
     """

@@ -198,9 +198,7 @@ LARGEST_PROFILE = 1_000_000
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     """A study's definition with its [profile] as a fixed parameter.
 
-    Args:
-        path: the study's file; a profile's file is found from its folder.
-        values: the definition as it stands there.
+    The file of a profile is found from the folder of the study.
 
     Raises:
         StudyError: the profile is not allowed, or its file cannot be read.

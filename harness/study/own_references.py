@@ -78,10 +78,6 @@ class OwnReference(ConeFactor):
 def read_own_references(table: Table, known: Collection[str]) -> tuple[OwnReference, ...]:
     """The references in the table [references] of a study.
 
-    Args:
-        table: a table for each reference.
-        known: parameters that a formula may have beside the symbols.
-
     Raises:
         StudyError: a key or a value is not allowed.
     """

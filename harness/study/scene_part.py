@@ -138,11 +138,6 @@ def read_part(
 def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
     """Read at which moments the soil is to be kept: a list of numbers, or a range with a count.
 
-    Args:
-        name: of the scene.
-        scene: its class.
-        table: that has them under the key `snapshots`.
-
     Raises:
         StudyError: the scene takes none, or a moment is not allowed.
     """

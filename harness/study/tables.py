@@ -178,12 +178,7 @@ def parse_setting(setting: str) -> tuple[str, Any]:
 
 
 def parse_value(option: str, key: str, text: str) -> Any:
-    """A TOML value from the command line.
-
-    Args:
-        option: with what it was given, for the message.
-        key: what it is the value of.
-        text: the value.
+    """The TOML value of a key, given with an option of the command line.
 
     Raises:
         StudyError: it is none.

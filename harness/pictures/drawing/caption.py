@@ -36,13 +36,7 @@ SOIL_AND_CONE = (
 
 
 def write_caption(figure: Figure, dataset: xr.Dataset, *sentences: str) -> None:
-    """Write what a picture shows, and what was fixed, below it.
-
-    Args:
-        figure: the picture.
-        dataset: the result that it is of.
-        sentences: what a reader has to know of this picture; empty ones are left out.
-    """
+    """Write what a picture shows, and what was fixed, below it; empty sentences are left out."""
     title = plain(dataset.attrs.get("title", "")).rstrip(".")
     parts = [f"{title}." if title else "", *sentences, fixed(dataset)]
     text = _wrapped(" ".join(filter(None, parts)))

@@ -32,10 +32,6 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
 
     They span the whole width, since the field has no value along the axis, and stand in the legend
     with their bounds.
-
-    Args:
-        axes: where to; the cone factor is along its vertical axis.
-        dataset: the result of a study.
     """
     entries = [entry for entry in stored_experience(dataset) if entry.factor is Factor.RESISTANCE]
     for rank, entry in enumerate(entries):

@@ -126,15 +126,7 @@ def draw_series(
     half_width: ArrayLike | None = None,
     **look: Any,
 ) -> None:
-    """Draw computed values with markers, and their half widths as error bars where they are known.
-
-    Args:
-        axes: where to.
-        x: of the points.
-        y: of the points; those that are not a number are left out.
-        half_width: of y, in its unit.
-        look: as of `matplotlib.axes.Axes.errorbar`.
-    """
+    """Draw computed values with markers, their half widths as error bars where they are known."""
     axes.errorbar(np.asarray(x), np.asarray(y), yerr=half_width, **look)
 
 

@@ -209,13 +209,7 @@ class Values:
         return self.categories[int(number)] if self.categories else number
 
     def dress(self, axes: Axes, room: int, which: str = "x") -> None:
-        """Give an axis its scale, and ticks at the values that were computed.
-
-        Args:
-            axes: the axes, with their limits.
-            room: tick labels for which it has room.
-            which: "x" or "y".
-        """
+        """Give an axis its scale, and ticks at the values; `room` is for how many labels it has."""
         is_x = which == "x"
         axis = axes.xaxis if is_x else axes.yaxis
         set_scale = axes.set_xscale if is_x else axes.set_yscale
