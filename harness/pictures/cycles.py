@@ -62,15 +62,15 @@ def cycles_figure(dataset: xr.Dataset) -> Figure:
     factors.set_ylabel(r"resistance factor $q/s_\mathrm{u}$ [-]")
     factors.set_xlim(left=0.0)
     factors.set_ylim(bottom=0.0)
-    known = {it: row[np.isfinite(row)] for it, row in enumerate(cases[FACTOR].values)}
-    most = min(drawn, key=lambda it: known[it][-1] / known[it][0], default=None)
+    known = [row[np.isfinite(row)] for row in cases[FACTOR].values]
+    most = min(drawn.tolist(), key=lambda it: known[it][-1] / known[it][0], default=None)
     if most is not None:
-        _draw_loops(loops, cases.isel(case=int(most)))
+        _draw_loops(loops, cases.isel(case=most))
     loops.set_xlabel(r"resistance over strength $q/s_\mathrm{u}$ [-]")
     loops.set_ylabel(axis_label(dataset, "penetration"))
     loops.invert_yaxis()
     legend_above(figure, factors)
-    of_one = "" if most is None or studied is None else studied.label(int(most))
+    of_one = "" if most is None or studied is None else studied.label(most)
     write_caption(
         figure,
         dataset,

@@ -377,7 +377,7 @@ def shares(dataset: xr.Dataset) -> list[Shares]:
     return sorted(found, key=lambda it: it.spread, reverse=True)
 
 
-def _figure(rows: Sequence[Strip] | Sequence[Shares]) -> Figure:
+def _figure(rows: Sequence[Strip | Shares]) -> Figure:
     """A row for each parameter, with its name before it."""
     height = STRIP_HEIGHT * len(rows) + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
     with rc_context({"figure.constrained_layout.use": False}):
@@ -401,8 +401,9 @@ def _explain_strips(figure: Figure, found: Sequence[Strip], limit: str) -> list[
     handles: list[Artist] = []
     for status in _in_order(outcomes):
         marker, own = STATUSES.get(status, OTHER)
-        look = {"color": "white" if is_scaled and status == COMPLETED else own, "mec": "black"}
-        handles.append(Line2D([], [], ls="", marker=marker, label=status, **look))
+        colour = "white" if is_scaled and status == COMPLETED else own
+        mark = Line2D([], [], ls="", marker=marker, color=colour, mec="black", label=status)
+        handles.append(mark)
     handles.append(Line2D([], [], color="black", lw=1, label="default"))
     handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
     if is_scaled:

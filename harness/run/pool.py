@@ -15,7 +15,7 @@ from typing import Protocol
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, is_complete
 from harness.archive.conventions import COMPLETED, MISSING
-from harness.run.worker_process import WorkerProcess, end_all
+from harness.run.worker_process import DEFAULTS, RunOptions, WorkerProcess, end_all
 from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 
@@ -38,13 +38,7 @@ def run_cases(
     folder: Path,
     worker_count: int,
     watcher: Watcher,
-    *,
-    device: str = "cpu",
-    threads: int | None = None,
-    time_limit: float = math.inf,
-    repeats: int = 0,
-    batch: int = 1,
-    memory_limit: float | None = None,
+    options: RunOptions = DEFAULTS,
 ) -> None:
     """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
 
@@ -57,15 +51,7 @@ def run_cases(
         folder: where the case files are.
         worker_count: greatest number of processes at work.
         watcher: receives reports of what goes on.
-        device: where the cases are computed.
-        threads: for each case; None: the cases at work share the cores, whose number may be more
-            than theirs where there are few, or few left.
-        time_limit: time that a case may take [s], from the beginning of its computation; one that
-            takes more is ended. Cases that a process runs together have the sum of theirs.
-        repeats: times to run each case again to measure its run time warm.
-        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
-            those of them that are not done are run again one by one.
-        memory_limit: memory that a case may take [byte]; None: most of this machine's.
+        options: how they are run.
 
     Raises:
         ArchiveError: a result cannot be written.
@@ -80,7 +66,7 @@ def run_cases(
     def next_case(queue: deque[Case]) -> Case | None:
         while queue:
             case = queue.popleft()
-            if not is_complete(folder, case, repeats):
+            if not is_complete(folder, case, options.repeats):
                 return case
             watcher.finished(case, Outcome(COMPLETED, "by another run"))
         return None
@@ -88,11 +74,11 @@ def run_cases(
     def next_cases() -> list[Case]:
         if case := next_case(alone):
             return [case]
-        count = min(batch, math.ceil(len(waiting) / worker_count))
+        count = min(options.batch, math.ceil(len(waiting) / worker_count))
         return [case for _ in range(count) if (case := next_case(waiting))]
 
     def hear(worker: WorkerProcess) -> None:
-        for case, news in worker.news(time_limit):
+        for case, news in worker.news():
             if isinstance(news, float):
                 watcher.advanced(case, news)
             elif news.status == MISSING:
@@ -103,15 +89,15 @@ def run_cases(
     try:
         while waiting or alone or workers:
             while len(workers) < worker_count and (following := next_cases()):
-                workers.append(WorkerProcess(folder, device, repeats, memory_limit))
+                workers.append(WorkerProcess(folder, options))
                 ready.append((workers[-1], following))
             # A worker takes the number of threads with its first report, which may come late.
             for worker in workers:
-                worker.allow(threads or share_of_cores(len(workers)))
+                worker.allow(options.threads or share_of_cores(len(workers)))
             for worker, following in ready:
                 worker.begin(following)
             ready.clear()
-            for worker in _with_news(workers, time_limit):
+            for worker in _with_news(workers):
                 hear(worker)
                 if worker.is_at_work:
                     continue
@@ -137,9 +123,9 @@ def cases_at_once(threads: int | None) -> int:
     return max(1, (os.cpu_count() or 1) // (threads or 1))
 
 
-def _with_news(workers: Sequence[WorkerProcess], time_limit: float) -> list[WorkerProcess]:
+def _with_news(workers: Sequence[WorkerProcess]) -> list[WorkerProcess]:
     """Wait for workers that have something to say or have taken too long."""
-    deadline = min((worker.deadline(time_limit) for worker in workers), default=0.0)
+    deadline = min((worker.deadline for worker in workers), default=0.0)
     left = min(max(0.0, deadline - time.monotonic()), LONGEST_WAIT)
     wait([worker.connection for worker in workers], left)
-    return [it for it in workers if it.connection.poll() or it.is_late(time_limit)]
+    return [it for it in workers if it.has_news]

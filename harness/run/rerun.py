@@ -18,6 +18,7 @@ from harness.archive.provenance import OF_CASE
 from harness.archive.study_files import read_result
 from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
+from harness.run.worker_process import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
@@ -80,14 +81,12 @@ def _incomplete(path: Path, what: str) -> ArchiveError:
     return ArchiveError(f"{path}: {what} is missing or malformed; it cannot be run again")
 
 
-def rerun(
-    case: Case, watcher: Watcher, *, device: str = "cpu", threads: int | None = None
-) -> xr.Dataset:
+def rerun(case: Case, watcher: Watcher, options: RunOptions = DEFAULTS) -> xr.Dataset:
     """Run a case in a worker process, as a study does, and leave no file."""
     with tempfile.TemporaryDirectory(prefix="harness-rerun-") as name:
         folder = Path(name)
         prepare(folder)
-        run_cases([case], folder, 1, watcher, device=device, threads=threads)
+        run_cases([case], folder, 1, watcher, options)
         again = read_case(folder, case)
     if again is None:
         raise ArchiveError(f"case {case.key}: left no result")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
@@ -22,6 +23,7 @@ from harness.run.resources import (
     default_memory_limit,
     tell_of_long_cases,
 )
+from harness.run.worker_process import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study
 
@@ -30,41 +32,32 @@ RunCases = Callable[[Sequence[Case], Path, Watcher], None]
 
 
 def on_this_machine(
-    study: Study,
-    worker_count: int | None,
-    time_limit: float,
-    *,
-    device: str = "cpu",
-    threads: int | None = None,
-    batch: int = 1,
-    memory_limit: float | None = None,
+    study: Study, worker_count: int | None, options: RunOptions = DEFAULTS
 ) -> RunCases:
     """How to run the cases of a study in worker processes here.
 
+    If the study asks for timed runs, or its scenes measure the machine, one process runs alone.
+
     Args:
-        study: if it asks for timed runs, or its scenes measure the machine, one process runs
-            alone.
+        study: what is run; it says how often cases are run again.
         worker_count: processes at work; None: as many as there are cores for their threads.
-        time_limit: time that a case may take, from the beginning of its computation [s].
-        device: where the cases are computed.
-        threads: of each case; None: those that are idle, or one where the study asks for timing.
-        batch: greatest number of cases that a process computes together.
-        memory_limit: memory that the cases at work may take together [byte]; None: most of this
-            machine's.
+        options: with the memory that all cases at work may take together [byte]; no threads mean
+            one where the study asks for timing.
 
     Raises:
         HarnessError: there is no such device, or cases to be timed are to run at the same time.
     """
-    check_device(device)
+    check_device(options.device)
     repeats = study.timing_repeats
     alone = repeats > 0 or any(part.scene.runs_alone for part in study.parts)
-    for option, count in (("--batch", batch), ("--workers", worker_count or 1)):
+    for option, count in (("--batch", options.batch), ("--workers", worker_count or 1)):
         if alone and count > 1:
             raise HarnessError(f"{study.name}: cases are timed one at a time, without {option}")
-    workers = 1 if alone else worker_count or cases_at_once(threads)
+    workers = 1 if alone else worker_count or cases_at_once(options.threads)
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
-    memory = memory_limit or default_memory_limit()
+    threads = 1 if options.threads is None and repeats else options.threads
+    memory = options.memory_limit or default_memory_limit()
 
     def run(cases: Sequence[Case], folder: Path, watcher: Watcher) -> None:
         run_cases(
@@ -73,12 +66,12 @@ def on_this_machine(
             folder,
             workers,
             watcher,
-            device=device,
-            threads=1 if threads is None and repeats else threads,
-            time_limit=time_limit,
-            repeats=repeats,
-            batch=batch,
-            memory_limit=memory / max(1, min(workers * batch, len(cases))),
+            replace(
+                options,
+                threads=threads,
+                repeats=repeats,
+                memory_limit=memory / max(1, min(workers * options.batch, len(cases))),
+            ),
         )
 
     return run

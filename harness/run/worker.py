@@ -34,6 +34,7 @@ from harness.compare.differences import differing
 from harness.errors import in_one_line
 from harness.run.measuring import Measurement, with_samples, without_idle_time
 from harness.run.resources import check_memory, default_memory_limit
+from harness.run.worker_process import RunOptions
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
@@ -143,9 +144,7 @@ def run_case(
     return outcome
 
 
-def serve(
-    connection: Connection, folder: Path, device: str, repeats: int, memory_limit: float | None
-) -> None:
+def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
     The parent sends tuples of cases, which are run together, and numbers of threads, which hold
@@ -162,7 +161,9 @@ def serve(
     def run(number: int, case: Case, execution: Execution) -> None:
         reporter = _Reporter(connection, number, execution)
         try:
-            outcome = run_case(case, folder, reporter, execution, repeats, memory_limit)
+            outcome = run_case(
+                case, folder, reporter, execution, options.repeats, options.memory_limit
+            )
         except ArchiveError as error:
             outcome = Outcome(MISSING, str(error))
         connection.send((number, outcome))
@@ -176,10 +177,10 @@ def serve(
                 continue
             connection.send((0, None))
             if len(message) == 1:
-                execution = Execution(device, threads)
+                execution = Execution(options.device, threads)
                 run(0, message[0], execution)
             else:
-                execution = batch = Batch(device, threads)
+                execution = batch = Batch(options.device, threads)
                 batch.run([partial(run, *it, batch) for it in enumerate(message)])
             threads = execution.threads
 

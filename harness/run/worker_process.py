@@ -10,6 +10,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
@@ -32,6 +33,33 @@ SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _PROCESSES = multiprocessing.get_context("spawn")
 
 
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How worker processes run cases.
+
+    Attributes:
+        device: where the cases are computed.
+        threads: for each case; None: the cases at work share the cores, whose number may be more
+            than theirs where there are few, or few left.
+        time_limit: time that a case may take [s], from the beginning of its computation; one that
+            takes more is ended. Cases that a process runs together have the sum of theirs.
+        repeats: times to run each case again to measure its run time warm.
+        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
+            those of them that are not done are run again one by one.
+        memory_limit: memory that a case may take [byte]; None: most of this machine's.
+    """
+
+    device: str = "cpu"
+    threads: int | None = None
+    time_limit: float = math.inf
+    repeats: int = 0
+    batch: int = 1
+    memory_limit: float | None = None
+
+
+DEFAULTS = RunOptions()
+
+
 class WorkerProcess:
     """The parent's end of a worker process.
 
@@ -41,18 +69,14 @@ class WorkerProcess:
         is_at_work: whether it is at them.
     """
 
-    def __init__(
-        self, folder: Path, device: str, repeats: int, memory_limit: float | None = None
-    ) -> None:
+    def __init__(self, folder: Path, options: RunOptions = DEFAULTS) -> None:
         self.folder = folder
-        self.repeats = repeats
+        self.options = options
         self.threads = 1
         self.is_at_work = False
         self.connection, theirs = _PROCESSES.Pipe()
         self.process = _PROCESSES.Process(
-            target=serve_while_parent_lives,
-            args=(theirs, folder, device, repeats, memory_limit),
-            daemon=True,
+            target=serve_while_parent_lives, args=(theirs, folder, options), daemon=True
         )
         # The worker inherits this before its libraries load; those of this process have.
         os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
@@ -80,20 +104,22 @@ class WorkerProcess:
         with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
             self.connection.send(message)
 
-    def deadline(self, time_limit: float) -> float:
+    @property
+    def deadline(self) -> float:
         """When its cases have taken too long, on the monotonic clock [s]."""
-        return self.began + time_limit * len(self.given)
+        return self.began + self.options.time_limit * len(self.given)
 
-    def is_late(self, time_limit: float) -> bool:
-        """Whether its cases have taken too long."""
-        return time.monotonic() >= self.deadline(time_limit)
+    @property
+    def has_news(self) -> bool:
+        """Whether it has something to say, or its cases have taken too long."""
+        return self.connection.poll() or time.monotonic() >= self.deadline
 
-    def news(self, time_limit: float) -> list[tuple[Case, float | Outcome]]:
+    def news(self) -> list[tuple[Case, float | Outcome]]:
         """What the worker has sent, or how its cases ended."""
         if not self.connection.poll():
-            assert self.is_late(time_limit)
+            assert self.has_news
             end_all([self])
-            return self._lost(TIMED_OUT, f"ended after {time_limit:g} s")
+            return self._lost(TIMED_OUT, f"ended after {self.options.time_limit:g} s")
         try:
             number, news = self.connection.recv()
         except (EOFError, OSError):
@@ -117,7 +143,7 @@ class WorkerProcess:
         self.is_at_work = False
         news: list[tuple[Case, float | Outcome]] = []
         for number, case in list(self.left.items()):
-            if is_complete(self.folder, case, self.repeats):
+            if is_complete(self.folder, case, self.options.repeats):
                 outcome = Outcome(COMPLETED)  # it wrote the result, and died before it could say so
             elif len(self.given) == 1:
                 seconds = max(0.0, time.monotonic() - self.began)
@@ -178,9 +204,7 @@ def _interrupts_held() -> Iterator[None]:
             signal.raise_signal(late)
 
 
-def serve_while_parent_lives(
-    connection: Connection, folder: Path, device: str, repeats: int, memory_limit: float | None
-) -> None:
+def serve_while_parent_lives(connection: Connection, folder: Path, options: RunOptions) -> None:
     """Run cases as `harness.run.worker.serve` does, until the parent process is gone.
 
     To be called first in a fresh process. The process then ends at once, whatever it computes. A
@@ -190,7 +214,7 @@ def serve_while_parent_lives(
     # Loads Warp and all scenes, which takes seconds.
     from harness.run.worker import serve
 
-    serve(connection, folder, device, repeats, memory_limit)
+    serve(connection, folder, options)
 
 
 def _end_with_parent() -> None:

@@ -23,6 +23,7 @@ from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import check_device
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
+from harness.run.worker_process import RunOptions
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of
@@ -53,11 +54,13 @@ def run(options: argparse.Namespace) -> int:
         on_this_machine(
             study,
             options.workers,
-            options.case_timeout,
-            device=options.device,
-            threads=options.threads,
-            batch=options.batch,
-            memory_limit=options.memory_limit,
+            RunOptions(
+                device=options.device,
+                threads=options.threads,
+                time_limit=options.case_timeout,
+                batch=options.batch,
+                memory_limit=options.memory_limit,
+            ),
         )
         if options.dask is None
         else on_cluster(study, options.dask)
@@ -94,7 +97,7 @@ def rerun_case(options: argparse.Namespace) -> int:
     check_device(options.device)
     case, before = read_for_rerun(options.file, options.case)
     with Display(1, sys.stderr) as display:
-        again = rerun(case, display, device=options.device, threads=options.threads)
+        again = rerun(case, display, RunOptions(device=options.device, threads=options.threads))
     same, words = verdict(before, again)
     print(f"{case.key}: {words}")
     return DONE if same else INCOMPLETE
@@ -104,7 +107,7 @@ def bench(options: argparse.Namespace) -> int:
     """Measure what a step costs."""
     end_at_sigterm()
     study = load_study("bench", options.set)
-    runner = on_this_machine(study, None, math.inf, device=options.device)
+    runner = on_this_machine(study, None, RunOptions(device=options.device))
     dataset = run_study(study, options.out, runner, fresh=True)
     print(*bench_rows(dataset), sep="\n")
     print(study_file(options.out, study))

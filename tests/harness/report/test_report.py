@@ -86,9 +86,9 @@ def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> No
 def test_studies_are_compared_where_they_share_parameters(results: list[xr.Dataset]) -> None:
     (found,) = comparisons(results)
     assert found.studies == ["coarse", "fine"]
-    assert found.differing == [("cells per radius", ["2", "4"])]
+    assert found.differing == [["cells per radius", "2", "4"]]
     assert found.varied == ["rigidity index"]
-    assert found.shared_rows == [
+    assert found.shared == [
         ["50", "9", "9.2", "+2.2 %"],
         ["100", "10.5", "10.7", "+1.9 %"],
         ["200", "12", "12.2", "+1.7 %"],
@@ -101,14 +101,14 @@ def test_in_which_order_results_hold_their_parameters_does_not_matter(
     one, other = (it.assign(apex_angle=((), 60.0, {"role": "parameter"})) for it in results)
     turned = other[list(other.data_vars)[::-1]]
     (found,), (expected,) = comparisons([one, turned]), comparisons(results)
-    assert found.rows == expected.rows
+    assert found.shared == expected.shared
 
 
 def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
     other = results[1].copy()
     other["adhesion_factor"] = (), 1.0, results[1]["adhesion_factor"].attrs
     (found,) = comparisons([results[0], other])
-    assert found.rows == []
+    assert found.shared == []
 
 
 def test_a_page_is_written_again_but_no_other_file(

@@ -11,6 +11,7 @@ from harness.archive import collection as archive
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import Outcome
 from harness.run.pool import Watcher, run_cases
+from harness.run.worker_process import RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 
@@ -63,6 +64,6 @@ def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
     long, *warm = study.cases
     folder = prepared(study, tmp_path)
     for batch in (1, 2):
-        run_cases(warm, folder, 1, Record(), batch=batch)
+        run_cases(warm, folder, 1, Record(), RunOptions(batch=batch))
         case_files.discard(folder, warm)
     return folder, long, warm[0]

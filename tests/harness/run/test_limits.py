@@ -182,7 +182,7 @@ def test_nothing_is_told_of_short_cases(
     small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = load_study(str(small_file))
-    run_study(study, tmp_path, on_this_machine(study, 1, 100.0), fresh=False)
+    run_study(study, tmp_path, on_this_machine(study, 1), fresh=False)
     assert "24 hours" not in capsys.readouterr().err
 
 
@@ -231,7 +231,7 @@ def test_several_workers_begin_with_the_costliest_and_one_goes_by_the_study(
         given.extend(cases)
 
     monkeypatch.setattr("harness.run.run_study.run_cases", note)
-    on_this_machine(mixed, workers, 100.0)(mixed.cases, tmp_path, Record())
+    on_this_machine(mixed, workers)(mixed.cases, tmp_path, Record())
     assert given[0].parameters["penetration"] == first
     assert len(given) == len(mixed.cases)
     assert (given == list(mixed.cases)) == (workers == 1)

@@ -20,7 +20,7 @@ from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.run.pool import cases_at_once, run_cases, share_of_cores
-from harness.run.worker_process import WorkerProcess, end_all
+from harness.run.worker_process import RunOptions, WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import DONE
@@ -51,7 +51,7 @@ def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study)
     datasets = []
     for threads in (1, 2, None):
         folder = prepared(small, tmp_path / str(threads))
-        run_cases(cases, folder, 1, Record(), threads=threads)
+        run_cases(cases, folder, 1, Record(), RunOptions(threads=threads))
         datasets.append(collected(small, folder))
     assert differing(datasets[0], datasets[1]) == []
     assert differing(datasets[0], datasets[2]) == []
@@ -69,7 +69,7 @@ def test_a_case_has_its_threads_from_the_first_step_on(
 
     monkeypatch.setattr(WorkerProcess, "_send", noted)
     cases = small.cases
-    run_cases(cases, prepared(small, tmp_path), 1, Record(), threads=2)
+    run_cases(cases, prepared(small, tmp_path), 1, Record(), RunOptions(threads=2))
     assert sent == [2, *((case,) for case in cases)]
 
 
@@ -117,7 +117,7 @@ def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
                 fractions.append(fraction)
 
     record = Follower()
-    run_cases([long, short], folder, 1, record, time_limit=5)
+    run_cases([long, short], folder, 1, record, RunOptions(time_limit=5))
     assert record.outcomes[short.key].status == COMPLETED
     kept = case_files.read_outcome(folder, long)
     assert (kept.status, record.outcomes[long.key].status) == (TIMED_OUT, TIMED_OUT)
@@ -207,15 +207,15 @@ def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Stu
 
 def test_the_time_of_a_case_begins_with_its_computation(tmp_path: Path, small: Study) -> None:
     """Not when the worker has taken it on: it imports, sets up and compiles first."""
-    worker = WorkerProcess(prepared(small, tmp_path), "cpu", 0)
+    worker = WorkerProcess(prepared(small, tmp_path), RunOptions(time_limit=1.0))
     try:
         worker.begin(small.cases[:1])
         worker.connection.poll(60)
-        assert worker.news(0.0) == [(small.cases[0], 0.0)]
-        assert worker.deadline(1.0) == math.inf
+        assert worker.news() == [(small.cases[0], 0.0)]
+        assert worker.deadline == math.inf
         worker.connection.poll(60)
-        assert worker.news(0.0) == [(small.cases[0], 0.0)]
-        assert worker.deadline(1.0) <= time.monotonic() + 1.0
+        assert worker.news() == [(small.cases[0], 0.0)]
+        assert worker.deadline <= time.monotonic() + 1.0
     finally:
         end_all([worker])
 
@@ -225,11 +225,11 @@ def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
 ) -> None:
     """What is at work may have a file half-written, and is told to end by a signal it can catch."""
     folder = prepared(small, tmp_path)
-    busy, idle = (WorkerProcess(folder, "cpu", 0) for _ in range(2))
+    busy, idle = (WorkerProcess(folder) for _ in range(2))
     try:
         busy.begin(small.cases[:1])
         busy.connection.poll(60)
-        assert busy.news(math.inf) == [(small.cases[0], 0.0)]
+        assert busy.news() == [(small.cases[0], 0.0)]
     finally:
         end_all([busy, idle])
     assert busy.process.exitcode == 128 + signal.SIGTERM
@@ -246,7 +246,7 @@ def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: S
     alone = run(small, tmp_path / "alone", 1, Record())
     folder = prepared(small, tmp_path / "together")
     record = Record()
-    run_cases(small.cases, folder, 1, record, batch=10)
+    run_cases(small.cases, folder, 1, record, RunOptions(batch=10))
     together = collected(small, folder)
     assert differing(alone, together) == []
     assert record.statuses(small.cases) == [COMPLETED] * 3
@@ -256,7 +256,7 @@ def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: S
 
 def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
     folder = prepared(small, tmp_path)
-    run_cases(small.cases, folder, 2, Record(), batch=10)
+    run_cases(small.cases, folder, 2, Record(), RunOptions(batch=10))
     assert run_together(folder, small.cases) == [2, 2, 1]
 
 
@@ -276,7 +276,7 @@ def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run
                 worker.kill()
 
     record = Killer()
-    run_cases(study.cases, folder, 1, record, batch=4)
+    run_cases(study.cases, folder, 1, record, RunOptions(batch=4))
     assert record.statuses(study.cases) == [COMPLETED] * 4
     assert set(run_together(folder, study.cases)) == {1, 4}
 
@@ -286,7 +286,7 @@ def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
 ) -> None:
     folder, long, short = long_and_short
     record = Record()
-    run_cases([long, short], folder, 1, record, time_limit=4, batch=2)
+    run_cases([long, short], folder, 1, record, RunOptions(time_limit=4, batch=2))
     assert record.statuses([long, short]) == [TIMED_OUT, COMPLETED]
 
 
@@ -305,5 +305,5 @@ def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
                     worker.kill()
 
     record = Killer()
-    run_cases(study.cases, folder, 1, record, batch=3)
+    run_cases(study.cases, folder, 1, record, RunOptions(batch=3))
     assert record.statuses(study.cases) == [CRASHED, COMPLETED, COMPLETED]

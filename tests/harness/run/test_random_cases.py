@@ -17,6 +17,7 @@ from harness.archive.atomic_files import prepare
 from harness.archive.case_files import Outcome, read_case
 from harness.archive.conventions import COMPLETED
 from harness.run.pool import run_cases
+from harness.run.worker_process import RunOptions
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
@@ -103,7 +104,11 @@ def test_a_random_case_ends_with_a_result_or_with_a_reason(tmp_path: Path, depth
     count = depth(6, 100)
     ends = Ends()
     run_cases(
-        random_cases(count), tmp_path, 1, ends, threads=1, time_limit=SECONDS, memory_limit=BYTES
+        random_cases(count),
+        tmp_path,
+        1,
+        ends,
+        RunOptions(threads=1, time_limit=SECONDS, memory_limit=BYTES),
     )
     assert len(ends.outcomes) == count
     for case, outcome in ends.outcomes:

@@ -93,7 +93,7 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
     def note(*arguments: object, **named: object) -> None:
         bound = inspect.signature(run_cases).bind(*arguments, **named)
         bound.apply_defaults()
-        asked.update(bound.arguments)
+        asked.update(bound.arguments | vars(bound.arguments["options"]))
 
     monkeypatch.setattr(os, "cpu_count", lambda: 8)
     monkeypatch.setattr(run_study, "check_device", lambda device: None)
