@@ -15,7 +15,8 @@ from typing import Protocol
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import Outcome, is_complete
 from harness.archive.conventions import COMPLETED, MISSING
-from harness.run.worker_process import DEFAULTS, RunOptions, WorkerProcess, end_all
+from harness.run.resources import DEFAULTS, RunOptions
+from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 

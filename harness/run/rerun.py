@@ -18,7 +18,7 @@ from harness.archive.provenance import OF_CASE
 from harness.archive.study_files import read_result
 from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
-from harness.run.worker_process import DEFAULTS, RunOptions
+from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class

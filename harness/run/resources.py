@@ -1,9 +1,11 @@
-"""What cases take, as predicted before they begin, and what the machine has for them."""
+"""What cases may take and are predicted to take, and what the machine has for them."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import HarnessError, tell
@@ -26,6 +28,33 @@ CONTAINER_LIMITS = (
     Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
 )
 """Where Linux says how much memory a container has."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How worker processes run cases.
+
+    Attributes:
+        device: where the cases are computed.
+        threads: for each case; None: the cases at work share the cores, whose number may be more
+            than theirs where there are few, or few left.
+        time_limit: time that a case may take [s], from the beginning of its computation; one that
+            takes more is ended. Cases that a process runs together have the sum of theirs.
+        repeats: times to run each case again to measure its run time warm.
+        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
+            those of them that are not done are run again one by one.
+        memory_limit: memory that a case may take [byte]; None: most of this machine's.
+    """
+
+    device: str = "cpu"
+    threads: int | None = None
+    time_limit: float = math.inf
+    repeats: int = 0
+    batch: int = 1
+    memory_limit: float | None = None
+
+
+DEFAULTS = RunOptions()
 
 
 class TooLarge(SceneError):

@@ -18,12 +18,13 @@ from harness.run import collect_and_clean as results
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.progress import Display
 from harness.run.resources import (
+    DEFAULTS,
+    RunOptions,
     check_device,
     costliest_first,
     default_memory_limit,
     tell_of_long_cases,
 )
-from harness.run.worker_process import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study
 

@@ -33,8 +33,7 @@ from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
 from harness.run.measuring import Measurement, with_samples, without_idle_time
-from harness.run.resources import check_memory, default_memory_limit
-from harness.run.worker_process import RunOptions
+from harness.run.resources import RunOptions, check_memory, default_memory_limit
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution

@@ -10,7 +10,6 @@ import signal
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from harness.archive.atomic_files import discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.run.measuring import case_time
+from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 
 ABANDONED = 1
@@ -31,33 +31,6 @@ SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 # A fresh interpreter: a forked one would share the state of Warp and of the netCDF library.
 _PROCESSES = multiprocessing.get_context("spawn")
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunOptions:
-    """How worker processes run cases.
-
-    Attributes:
-        device: where the cases are computed.
-        threads: for each case; None: the cases at work share the cores, whose number may be more
-            than theirs where there are few, or few left.
-        time_limit: time that a case may take [s], from the beginning of its computation; one that
-            takes more is ended. Cases that a process runs together have the sum of theirs.
-        repeats: times to run each case again to measure its run time warm.
-        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
-            those of them that are not done are run again one by one.
-        memory_limit: memory that a case may take [byte]; None: most of this machine's.
-    """
-
-    device: str = "cpu"
-    threads: int | None = None
-    time_limit: float = math.inf
-    repeats: int = 0
-    batch: int = 1
-    memory_limit: float | None = None
-
-
-DEFAULTS = RunOptions()
 
 
 class WorkerProcess:

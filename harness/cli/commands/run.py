@@ -20,10 +20,9 @@ from harness.errors import HarnessError, tell
 from harness.pictures.work_precision import draw_work_precision
 from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
-from harness.run.resources import check_device
+from harness.run.resources import RunOptions, check_device
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
-from harness.run.worker_process import RunOptions
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of

@@ -11,7 +11,7 @@ from harness.archive import collection as archive
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import Outcome
 from harness.run.pool import Watcher, run_cases
-from harness.run.worker_process import RunOptions
+from harness.run.resources import RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 

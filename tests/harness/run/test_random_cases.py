@@ -17,7 +17,7 @@ from harness.archive.atomic_files import prepare
 from harness.archive.case_files import Outcome, read_case
 from harness.archive.conventions import COMPLETED
 from harness.run.pool import run_cases
-from harness.run.worker_process import RunOptions
+from harness.run.resources import RunOptions
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
