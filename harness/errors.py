@@ -1,7 +1,5 @@
 """Errors: those that the user can put right, and those of the program; how each is reported."""
 
-from __future__ import annotations
-
 import sys
 from importlib import metadata
 

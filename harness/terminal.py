@@ -1,7 +1,5 @@
 """Colour on a terminal, which nothing that is read from a file can give itself."""
 
-from __future__ import annotations
-
 import os
 import secrets
 import sys

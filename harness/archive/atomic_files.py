@@ -1,7 +1,5 @@
 """Files that are written whole or not at all: under another name first, then renamed."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import platform

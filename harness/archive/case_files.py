@@ -8,8 +8,6 @@ whole, and one snapshot may be a hundred times as large as all else that is know
 collected dataset points and nodes of different cases could share no dimension.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

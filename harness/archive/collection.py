@@ -1,7 +1,5 @@
 """The results of a study's cases, gathered in one dataset."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 

@@ -28,8 +28,6 @@ the harness measures, and `run_time_sample` over the dim `repeat` of timed runs;
 exact solution. Only a table or a picture that is meant for one kind of scene knows more names.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable
 from enum import StrEnum

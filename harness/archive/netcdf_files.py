@@ -14,8 +14,6 @@ ends a file where its superblock says. A file that another program has written a
 even where its numbers are the same.
 """
 
-from __future__ import annotations
-
 import hashlib
 import stat
 from collections.abc import Hashable, Iterator, Mapping

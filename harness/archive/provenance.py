@@ -1,7 +1,5 @@
 """Where a result comes from: sources, versions, commit, machine, command line, time."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import importlib.metadata

@@ -5,8 +5,6 @@ files of other programs. They need the outline of a result, not its numbers: so 
 is known without reading them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 

@@ -1,7 +1,5 @@
 """The file of a study's collected results, ``OUT/<study>.nc``: written, read and checked."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

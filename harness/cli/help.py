@@ -1,7 +1,5 @@
 """What the help of each command says: a sentence or two on what it does, and examples."""
 
-from __future__ import annotations
-
 import re
 
 TEXT = """\

@@ -1,7 +1,5 @@
 """The command line: which command does what, and how it ends where something goes wrong."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import os

@@ -3,8 +3,6 @@
 A reader of a value raises `argparse.ArgumentTypeError`, which says what is not allowed in one line.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import re

@@ -1,7 +1,5 @@
 """The process of a command: how it ends, and its standard streams, on which no file has power."""
 
-from __future__ import annotations
-
 import io
 import os
 import re

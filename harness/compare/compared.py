@@ -1,7 +1,5 @@
 """What [compare] of a study sets beside its result: references, experience, tolerances."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 

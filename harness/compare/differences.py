@@ -1,7 +1,5 @@
 """Two results beside each other: relative differences case by case, or every bit of one case."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet

@@ -1,7 +1,5 @@
 """The error of each case against the best known one, where no exact solution is known."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

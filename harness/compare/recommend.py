@@ -1,7 +1,5 @@
 """The cheapest settings, among results at hand, that reach an error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass

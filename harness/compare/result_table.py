@@ -1,7 +1,5 @@
 """The result of a study as a table for a terminal: beside cone factors, or exact solutions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

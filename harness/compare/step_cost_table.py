@@ -1,7 +1,5 @@
 """What a step costs, as tables in Markdown: the result of a study of the scene `step_cost`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from string import Formatter
 

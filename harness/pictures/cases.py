@@ -1,7 +1,5 @@
 """The picture of a few cases that differ in many parameters: the headline of each, with its bar."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import xarray as xr

@@ -1,7 +1,5 @@
 """The picture of a mesh, or of another refinement: convergence, its order, and where it leads."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

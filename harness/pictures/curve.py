@@ -1,7 +1,5 @@
 """The picture of one varied parameter: what was computed over it, with bands and references."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

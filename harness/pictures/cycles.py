@@ -1,7 +1,5 @@
 """The picture of cyclic tests: loops of resistance over depth, and resistance over cycles."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """The picture of random cases, or of many parameters at once: the effect of each, and the rest."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence

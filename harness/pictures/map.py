@@ -1,7 +1,5 @@
 """The picture of two varied numbers: contours over both, and a few curves over one of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -4,8 +4,6 @@ Figures are made with matplotlib's objects alone: no display, no global state. E
 file of its own, which says for which results it is meant.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar

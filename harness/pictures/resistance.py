@@ -1,7 +1,5 @@
 """The picture of the penetration resistance: a curve for each case, few of them with a label."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.cm import ScalarMappable

@@ -4,8 +4,6 @@ fields = xr.open_dataset("results/STUDY/cases/KEY.fields.nc")
 sections_figure(fields).savefig("sections.png")
 """
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence

@@ -5,8 +5,6 @@ overlap the curve is their mean, and half of their difference, as a root mean sq
 overlap, is a part of its half width.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """The picture of one parameter at a time: a tornado chart, the widest bar on top."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

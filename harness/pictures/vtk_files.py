@@ -4,8 +4,6 @@ Coordinates are (r, 0, z), so that z points up; all units are SI. Pyvista writes
 optional dependency: it stands on VTK itself, which ParaView reads with.
 """
 
-from __future__ import annotations
-
 import tempfile
 import xml.etree.ElementTree as ET
 from pathlib import Path

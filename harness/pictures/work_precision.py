@@ -1,7 +1,5 @@
 """Work-precision pictures: error against run time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

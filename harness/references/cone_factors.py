@@ -4,8 +4,6 @@ A new reference is one new entry in :data:`CONE_FACTORS`. The formulas take floa
 and xarray data arrays alike.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import operator

@@ -5,8 +5,6 @@ is no reference: nothing is said to deviate from it, and no result has to lie in
 one new entry in :data:`EXPERIENCE`.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """All references and all experience: found by id, and as text for a terminal."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterable, Mapping
 from typing import TypeVar

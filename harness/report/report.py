@@ -1,7 +1,5 @@
 """One page of HTML on results, with all that they hold and nothing to be fetched."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The tables of a page: the cases of a study, and studies beside each other."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Names, units and numbers as a page shows them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Hashable
 

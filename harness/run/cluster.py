@@ -1,7 +1,5 @@
 """Cases on a Dask cluster. Their results come back and are written here, to the same archive."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The results of a study: status of its cases, collected dataset, and files that are no results."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """What a case costs: its time in all, the memory at its peak, and its run time over again."""
 
-from __future__ import annotations
-
 import resource
 import sys
 import time

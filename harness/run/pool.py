@@ -1,7 +1,5 @@
 """From cases to results: a pool of worker processes, each replaced when it dies."""
 
-from __future__ import annotations
-
 import math
 import os
 import time

@@ -1,7 +1,5 @@
 """Progress of a study: a bar on a terminal, and a line for each case that has ended."""
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager
 from typing import TextIO
 

@@ -1,7 +1,5 @@
 """One case again, from its file alone: does it give the same bits?"""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Mapping

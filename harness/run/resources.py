@@ -1,7 +1,5 @@
 """What cases may take and are predicted to take, and what the machine has for them."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Sequence

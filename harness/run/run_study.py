@@ -1,7 +1,5 @@
 """A study is run: what is not done yet, on this machine or on a cluster; then it is collected."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Sequence

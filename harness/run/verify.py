@@ -1,7 +1,5 @@
 """Scenes against their exact solutions: every scene that has one, at its resolutions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

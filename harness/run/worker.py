@@ -1,7 +1,5 @@
 """What a worker process does: it runs cases one after the other and writes their files."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import signal

@@ -1,7 +1,5 @@
 """A worker process, as its parent sees it; and its beginning, which sees to its own end."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import multiprocessing

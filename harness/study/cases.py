@@ -1,7 +1,5 @@
 """From a study to its cases. The key of a case is a hash of everything its numbers depend on."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import hashlib

@@ -3,8 +3,6 @@
 That is references, the result of another study, experience, and tolerances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

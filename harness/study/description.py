@@ -5,8 +5,6 @@ study gives is outside the usual range, and inside it in another unit: a study t
 many orders of magnitude means what it says.
 """
 
-from __future__ import annotations
-
 import json
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping

@@ -9,8 +9,6 @@
 ====================  ===========================================================================
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence

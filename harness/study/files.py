@@ -10,8 +10,6 @@ or ``file = "site.csv"``, the first line of which names the same columns. Either
 parameter `profile` of the scene, a text of one line.
 """
 
-from __future__ import annotations
-
 import re
 import stat
 import tomllib

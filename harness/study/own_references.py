@@ -9,8 +9,6 @@
 The formula has parameters of the scene, in SI units, and the symbols of the references that ship.
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import math

@@ -1,7 +1,5 @@
 """What a study does with one scene: its parameters and their values, read from the definition."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any

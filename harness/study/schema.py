@@ -4,8 +4,6 @@ It is made from the definitions of the parameters, scene by scene. What depends 
 at once, such as the sum of cases, is left to the harness.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -20,8 +20,6 @@ A definition is data, nothing in it is executed::
 harness/README.md has all keys.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Commands that look after the files of a study: how its cases stand, its dataset, what is left."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

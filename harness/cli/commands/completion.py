@@ -4,8 +4,6 @@ The shell runs the program itself at each Tab, by argcomplete. So nothing that c
 here: names of scenes are read out of their source files.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 import re

@@ -1,7 +1,5 @@
 """Commands on results: beside the literature and each other, as pictures, as a page, the soil."""
 
-from __future__ import annotations
-
 import argparse
 import traceback
 from collections.abc import Iterator

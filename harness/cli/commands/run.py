@@ -1,7 +1,5 @@
 """Commands that compute: a study, a case again, what a step costs, scenes with exact solutions."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

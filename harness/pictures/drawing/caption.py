@@ -1,7 +1,5 @@
 """The caption of a picture: what it shows, and what was fixed."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import textwrap

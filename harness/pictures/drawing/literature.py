@@ -1,7 +1,5 @@
 """The literature and experience in a picture of cone factors: curves, and bands."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """What pictures have in common: style, axes, series, labels, and the files that they go to."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
