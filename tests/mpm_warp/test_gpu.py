@@ -21,11 +21,8 @@ pytestmark = pytest.mark.slow
 
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
-OF_PROCESSORS = (
-    *("claim_chunk", "barrier", "next_step", "clock_stamp"),
-    *("bare_scatter", "bare_nodes", "bare_gather"),
-)
-"""Kernels of threads and of measuring, which no GPU ever runs."""
+OF_PROCESSORS = ("claim_chunk", "barrier", "next_step")
+"""Kernels of threads, which no GPU ever runs."""
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 MEASURABLE: dict[str, Value] = {"cells_per_radius": 3.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {

@@ -23,6 +23,9 @@ class WithLaw(MaterialPoint):
 
     yield_stress: float | None = parameter(None, "yield stress of my_law", unit="Pa", above=0.0)
 
+    def _check_other_laws(self) -> None:
+        """Here the law of the scene has it."""
+
 
 @pytest.fixture
 def installed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,6 +79,7 @@ def test_simulations_in_threads_of_one_process_take_turns() -> None:
         np.testing.assert_array_equal(position, alone.array("particle.position"))
 
 
+@pytest.mark.usefixtures("all_take_part")
 def test_threads_may_come_and_go_during_a_run() -> None:
     # The same stops, because a run takes whole steps up to each.
     steady = penetrated(Execution(), (1, 1, 1, 1))
