@@ -63,7 +63,7 @@ def test_a_file_is_read_as_xarray_reads_it(tmp_path: Path) -> None:
     kept["is_steady"] = "penetration", [True, False]
     kept["told"] = (), "a text"
     kept["over_nothing"] = "none", np.empty(0)
-    kept = kept.assign_coords(none=("none", np.empty(0)))
+    kept = kept.assign_coords(none=("none", np.empty(0)), alone=("aside", [1.0, 2.0]))
     path = tmp_path / "kept.nc"
     netcdf_files.write_netcdf(kept.assign_attrs(format_version=1, whole=2.5), path)
     read = netcdf_files.read_fields_netcdf(path)

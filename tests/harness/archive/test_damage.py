@@ -188,6 +188,15 @@ def bomb(path: Path) -> None:
         file.createVariable("status", "f8", ("case",), zlib=True, chunksizes=(1000,))
 
 
+def test_a_file_that_would_take_more_than_it_can_hold_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.nc"
+    path.touch()
+    bomb(path)
+    refused = pytest.raises(ValueError, match="more than it can hold")
+    with netCDF4.Dataset(path) as file, refused:
+        netcdf_content.outline(file, path.stat().st_size)
+
+
 DAMAGES = (truncated, cut_by_the_digest, changed, fifo, folder, device, bomb)
 
 
