@@ -163,6 +163,8 @@ def tried(mutations: list[Mutation]) -> int:
 def main(words: list[str]) -> int:
     """Try every error, or those with one of the words; returns the exit code."""
     chosen = [it for it in MUTATIONS if not words or any(word in it.meaning for word in words)]
+    if not chosen:
+        raise SystemExit(f"no deliberate error has one of these words in its meaning: {words}")
     faults = [f"{it.meaning}: {fault}" for it in chosen if (fault := it.fault())]
     if faults:
         raise SystemExit("\n".join(faults))
