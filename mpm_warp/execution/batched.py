@@ -4,10 +4,7 @@ Its kernels are made from the sources of those for one case. Every array gets a 
 case. Every real number becomes an array over cases:
 
     kernel of one case     x[i], a                launched over items i
-    batched kernel         x[case, i], a[case]    launched over cases and chunks of their items
-
-A thread works through one chunk. A chunk is one item on a GPU, which has a thread for each item. On
-a processor it is all items of a case, so that the views of its arrays are made only once.
+    batched kernel         x[case, i], a[case]    launched over cases and items
 """
 
 import ast
@@ -15,7 +12,7 @@ import functools
 import inspect
 import textwrap
 import types
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -29,21 +26,16 @@ OF_CASES = "_of_cases"
 
 @functools.cache
 def make_batched_kernel(kernel: Any) -> Any:
-    """The batched kernel; its first two arguments are the items of a case and those of a chunk.
-
-    The last index of a thread counts the items, so they keep their order.
+    """The batched kernel, launched over cases and items; the items of a case keep their order.
 
     Args:
-        kernel: a kernel that assigns ``wp.tid()`` once, in a statement of its own, or never, and
-            that does not return from within a loop.
-
-    Raises:
-        NotImplementedError: the kernel returns from within a loop.
+        kernel: a kernel that assigns ``wp.tid()`` once, in a statement of its own, or never.
     """
     own = [name for name, kind in _arguments(kernel) if _is_array(kind) or _is_real(kind)]
-    signature = {"item_count": int, "chunk_size": int}
-    for name, kind in _arguments(kernel):
-        signature[name + OF_CASES if name in own else name] = _batched(kind)
+    signature = {
+        f"{name}{OF_CASES}" if name in own else name: _batched(kind)
+        for name, kind in _arguments(kernel)
+    }
     source = kernel.func
     function: Any = types.FunctionType(
         source.__code__, source.__globals__, source.__name__, None, source.__closure__
@@ -60,7 +52,7 @@ def make_batched_kernel(kernel: Any) -> Any:
         key=f"{kernel.key}{OF_CASES}",
         module=wp.get_module(f"{kernel.module.name}{OF_CASES}"),
         options=kernel.options,
-        source=_batched_source(source, own),  # Warp knows compiled kernels by their source
+        source=_batched_source(source, signature, own),  # Warp knows compiled kernels by it
     )
 
 
@@ -93,61 +85,21 @@ def _batched(kind: Any) -> Any:
     return wp.array(dtype=kind) if _is_real(kind) else kind
 
 
-def _batched_source(function: Any, own: list[str]) -> str:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    return ast.unparse(ast.fix_missing_locations(_LoopOverChunk(own).visit(tree)))
-
-
-class _LoopOverChunk(ast.NodeTransformer):
-    """Puts the body of a kernel into a loop over a chunk of the items of a case.
-
-    Args:
-        own: names of the arguments of which each case has its own.
-    """
-
-    def __init__(self, own: list[str]) -> None:
-        self._own = own
-        self._is_in_loop = False
-
-    def visit_FunctionDef(self, function: ast.FunctionDef) -> ast.FunctionDef:
-        body: list[ast.stmt] = []
-        item, others = "item", list[str]()
-        for statement in map(self.visit, function.body):
-            match statement:
-                case ast.Assign(targets=[ast.Tuple(elts=names)], value=value) if _is_index(value):
-                    *others, item = map(ast.unparse, names)
-                case ast.Assign() if any(map(_is_index, ast.walk(statement))):
-                    body += ast.parse(ast.unparse(statement).replace("wp.tid()", item)).body
-                case _:
-                    body.append(statement)
-        views = "\n".join(f"{name} = {name}{OF_CASES}[case]" for name in self._own)
-        begin = ast.parse(
-            f"{', '.join(['case', *others, 'chunk'])} = wp.tid()\n"
-            f"{views}\n"
-            "begin = chunk * chunk_size\n"
-            f"for {item} in range(begin, wp.min(begin + chunk_size, item_count)): pass"
-        ).body
-        loop = begin[-1]
-        assert isinstance(loop, ast.For)
-        loop.body = body
-        function.body = begin
-        function.decorator_list = []
-        for argument in function.args.args:
-            if argument.arg in self._own:
-                argument.arg += OF_CASES
-        function.args.args[:0] = [ast.arg("item_count"), ast.arg("chunk_size")]
-        return function
-
-    def visit_For(self, loop: ast.For) -> ast.AST:
-        outside, self._is_in_loop = self._is_in_loop, True
-        self.generic_visit(loop)
-        self._is_in_loop = outside
-        return loop
-
-    def visit_Return(self, statement: ast.Return) -> ast.stmt:
-        if self._is_in_loop:
-            raise NotImplementedError("a batched kernel cannot be left from within a loop")
-        return ast.Continue()
+def _batched_source(function: Any, arguments: Iterable[str], own: list[str]) -> str:
+    """The source with an index more, the case, and the view of a case for each array of cases."""
+    (definition,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+    assert isinstance(definition, ast.FunctionDef)
+    indices, body = ["item"], list[str]()
+    for statement in definition.body:
+        match statement:
+            case ast.Assign(targets=[ast.Tuple(elts=names)], value=value) if _is_index(value):
+                indices = [ast.unparse(name) for name in names]
+            case _:
+                body.append(ast.unparse(statement).replace("wp.tid()", "item"))
+    views = [f"{name} = {name}{OF_CASES}[case]" for name in own]
+    lines = [f"case, {', '.join(indices)} = wp.tid()", *views, *body]
+    head = f"def {definition.name}({', '.join(arguments)}):\n"
+    return head + textwrap.indent("\n".join(lines), "    ")
 
 
 def _is_index(node: ast.AST) -> bool:
@@ -162,16 +114,14 @@ class BatchedLaunch(Launch):
 
     Attributes:
         case_count: number of cases: the length of the first axis of every array.
-        chunk_size: items of a case that one thread does; None: all of them.
     """
 
     share_axis: ClassVar[int] = 1
     case_count: int
-    chunk_size: int | None
 
     @property
     def item_count(self) -> int:
-        """How many times the kernel of one case runs, over all cases."""
+        """How many times the kernel runs, over all cases."""
         return self.case_count * super().item_count
 
     def call(self, arrays: Mapping[str, Any]) -> tuple[tuple[int, ...], list[Any]]:
@@ -180,10 +130,8 @@ class BatchedLaunch(Launch):
         Args:
             arrays: the arrays of the batched plan on a device, by name.
         """
-        (*others, item_count), arguments = super().call(arrays)
-        chunk_size = self.chunk_size or max(1, item_count)
-        dim = (self.case_count, *others, -(-item_count // chunk_size))
-        return dim, [item_count, chunk_size, *arguments]
+        dim, arguments = super().call(arrays)
+        return (self.case_count, *dim), arguments
 
 
 def batch_key(plan: Plan) -> Hashable:
@@ -203,10 +151,7 @@ def batch_key(plan: Plan) -> Hashable:
 
 
 def batched_plan(
-    plans: Sequence[Plan],
-    arrays: Sequence[dict[str, Any]],
-    device: str,
-    chunk_size: int | None,
+    plans: Sequence[Plan], arrays: Sequence[dict[str, Any]], device: str
 ) -> tuple[Plan, dict[str, Any]]:
     """Make one plan of the plans of several runs.
 
@@ -215,7 +160,6 @@ def batched_plan(
         arrays: arrays of each run on the device, in their present state. Those that a step works on
             are replaced by rows of the arrays of the batched plan.
         device: the device.
-        chunk_size: items of a case that one thread does; None: all of them.
 
     Returns:
         A plan whose steps are those of all runs, and its arrays on the device.
@@ -237,7 +181,6 @@ def batched_plan(
             dim=launch.dim,
             arguments=tuple(arguments),
             case_count=len(plans),
-            chunk_size=chunk_size,
         )
     step, audited = ([over_all[one] for one in part] for part in (first.step, first.audited_step))
     return replace(first, arrays={}, step=step, audited_step=audited), batched

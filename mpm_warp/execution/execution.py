@@ -1,8 +1,8 @@
 """Where a run is computed, and a plan there: its arrays, and the ways to launch its kernels."""
 
 import time
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -21,21 +21,6 @@ def device_names() -> list[str]:
     return [str(device.alias) for device in wp.get_devices()]
 
 
-class Steps(Protocol):
-    """The steps of one run on a device."""
-
-    def launch(self, launch: Launch) -> None:
-        """Launch one kernel of the plan, all of it, now."""
-
-    def replay(self, steps: range, threads: int) -> None:
-        """Take the steps of these numbers.
-
-        Args:
-            steps: step numbers; they decide which steps are audited.
-            threads: threads of the processor, >= 1; a GPU ignores it.
-        """
-
-
 @dataclass
 class Execution:
     """Where a run is computed.
@@ -47,6 +32,7 @@ class Execution:
         device: "cpu", or the name that Warp gives to a GPU, for example "cuda:0".
         threads: threads of the processor, one of `mpm_warp.execution.THREAD_COUNTS`. The number may
             change while a run goes on. A GPU ignores it.
+        case_count: number of runs that are computed together.
 
     Raises:
         SceneError: there is no such device here, or the number of threads is another.
@@ -54,6 +40,7 @@ class Execution:
 
     device: str = "cpu"
     threads: int = 1
+    case_count: int = field(default=1, init=False)
 
     def __post_init__(self) -> None:
         check_kind("device", self.device, str)
@@ -61,7 +48,7 @@ class Execution:
         check_known("device", self.device, device_names())
         check_known("threads", self.threads, THREAD_COUNTS)
 
-    def steps(self, plan: Plan, arrays: dict[str, Any]) -> Steps:
+    def steps(self, plan: Plan, arrays: dict[str, Any]) -> Replay:
         """The steps of a plan on the device, for one run.
 
         Args:
@@ -75,11 +62,6 @@ class Execution:
     def idle_time(self) -> float:
         """Wall-clock time for which the run has waited for other runs [s]."""
         return 0.0
-
-    @property
-    def case_count(self) -> int:
-        """Number of runs that are computed together."""
-        return 1
 
 
 class DeviceRun:

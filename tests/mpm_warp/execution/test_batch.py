@@ -10,10 +10,9 @@ import pytest
 import warp as wp
 import xarray as xr
 
-import mpm_warp.execution.batch
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.batched import batch_key, batched_plan, make_batched_kernel, real_arguments
+from mpm_warp.execution.batched import batch_key, make_batched_kernel, real_arguments
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.plan import AUDIT_INTERVAL
@@ -51,7 +50,8 @@ DIFFERENT = [
 
 @pytest.fixture
 def together(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """How many runs take their steps in common launches, noted wherever others come together."""
+    """Runs take their steps by common launches, as on a GPU; how many is noted where it changes."""
+    monkeypatch.setattr(Batch, "_is_on_gpu", True)
     counts: list[int] = []
     replay_of = Batch._replay_of
 
@@ -74,25 +74,20 @@ def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_a_batch_does_not_change_a_bit(threads: int, together: list[int]) -> None:
+def test_a_batch_does_not_change_a_bit(threads: int) -> None:
     results = run_together(list(DIFFERENT), Batch(threads=threads))
+    for scene, result in zip(DIFFERENT, results, strict=True):
+        assert_same(scene.run(), result)
+
+
+def test_common_launches_do_not_change_a_bit(together: list[int]) -> None:
+    results = run_together(list(DIFFERENT), Batch())
     assert together[:2] == [3, 1]
     for scene, result in zip(DIFFERENT, results, strict=True):
         assert_same(scene.run(), result)
 
 
-def test_a_batch_larger_than_the_cache_is_taken_in_portions(
-    together: list[int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    points = 2 * make_plan(cone().build()).particle_count
-    monkeypatch.setattr(mpm_warp.execution.batch, "POINTS_IN_CACHE", points)
-    cones = [cone(adhesion_factor=factor / 4, penetration=1 + factor / 10) for factor in range(5)]
-    results = run_together(list(cones), Batch())
-    assert together[:3] == [2, 2, 1]
-    for scene, result in zip(cones, results, strict=True):
-        assert_same(scene.run(), result)
-
-
+@pytest.mark.usefixtures("together")
 def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
     first, second, long = cone(adhesion_factor=0.1), cone(penetration=1.3), cone(penetration=4)
     results: dict[ConePenetration, xr.Dataset] = {}
@@ -109,25 +104,12 @@ def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
         assert_same(scene.run(), result)
 
 
+@pytest.mark.usefixtures("together")
 @pytest.mark.parametrize("make", [GravityColumn, SlidingBlock])
 def test_any_scene_can_be_run_in_a_batch(make: Callable[[], CatalogueScene]) -> None:
     alone = make().run()
     for result in run_together([make(), make()], Batch()):
         assert_same(alone, result)
-
-
-def test_a_thread_for_each_item_gives_the_same_bits() -> None:
-    # As on a GPU, where sums are taken in one share.
-    scenes = [cone(adhesion_factor=0.2).build(), cone(rigidity_index=300).build()]
-    alone = [Simulation(scene) for scene in scenes]
-    together = [Simulation(scene) for scene in scenes]
-    plans, arrays = [it.plan for it in together], [it.arrays for it in together]
-    replay = Replay(*batched_plan(plans, arrays, "cpu", chunk_size=1), "cpu")
-    replay.replay(range(40), threads=1)
-    for one, other in zip(alone, together, strict=True):
-        one.advance(40)
-        for name in one.arrays:
-            np.testing.assert_array_equal(other.array(name), one.array(name), err_msg=name)
 
 
 def test_plans_that_differ_in_numbers_only_have_one_batch_key() -> None:
@@ -220,19 +202,6 @@ def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
     y, z = wp.zeros((2, 2, 1), dtype=wp.float64), wp.zeros((2, 1, 2), dtype=wp.float64)
     factor = wp.array([10.0, 100.0], dtype=wp.float64)
     one = wp.array([(0.5,), (0.25,)], dtype=VECTOR_1)
-    wp.launch(make_batched_kernel(scaled), (2, 1), [2, 2, 0, factor, one, x, y, z])
+    wp.launch(make_batched_kernel(scaled), (2, 2), [0, factor, one, x, y, z])
     np.testing.assert_array_equal(y.numpy()[:, :, 0], [[10.0, 30.0], [500.0, 700.0]])
     np.testing.assert_array_equal(z.numpy()[:, 0], [[1.0, 2.0], [1.5, 2.0]])
-
-
-def test_a_kernel_that_is_left_from_within_a_loop_is_refused() -> None:
-    @wp.kernel(enable_backward=False)
-    def first_above(limit: float, values: wp.array(dtype=float), found: wp.array(dtype=int)):
-        i = wp.tid()
-        for j in range(i):
-            if values[j] > limit:
-                found[i] = j
-                return
-
-    with pytest.raises(NotImplementedError, match="within a loop"):
-        make_batched_kernel(first_above)
