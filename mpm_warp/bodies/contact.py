@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, Checked, check_whole, checked
+from mpm_warp.arguments import NOT_NEGATIVE, Checked, checked
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.grid import UniformGrid, first_node, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import make_contact_law
@@ -44,128 +44,96 @@ CLOSED_GAP = 0.05
 """Gap below which bodies touch, over cell size: a block at rest must not chatter on its base."""
 FAR = wp.constant(real(-1e30))
 """Where the surface of a body is that has no particle near a node [m]."""
+A, B = wp.constant(0), wp.constant(1)
+"""Rows of the body and of its base in arrays over fields."""
 reach = wp.constant(NEIGHBOURHOOD)
 contact_law = make_contact_law(FLOAT64)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BodyContact(Checked):
-    """Contact between two bodies.
+    """Contact between the two bodies of a scene, the second of which is the base of the first.
 
     The normal is that of the base, whose surface should go on where the body's ends: at its edges
     a body's own normal turns away. The area is the body's own along that normal.
 
     Attributes:
-        body: index of one body in the scene.
-        base: index of the other.
         friction: Coulomb coefficient, dimensionless, >= 0.
         adhesion: shear stress transmitted without normal stress [Pa], >= 0.
     """
 
-    body: int
-    base: int
     friction: float = checked(NOT_NEGATIVE, default=0.0)
     adhesion: float = checked(NOT_NEGATIVE, unit="Pa", default=0.0)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_whole("BodyContact: body", self.body, NOT_NEGATIVE)
-        check_whole("BodyContact: base", self.base, NOT_NEGATIVE)
 
-    def add_to(self, plan: Plan, index: int, bodies: Sequence[Body], grid: UniformGrid) -> None:
-        """Add contact number `index` of a scene, after the velocities that each body has alone."""
-        contact, pair = f"contact{index}", {"body": self.body, "base": self.base}
-        over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)
-        normal = plan.add_zeros(f"{contact}.normal", "vec2", grid.node_count)
-        area = plan.add_zeros(f"{contact}.area", "real", grid.node_count)
-        extent = plan.add_zeros(f"{contact}.extent", "vec2", grid.node_count)
-        if plan.find("body.half_spacing") is None:  # a contact before this one may have added it
-            half_spacing = np.array([0.5 * body.spacing for body in bodies])
-            plan.add_array("body.half_spacing", "real", half_spacing)
-        meeting = {"normal": normal, "area": area, "extent": extent}
-        plan.add_launch(interface, over_nodes, **pair, node_counts=node_counts, **meeting)
-        plan.add_launch(extents, plan.particle_count, **pair, **grid.kernel_arguments, **meeting)
-        pressing = plan.add_zeros(f"{contact}.pressing", "vec2", grid.node_count)
-        pressure = plan.add_zeros(f"{contact}.pressure", "real", grid.node_count)
-        plan.add_launch(
-            pressing_of_nodes,
-            grid.node_count,
-            **pair,
-            closed=CLOSED_GAP * grid.cell_size,
-            **meeting,
-            pressing=pressing,
-        )
-        plan.add_launch(
-            shared_pressure,
-            over_nodes,
-            node_counts=node_counts,
-            pressing=pressing,
-            pressure=pressure,
-        )
-        plan.add_launch(
-            body_contact,
-            over_nodes,
-            **pair,
-            friction=self.friction,
-            adhesion=self.adhesion,
-            node_counts=node_counts,
-            normal=normal,
-            pressing=pressing,
-            pressure=pressure,
-            total=plan.add_zeros(f"{contact}.total", "vec3", 1),
-        )
-
-
-def add_clear_surfaces(plan: Plan) -> None:
-    """Clear the surfaces of all bodies for the next step, after all contacts."""
-    over_fields = plan.arrays["field.surface"].shape
-    plan.add_launch(clear_surfaces, over_fields)
+def add_contact(
+    plan: Plan, contact: BodyContact, bodies: Sequence[Body], grid: UniformGrid
+) -> None:
+    """Add the contact of two bodies, after the velocities that each has alone."""
+    over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)
+    plan.add_array("body.half_spacing", "real", np.array([0.5 * it.spacing for it in bodies]))
+    for name, kind in (
+        ("normal", "vec2"),
+        ("area", "real"),
+        ("extent", "vec2"),
+        ("pressing", "vec2"),
+        ("pressure", "real"),
+    ):
+        plan.add_zeros(f"contact.{name}", kind, grid.node_count)
+    plan.add_zeros("contact.total", "vec3", 1)
+    plan.add_launch(interface, over_nodes, node_counts=node_counts)
+    plan.add_launch(extents, plan.particle_count, **grid.kernel_arguments)
+    plan.add_launch(pressing_of_nodes, grid.node_count, closed=CLOSED_GAP * grid.cell_size)
+    plan.add_launch(shared_pressure, over_nodes, node_counts=node_counts)
+    plan.add_launch(
+        body_contact,
+        over_nodes,
+        friction=contact.friction,
+        adhesion=contact.adhesion,
+        node_counts=node_counts,
+    )
 
 
 @wp.kernel(module="mpm_warp.bodies.interface", enable_backward=False)
 def interface(
-    body: int,
-    base: int,
     node_counts: wp.vec2i,
     field_surface: wp.array2d(dtype=vec2),
     field_inverse_mass: wp.array2d(dtype=real),
-    normal: wp.array(dtype=vec2),
-    area: wp.array(dtype=real),
-    extent: wp.array(dtype=vec2),
+    contact_normal: wp.array(dtype=vec2),
+    contact_area: wp.array(dtype=real),
+    contact_extent: wp.array(dtype=vec2),
 ):
     """Normal and area of the interface of two bodies; launched over nodes. No area, no contact."""
     j, i = wp.tid()
     k = j * node_counts[0] + i
-    area[k] = zero
-    if field_inverse_mass[body, k] < zero or field_inverse_mass[base, k] < zero:
+    contact_area[k] = zero
+    if field_inverse_mass[A, k] < zero or field_inverse_mass[B, k] < zero:
         return
     b = vec2()
     for row in range(wp.max(j - 1, 0), wp.min(j + 2, node_counts[1])):
         for column in range(wp.max(i - 1, 0), wp.min(i + 2, node_counts[0])):
             weight = (two - real(wp.abs(row - j))) * (two - real(wp.abs(column - i)))
-            b += weight * field_surface[base, row * node_counts[0] + column]
+            b += weight * field_surface[B, row * node_counts[0] + column]
     length = wp.length(b)
     if length <= zero:
         return
     n = -b / length
-    normal[k] = n
-    area[k] = wp.max(wp.dot(field_surface[body, k], n), zero)
-    extent[k] = vec2(FAR, FAR)
+    contact_normal[k] = n
+    contact_area[k] = wp.max(wp.dot(field_surface[A, k], n), zero)
+    contact_extent[k] = vec2(FAR, FAR)
 
 
 @wp.kernel(module="mpm_warp.extents", enable_backward=False)
 def extents(
-    body: int,
-    base: int,
     particle_body: wp.array(dtype=int),
     particle_position: wp.array(dtype=vec2),
     body_half_spacing: wp.array(dtype=real),
     lower: vec2,
     h: real,
     node_counts: wp.vec2i,
-    normal: wp.array(dtype=vec2),
-    area: wp.array(dtype=real),
-    extent: wp.array(dtype=vec2),
+    contact_normal: wp.array(dtype=vec2),
+    contact_area: wp.array(dtype=real),
+    contact_extent: wp.array(dtype=vec2),
 ):
     """How far two bodies extend towards each other at a node; launched over particles."""
     p = wp.tid()
@@ -177,102 +145,99 @@ def extents(
     for row in range(3):
         for column in range(3):
             node = (j + row) * node_counts[0] + i + column
-            if area[node] > zero:
-                height = wp.dot(x, normal[node])
-                if b == body:
-                    wp.atomic_max(extent, node, vec2(height + body_half_spacing[b], FAR))
-                elif b == base:
-                    wp.atomic_max(extent, node, vec2(FAR, body_half_spacing[b] - height))
-
-
-@wp.kernel(module="mpm_warp.clear_surfaces", enable_backward=False)
-def clear_surfaces(field_surface: wp.array2d(dtype=vec2)):
-    """Clears the surfaces of all bodies; launched over (bodies, nodes)."""
-    b, node = wp.tid()
-    field_surface[b, node] = vec2()
+            if contact_area[node] > zero:
+                height = wp.dot(x, contact_normal[node])
+                if b == A:
+                    wp.atomic_max(contact_extent, node, vec2(height + body_half_spacing[b], FAR))
+                elif b == B:
+                    wp.atomic_max(contact_extent, node, vec2(FAR, body_half_spacing[b] - height))
 
 
 @wp.kernel(module="mpm_warp.pressing", enable_backward=False)
 def pressing_of_nodes(
-    body: int,
-    base: int,
     closed: real,
-    normal: wp.array(dtype=vec2),
-    area: wp.array(dtype=real),
-    extent: wp.array(dtype=vec2),
+    contact_normal: wp.array(dtype=vec2),
+    contact_area: wp.array(dtype=real),
+    contact_extent: wp.array(dtype=vec2),
     field_inverse_mass: wp.array2d(dtype=real),
     field_velocity: wp.array2d(dtype=vec2),
-    pressing: wp.array(dtype=vec2),
+    field_surface: wp.array2d(dtype=vec2),
+    contact_pressing: wp.array(dtype=vec2),
 ):
     """Normal impulse and area of the nodes whose gap is closed; launched over nodes.
 
-    `extent` is where the two bodies reach to; `pressing` holds (max(m_A d . n, 0), A_k).
+    `contact_extent` is where the two bodies reach to; `contact_pressing` holds (max(m_A d . n, 0),
+    A_k). The surfaces of both bodies are cleared for the next step.
     """
     k = wp.tid()
-    pressing[k] = vec2()
-    if area[k] <= zero:
+    field_surface[A, k] = vec2()
+    field_surface[B, k] = vec2()
+    contact_pressing[k] = vec2()
+    if contact_area[k] <= zero:
         return
-    gap = -(extent[k][0] + extent[k][1])
-    mobility = field_inverse_mass[body, k] + field_inverse_mass[base, k]
+    gap = -(contact_extent[k][0] + contact_extent[k][1])
+    mobility = field_inverse_mass[A, k] + field_inverse_mass[B, k]
     if gap > closed or mobility <= zero:
         return
-    jump = field_velocity[body, k] - field_velocity[base, k]
-    pressing[k] = vec2(wp.max(wp.dot(jump, normal[k]) / mobility, zero), area[k])
+    jump = field_velocity[A, k] - field_velocity[B, k]
+    contact_pressing[k] = vec2(
+        wp.max(wp.dot(jump, contact_normal[k]) / mobility, zero), contact_area[k]
+    )
 
 
 @wp.kernel(module="mpm_warp.shared_pressure", enable_backward=False)
 def shared_pressure(
-    node_counts: wp.vec2i, pressing: wp.array(dtype=vec2), pressure: wp.array(dtype=real)
+    node_counts: wp.vec2i,
+    contact_pressing: wp.array(dtype=vec2),
+    contact_pressure: wp.array(dtype=real),
 ):
     """Normal impulse of a node per area of its neighbourhood; launched over nodes."""
     j, i = wp.tid()
     k = j * node_counts[0] + i
-    pressure[k] = zero
-    if pressing[k][0] <= zero:
+    contact_pressure[k] = zero
+    if contact_pressing[k][0] <= zero:
         return
     area = zero
     for row in range(wp.max(j - reach, 0), wp.min(j + reach + 1, node_counts[1])):
         for column in range(wp.max(i - reach, 0), wp.min(i + reach + 1, node_counts[0])):
-            area += pressing[row * node_counts[0] + column][1]
-    pressure[k] = pressing[k][0] / area
+            area += contact_pressing[row * node_counts[0] + column][1]
+    contact_pressure[k] = contact_pressing[k][0] / area
 
 
 @wp.kernel(module="mpm_warp.body_contact", enable_backward=False)
 def body_contact(
-    body: int,
-    base: int,
     friction: real,
     adhesion: real,
     time_step: real,
     node_counts: wp.vec2i,
-    normal: wp.array(dtype=vec2),
-    pressing: wp.array(dtype=vec2),
-    pressure: wp.array(dtype=real),
+    contact_normal: wp.array(dtype=vec2),
+    contact_pressing: wp.array(dtype=vec2),
+    contact_pressure: wp.array(dtype=real),
     field_inverse_mass: wp.array2d(dtype=real),
     field_velocity: wp.array2d(dtype=vec2),
-    total: wp.array(dtype=vec3),
+    contact_total: wp.array(dtype=vec3),
 ):
     """The corrector; launched over nodes.
 
-    `total` adds up, since it was last cleared, the impulse from the body on its base and the work
-    that the slip between them took.
+    `contact_total` adds up, since it was last cleared, the impulse from the body on its base and
+    the work that the slip between them took.
     """
     j, i = wp.tid()
     k = j * node_counts[0] + i
-    area = pressing[k][1]
+    area = contact_pressing[k][1]
     if area <= zero:
         return
     around = zero
     for row in range(wp.max(j - reach, 0), wp.min(j + reach + 1, node_counts[1])):
         for column in range(wp.max(i - reach, 0), wp.min(i + reach + 1, node_counts[0])):
-            around += pressure[row * node_counts[0] + column]
+            around += contact_pressure[row * node_counts[0] + column]
     P = area * around
-    n = normal[k]
-    jump = field_velocity[body, k] - field_velocity[base, k]
-    mobility = field_inverse_mass[body, k] + field_inverse_mass[base, k]
+    n = contact_normal[k]
+    jump = field_velocity[A, k] - field_velocity[B, k]
+    mobility = field_inverse_mass[A, k] + field_inverse_mass[B, k]
     J = contact_law(one / mobility, jump, n, P, friction, adhesion * area * time_step, zero)
     impulse = J[0] * n + vec2(J[1], J[2])
-    field_velocity[body, k] = field_velocity[body, k] - field_inverse_mass[body, k] * impulse
-    field_velocity[base, k] = field_velocity[base, k] + field_inverse_mass[base, k] * impulse
+    field_velocity[A, k] = field_velocity[A, k] - field_inverse_mass[A, k] * impulse
+    field_velocity[B, k] = field_velocity[B, k] + field_inverse_mass[B, k] * impulse
     slip = jump - mobility * impulse
-    wp.atomic_add(total, 0, vec3(impulse[0], impulse[1], wp.dot(impulse, slip)))
+    wp.atomic_add(contact_total, 0, vec3(impulse[0], impulse[1], wp.dot(impulse, slip)))

@@ -31,7 +31,7 @@ class BodyScene:
         bodies: one or more.
         time_step_fraction: time step over the critical one, the least `Body.critical_time_step` of
             all bodies; > 0.
-        contacts: pairs of bodies that feel each other; other pairs pass through each other.
+        contact: between two bodies; None: bodies pass through each other.
 
     Raises:
         SceneError: a value is not allowed, a body is not within the grid, or two overlap.
@@ -40,22 +40,21 @@ class BodyScene:
     grid: UniformGrid
     bodies: tuple[Body, ...]
     time_step_fraction: float = 0.6
-    contacts: tuple[BodyContact, ...] = ()
+    contact: BodyContact | None = None
 
     def __post_init__(self) -> None:
         check_kind("grid", self.grid, UniformGrid)
         check_kind("bodies", self.bodies, tuple)
-        check_kind("contacts", self.contacts, tuple)
+        check_kind("contact", self.contact, (BodyContact, type(None)))
         if not self.bodies:
             raise SceneError("bodies: there is none; give one or more")
         check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
         for index, body in enumerate(self.bodies):
             self._check_body(index, body)
-        for index, contact in enumerate(self.contacts):
-            self._check_contact(index, contact)
-        for first, body in enumerate(self.bodies):
-            for second in range(first + 1, len(self.bodies)):
-                _check_overlap(first, body, second, self.bodies[second])
+        if self.contact is not None and len(self.bodies) != 2:
+            raise SceneError(f"contact: needs two bodies, the scene has {len(self.bodies)}")
+        for (first, body), (second, other) in itertools.combinations(enumerate(self.bodies), 2):
+            _check_overlap(first, body, second, other)
 
     @property
     def is_damped(self) -> bool:
@@ -102,18 +101,6 @@ class BodyScene:
                 f"body {index}: {outside.sum()} particles, one at {first} m, are outside the grid "
                 f"or within half a cell of its edge, which allows {lower} to {upper} m; widen it"
             )
-
-    def _check_contact(self, index: int, contact: BodyContact) -> None:
-        check_kind(f"contacts[{index}]", contact, BodyContact)
-        for name in ("body", "base"):
-            value = getattr(contact, name)
-            if not 0 <= value < len(self.bodies):
-                raise SceneError(
-                    f"contact {index}: {name} = {value}, but the scene has {len(self.bodies)} "
-                    "bodies, counted from 0; contact needs two"
-                )
-        if contact.body == contact.base:
-            raise SceneError(f"contact {index}: body {contact.body} cannot touch itself")
 
 
 def _check_overlap(first: int, one: Body, second: int, other: Body) -> None:

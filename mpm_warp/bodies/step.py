@@ -34,7 +34,7 @@ import warp as wp
 
 from mpm_warp.arguments import FROM_ONE, check_whole
 from mpm_warp.bodies.body import Body, add_clock, add_loads, add_particles
-from mpm_warp.bodies.contact import add_clear_surfaces
+from mpm_warp.bodies.contact import add_contact
 from mpm_warp.bodies.grid import (
     UniformGrid,
     first_node,
@@ -96,10 +96,8 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
     if scene.loads:
         add_loads(plan, scene.loads)
     add_body_to_grid(plan, scene)
-    for index, contact in enumerate(scene.contacts):
-        contact.add_to(plan, index, scene.bodies, scene.grid)
-    if scene.contacts:
-        add_clear_surfaces(plan)
+    if scene.contact is not None:
+        add_contact(plan, scene.contact, scene.bodies, scene.grid)
     add_grid_to_body(plan, scene)
     if scene.loads:
         add_clock(plan)
@@ -113,7 +111,7 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     if damped:
         plan.add_zeros("particle.viscous_stress", "vec4", plan.particle_count)
     surface = None
-    if scene.contacts:
+    if scene.contact is not None:
         surface = plan.add_zeros("field.surface", "vec2", scene.field_shape)
     plan.add_launch(
         make_body_to_grid(grid.axisymmetric, damped, loaded, surface is not None),

@@ -218,8 +218,8 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
     (Load, LOAD, {"forces": [ONES], "start": [-1.0, NAN], "rise_time": [0.0, INF]}),
     (
         BodyContact,
-        {"body": 0, "base": 1},
-        {"body": [-1, 0.5], "base": [1.0], "friction": [-1.0, NAN], "adhesion": [INF]},
+        {},
+        {"friction": [-1.0, NAN], "adhesion": [INF]},
     ),
     (
         UniformGrid,
@@ -237,7 +237,7 @@ MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
             "grid": [None],
             "bodies": [(), [Body(**BODY)], ("one",)],
             "time_step_fraction": [NAN, 0.0],
-            "contacts": [(BodyContact(body=0, base=7),)],
+            "contact": [BodyContact(), "rough"],
         },
     ),
 ]

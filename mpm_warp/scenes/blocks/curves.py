@@ -53,7 +53,7 @@ class Recorded:
 class SlidingCurves:
     """Samples of a block, which is body 0, from the beginning of the drive on.
 
-    All loads act on the block, and contact 0 is that with its base. The first sample is taken at
+    All loads act on the block, and the contact is that with its base. The first sample is taken at
     once.
 
     Args:
@@ -78,7 +78,7 @@ class SlidingCurves:
         array, mass = self._simulation.array, self._block.mass
         position = array("particle.position")[: len(mass)].copy()
         velocity = array("particle.velocity")[: len(mass)].copy()
-        total = array("contact0.total")[0]
+        total = array("contact.total")[0]
         damped = "particle.dissipated" in self._simulation.plan.arrays
         self._samples.append(
             {

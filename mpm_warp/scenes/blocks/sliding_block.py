@@ -101,13 +101,12 @@ class SlidingBlock(BlockOnBase):
             ),
             replace(base, held=held, retardation_time=self._retardation_time(base_material)),
         )
-        contact = BodyContact(body=0, base=1, friction=self.friction, adhesion=self.adhesion)
         return BodyScene(
             grid=frame.grid_around(
                 bodies, travel=travel, cell_size=self.cell_size, offset=self.grid_offset
             ),
             bodies=bodies,
-            contacts=(contact,),
+            contact=BodyContact(friction=self.friction, adhesion=self.adhesion),
             time_step_fraction=self.time_step_fraction,
         )
 

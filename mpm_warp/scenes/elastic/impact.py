@@ -276,7 +276,7 @@ class StruckBar(Impact):
         return BodyScene(
             grid=frame.grid_around(bodies, travel=0.0, cell_size=cell, offset=0.0),
             bodies=bodies,
-            contacts=(BodyContact(body=0, base=1),),
+            contact=BodyContact(),
             time_step_fraction=self.time_step_fraction,
         )
 

@@ -53,8 +53,8 @@ def block_on_base(
         replace(base, held=np.full(base.particle_count, True) if rigid_base else None),
     )
     grid = frame.grid_around(bodies, travel=LENGTH, cell_size=CELL, offset=0.3)
-    contact = BodyContact(body=0, base=1, adhesion=ADHESION)
-    return Simulation(BodyScene(grid=grid, bodies=bodies, contacts=(contact,)))
+    contact = BodyContact(adhesion=ADHESION)
+    return Simulation(BodyScene(grid=grid, bodies=bodies, contact=contact))
 
 
 def momentum(simulation: Simulation, body: int) -> Floats:
@@ -81,7 +81,7 @@ def test_impulses_on_two_free_bodies_sum_to_zero(angle: float) -> None:
     velocity[simulation.array("particle.body") == 0] = [1.0, -2.0]
     before = momentum(simulation, 0) + momentum(simulation, 1)
     advance_to(simulation, 3.0 * CROSSING)
-    exchanged = simulation.array("contact0.total")[0][:2]
+    exchanged = simulation.array("contact.total")[0][:2]
     assert np.linalg.norm(exchanged) > 0.1 * MASS
     after = momentum(simulation, 0) + momentum(simulation, 1)
     np.testing.assert_allclose(after, before, atol=1e-12 * np.linalg.norm(exchanged))
@@ -104,11 +104,11 @@ def test_block_that_is_lifted_off_is_free_and_sticks_when_it_is_dropped_again() 
         )
     )
     advance_to(simulation, lift_at + 2.0 * CROSSING)
-    simulation.array("contact0.total")[:] = 0.0
+    simulation.array("contact.total")[:] = 0.0
     start, begin = simulation.time, momentum(simulation, 0)
     advance_to(simulation, drop_at - 0.5 * CROSSING)
     # Nothing pulls the block back, the adhesion neither: it moves by the forces on it alone.
-    np.testing.assert_array_equal(simulation.array("contact0.total"), 0.0)
+    np.testing.assert_array_equal(simulation.array("contact.total"), 0.0)
     gained = momentum(simulation, 0) - begin
     np.testing.assert_allclose(
         gained, -weight * (simulation.time - start), rtol=1e-10, atol=1e-10 * np.linalg.norm(gained)
@@ -118,10 +118,10 @@ def test_block_that_is_lifted_off_is_free_and_sticks_when_it_is_dropped_again() 
     assert np.abs(momentum(simulation, 0)).max() < 1e-3 * np.abs(gained).max()
     advance_to(simulation, 160.0 * CROSSING)
     pushed = mean_position(simulation)
-    simulation.array("contact0.total")[:] = 0.0
+    simulation.array("contact.total")[:] = 0.0
     start = simulation.time
     advance_to(simulation, 200.0 * CROSSING)
-    force = simulation.array("contact0.total")[0][:2] / (simulation.time - start)
+    force = simulation.array("contact.total")[0][:2] / (simulation.time - start)
     np.testing.assert_allclose(force, push + weight, rtol=1e-3)
     free = 0.5 * push[0] / MASS * (simulation.time - start) ** 2
     assert np.abs(mean_position(simulation) - pushed).max() < 1e-4 * free
@@ -135,7 +135,7 @@ def test_interface_is_found_from_the_particles(degrees: float) -> None:
     """
     simulation = block_on_base(angle=math.radians(degrees))
     simulation.advance(1)
-    area, normal = simulation.array("contact0.area"), simulation.array("contact0.normal")
+    area, normal = simulation.array("contact.area"), simulation.array("contact.normal")
     assert area.sum() == pytest.approx(LENGTH, rel=0.01)
     outward = np.array([math.sin(math.radians(degrees)), -math.cos(math.radians(degrees))])
     turned = np.abs(normal[:, 0] * outward[1] - normal[:, 1] * outward[0])
@@ -151,9 +151,9 @@ def test_bodies_feel_each_other_when_they_touch_and_not_a_cell_before() -> None:
     speed = 0.01 * MATERIAL.shear_wave_speed
     simulation.array("particle.velocity")[simulation.array("particle.body") == 0, 1] = -speed
     advance_to(simulation, 0.8 * gap / speed)
-    np.testing.assert_array_equal(simulation.array("contact0.total"), 0.0)
+    np.testing.assert_array_equal(simulation.array("contact.total"), 0.0)
     advance_to(simulation, 1.2 * gap / speed)
-    assert simulation.array("contact0.total")[0][1] < 0.0
+    assert simulation.array("contact.total")[0][1] < 0.0
 
 
 def test_impulse_of_a_step_is_the_law_summed_over_nodes() -> None:
@@ -162,8 +162,8 @@ def test_impulse_of_a_step_is_the_law_summed_over_nodes() -> None:
     velocity = simulation.array("particle.velocity")
     velocity[simulation.array("particle.body") == 0] = [10.0, -1e-3]
     simulation.advance(1)
-    area = simulation.array("contact0.pressing")[:, 1].sum()
-    shear = simulation.array("contact0.total")[0][0] / simulation.plan.time_step
+    area = simulation.array("contact.pressing")[:, 1].sum()
+    shear = simulation.array("contact.total")[0][0] / simulation.plan.time_step
     assert shear == pytest.approx(ADHESION * area, rel=1e-12)
 
 
