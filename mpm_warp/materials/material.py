@@ -30,6 +30,10 @@ PROPERTIES = "particle.properties"
 ADHESION_RATIO = "particle.adhesion_ratio"
 """The array of the adhesion ratio of each point, where it varies; shape [slot_count]."""
 
+EFFECTIVE_STRESS, PORE_PRESSURE = "effective_mean_stress", "excess_pore_pressure"
+"""What a law with effective stress calls these two numbers of its state [Pa], compression positive.
+"""
+
 
 @dataclass(frozen=True)
 class Law:
@@ -165,6 +169,17 @@ class Material(Checked, ABC):
     def limit_pressure(self) -> float:
         """Pressure [Pa] that a cavity in an endless body of the material cannot exceed."""
         return math.inf
+
+    def undrained_strength(self, test: str) -> float | None:
+        """Strength in an element test [Pa]: half of the extreme principal stresses' difference.
+
+        Args:
+            test: mode of the test, as triaxial_compression; see the scene `element_test`.
+
+        Returns:
+            None where the law does not tell, as by default.
+        """
+        return None
 
     def mean_stress_change(
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None

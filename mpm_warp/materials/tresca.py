@@ -30,6 +30,10 @@ class Tresca(PerfectlyPlastic):
         """The nearest point of the hexagon, on a side of it or a corner."""
         return _make_nearest(precision)
 
+    def undrained_strength(self, test: str) -> float:
+        """In every mode su."""
+        return self.strength
+
 
 @functools.cache
 def _make_greatest_shear(precision: Precision) -> Any:

@@ -1,6 +1,7 @@
 """The yield criterion of von Mises: sqrt(J2) = su."""
 
 import functools
+import math
 from typing import Any
 
 import warp as wp
@@ -26,6 +27,10 @@ class VonMises(PerfectlyPlastic):
     def nearest(cls, precision: Precision) -> Any:
         """The deviator made shorter: the radial return to the cylinder."""
         return _make_nearest(precision)
+
+    def undrained_strength(self, test: str) -> float:
+        """In plane strain and simple shear su, in triaxial modes sqrt(3)/2 su."""
+        return math.sqrt(0.75) * self.strength if test.startswith("triaxial") else self.strength
 
 
 @functools.cache

@@ -37,6 +37,7 @@ SMALL: dict[str, dict[str, Value]] = {
     "cyclic_ball": {"cells_per_radius": 2, "domain_extent": 4, "stroke": 6.0, "cycle_count": 1},
     "cyclic_t_bar": {"cells_per_radius": 2, "domain_extent": 4, "stroke": 6.0, "cycle_count": 1},
     "elastic_column_wave": {"cell_count": 4, "period_count": 2},
+    "element_test": {"step_count": 10},
     "flying_block": {"step_count": 100, "travel": 1.0},
     "full_flow_cylinder": {"cells_per_radius": 2},
     "full_flow_sphere": {"cells_per_radius": 2},

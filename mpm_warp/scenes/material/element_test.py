@@ -1,0 +1,205 @@
+"""Element tests: soil in one state of stress and strain, sheared undrained in a given mode.
+
+Symbols, compression positive: s1 and s3 greatest and least total principal stress, gamma difference
+of the extreme principal strains, e deviator of the strain so far, t = (s1 - s3) / 2.
+
+    G = (change of stress : e) / (2 e : e)            shear modulus, by the secant from the start
+    strength = t at the end,   t = G gamma in elastic soil from an isotropic start
+
+Strains are small: directions are those of the ground at the start. The volume stays, and so does
+what the mean total stress has from outside; of a law with effective stress the pore pressure is
+that of shear alone.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Material
+from mpm_warp.parameters import parameter, redefined
+from mpm_warp.plan.plan import Plan
+from mpm_warp.results import Quantity, curves, labelled
+from mpm_warp.sampling import Samples, follow
+from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.clay import ClayScene, FieldClayScene
+from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.simulation import Simulation
+
+TESTS: Mapping[str, tuple[float, ...]] = {
+    "triaxial_compression": (1 / 3, 0.0, 0.0, -2 / 3, 1 / 3),
+    "triaxial_extension": (-1 / 3, 0.0, 0.0, 2 / 3, -1 / 3),
+    "simple_shear": (0.0, 0.5, 0.5, 0.0, 0.0),
+    "plane_strain": (0.5, 0.0, 0.0, -0.5, 0.0),
+    "pressuremeter": (-0.5, 0.0, 0.0, 0.0, 0.5),
+}
+"""Velocity gradient (rr, rz, zr, zz, tt) of each mode, with gamma growing by 1; z is vertical."""
+SAMPLE_COUNT = 200
+"""Samples along a test, at steps in geometric proportion; fewer where steps are few."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElementTest(ClayScene):
+    """A test of one material point in the laboratory, strain-controlled, of any law."""
+
+    summary: ClassVar[str] = "undrained element test: strength and stiffness of a law, by mode"
+    method: ClassVar[tuple[str, ...]] = ("step_count",)
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+        Verification(
+            resolution="step_count",
+            resolutions=(1000, 10_000),
+            bounds={"error": 1e-6},
+            settings={"material": "von_mises", "test": test},
+        )
+        for test in TESTS
+    )
+
+    test: str = parameter(
+        "triaxial_compression",
+        "mode: vertical compression or extension, shear of horizontal planes, vertical compression "
+        "in plane strain, or horizontal shear around a pressuremeter",
+        choices=tuple(TESTS),
+    )
+    undrained_shear_strength: float = redefined(
+        FieldClayScene, "undrained_shear_strength", meaning="undrained shear strength su"
+    )
+    stress_anisotropy: float = redefined(ConeInGround, "stress_anisotropy")
+    greatest_shear_strain: float = parameter(
+        1.0, "difference of the extreme principal strains at the end", minimum=1e-6, maximum=100
+    )
+    strain_rate: float = parameter(
+        3e-6,
+        "shear strain rate of the real test; usual: 1 % an hour",
+        unit="s-1",
+        minimum=1e-12,
+        maximum=1e6,
+    )
+    step_count: int = parameter(
+        10_000, "equal strain steps of the test", minimum=2, maximum=1_000_000
+    )
+
+    @property
+    def clay(self) -> Material:
+        """The soil; a test takes a second, in which strain rates count as in reality."""
+        return self.clay_with(
+            strength=self.undrained_shear_strength,
+            density=1.0,
+            speed_up=self.greatest_shear_strain / self.strain_rate,
+        )
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress (rr, zz, rz, tt) at the start, over the vertical one [Pa]."""
+        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
+        return np.array([horizontal, 0.0, 0.0, horizontal])
+
+    def run_size(self) -> RunSize:
+        """One point."""
+        return RunSize(cell_count=0, particle_count=1, step_count=self.step_count)
+
+    def build(self) -> StrainPaths:
+        """The point and its path."""
+        gradient = self.greatest_shear_strain * np.array([TESTS[self.test]])
+        return StrainPaths(
+            material=self.clay,
+            gradient=gradient,
+            stress=self.stress_at_rest[None],
+            step_count=self.step_count,
+        )
+
+    def step_count_bound(self, plan: Plan) -> int:
+        """The strain steps of the path."""
+        return self.step_count
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Shear the point, and read strength and stiffness off its curves."""
+        names = self.clay.state
+        numbers = {
+            name: names.index(name) for name in (EFFECTIVE_STRESS, PORE_PRESSURE) if name in names
+        }
+
+        def take() -> list[float]:
+            stress = simulation.array("particle.stress")[0]
+            state = [simulation.array("particle.state")[0][place] for place in numbers.values()]
+            return [simulation.step_count / self.step_count, *stress, *state]
+
+        def labelled_curves(share: Floats, *rows: Floats) -> xr.Dataset:
+            stress, state = np.stack(rows[:4], axis=-1), dict(zip(numbers, rows[4:], strict=True))
+            return self._curves(self.greatest_shear_strain * share, stress, state)
+
+        steps = np.unique(np.geomspace(1, self.step_count, SAMPLE_COUNT).round().astype(int))
+        samples = Samples(take, labelled_curves)
+        recorded = follow(
+            simulation, steps.tolist(), simulation.advance_to_step, [samples], progress
+        )
+        return recorded.assign(self._read_off(recorded))
+
+    def _curves(self, strain: Floats, stress: Floats, state: Mapping[str, Floats]) -> xr.Dataset:
+        """Curves over the shear strain, of stresses [n, 4] and of what the law remembers of them.
+
+        Without effective stress in the law there is no path of it.
+        """
+        rr, zz, rz, tt = stress.T
+        centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+        principal = np.stack([centre + radius, centre - radius, tt])
+        mean = principal.mean(axis=0)
+        deviator = np.sqrt(1.5 * ((principal - mean) ** 2).sum(axis=0))
+        change = stress - self.stress_at_rest
+        direction = self._direction
+        # The sum over components counts the shear stress twice.
+        along = (change * direction * np.array([1.0, 1.0, 2.0, 1.0])).sum(axis=1)
+        along /= 2.0 * float(direction @ (direction * np.array([1.0, 1.0, 2.0, 1.0])))
+        shown: dict[str, Quantity] = {
+            "shear_stress": (0.5 * np.ptp(principal, axis=0), "Pa", "half of s1 - s3"),
+            "mobilised_stress": (along, "Pa", "growth of the shear stress along the strain"),
+            "deviator_stress": (deviator, "Pa", "deviator stress q"),
+        }
+        if EFFECTIVE_STRESS in state:
+            shown[EFFECTIVE_STRESS] = (state[EFFECTIVE_STRESS], "Pa", "effective mean stress p'")
+        if PORE_PRESSURE in state:
+            shown[PORE_PRESSURE] = (state[PORE_PRESSURE], "Pa", "excess pore pressure")
+        return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
+
+    @property
+    def _direction(self) -> Floats:
+        """Strain (rr, zz, rz, tt) where the shear strain is 1."""
+        rr, rz, zr, zz, tt = TESTS[self.test]
+        return np.array([rr, zz, 0.5 * (rz + zr), tt])
+
+    def _read_off(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
+        """Strength and stiffness, and the exact strength where there is one."""
+        strain = np.append(0.0, recorded.shear_strain.values)
+        mobilised = np.append(0.0, recorded.mobilised_stress.values)
+        stress = recorded.shear_stress.values
+        strength, peak = stress[-1], stress[int(np.argmax(mobilised[1:]))]
+        at_first, halfway = mobilised[1] / strain[1], np.nan
+        half = 0.5 * mobilised[-1]
+        if half > 0.0:
+            beyond = int(np.argmax(mobilised >= half))
+            before = beyond - 1
+            share = (half - mobilised[before]) / (mobilised[beyond] - mobilised[before])
+            halfway = half / (strain[before] + share * (strain[beyond] - strain[before]))
+        is_half = "shear modulus at 50 % of the strength"
+        found = labelled(
+            role="headline", strength=(strength, "Pa", "shear strength, half of s1 - s3 at the end")
+        ) | labelled(
+            peak_strength=(peak, "Pa", "shear strength, half of s1 - s3 at the peak"),
+            small_strain_shear_modulus=(at_first, "Pa", "shear modulus at small strain"),
+            half_strength_shear_modulus=(halfway, "Pa", is_half, "secant from the start"),
+            small_strain_rigidity_index=(at_first / strength, "1", "G at small strain over su"),
+            half_strength_rigidity_index=(halfway / strength, "1", "G at 50 % over su"),
+        )
+        exact = self.clay.undrained_strength(self.test)
+        if exact is None:
+            return found
+        error = (abs(strength / exact - 1.0), "1", "error of the strength")
+        return (
+            found
+            | labelled(strength_exact=(exact, "Pa", "shear strength, exact"))
+            | labelled(role="error", error=error)
+        )
