@@ -113,8 +113,8 @@ def make_elastic_increment(precision: Precision) -> Any:
 def make_motion(precision: Precision) -> Any:
     """The function (L, time step) -> what a step at the velocity gradient L does to a point.
 
-    L is (rr, rz, zr, zz, tt); the result holds the strain e (rr, zz, rz, tt) and the squares and
-    the product of cosine and sine of the rotation, in this order.
+    L is (rr, rz, zr, zz, tt); the result holds the strain e (rr, zz, rz, tt) and, of the angle of
+    the rotation, the square of the sine and the sine and cosine of the double.
     """
     real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
     quarter, half, one, two = (wp.constant(real(x)) for x in (0.25, 0.5, 1.0, 2.0))
@@ -131,9 +131,9 @@ def make_motion(precision: Precision) -> Any:
             time_step * L[3],
             half * time_step * (L[1] + L[2]),
             time_step * L[4],
-            cosine * cosine,
             sine * sine,
-            cosine * sine,
+            two * cosine * sine,
+            one - two * sine * sine,
         )
 
     return motion
@@ -143,16 +143,17 @@ def make_motion(precision: Precision) -> Any:
 def make_rotated(precision: Precision) -> Any:
     """The function (stress, motion) -> R sigma R'."""
     vec4, vec7 = precision.vec4, precision.vec7
-    two = wp.constant(precision.real(2.0))
+    half = wp.constant(precision.real(0.5))
 
     @wp.func
     def rotated(stress: vec4, motion: vec7) -> vec4:
-        rr, zz, rz = stress[0], stress[1], stress[2]
-        cc, ss, cs = motion[4], motion[5], motion[6]
+        rz, difference = stress[2], stress[1] - stress[0]
+        square, double_sine, double_cosine = motion[4], motion[5], motion[6]
+        change = square * difference + double_sine * rz
         return vec4(
-            cc * rr + ss * zz + two * cs * rz,
-            ss * rr + cc * zz - two * cs * rz,
-            (cc - ss) * rz + cs * (zz - rr),
+            stress[0] + change,
+            stress[1] - change,
+            double_cosine * rz + half * double_sine * difference,
             stress[3],
         )
 

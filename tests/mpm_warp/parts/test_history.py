@@ -60,8 +60,8 @@ def test_soil_enters_without_displacement_and_plastic_strain(cone: Scene) -> Non
 
 def elastic_trial(stress: Floats, motion: Floats, clay: Isotropic) -> Floats:
     """R sigma R' + K tr e + 2 G dev e, by matrices."""
-    cosine = np.sqrt(motion[:, 4])
-    sine = motion[:, 6] / cosine
+    cosine = np.sqrt(0.5 + 0.5 * motion[:, 6])
+    sine = 0.5 * motion[:, 5] / cosine
     rotation = np.stack([np.stack([cosine, sine], -1), np.stack([-sine, cosine], -1)], -2)
     plane = np.stack([stress[:, [0, 2]], stress[:, [2, 1]]], axis=-2)
     turned = rotation @ plane @ np.swapaxes(rotation, -1, -2)
