@@ -1,12 +1,17 @@
-"""The watch on a run: one that diverges ends with a named error, not with wrong numbers."""
+"""The watch on a run: one that diverges ends with a named error, not with wrong numbers.
+
+What is found raises a `Fault` that says what, and where; when, and what may help, is added by who
+has asked.
+"""
 
 import functools
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.parts.contact import SurfaceContact
@@ -15,38 +20,21 @@ from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Run
 from mpm_warp.plan.time_step import check_time_step
 from mpm_warp.scene import Scene
-from mpm_warp.watch.checks import (
-    block_sums,
-    check_blocks,
-    check_cells,
-    check_contact,
-    check_mean_stress,
-    check_particles,
-    check_yield,
-)
 
 LOOKED_AT_ONCE = 4_000
 """Particles that the watch looks at together; the memory of more would be fetched each time."""
 SAMPLED = 2_000
 """Particles, about, whose mean stress is compared with their volume."""
-
-
-class Watch(Protocol):
-    """A watch on a run."""
-
-    @property
-    def particle_count(self) -> int:
-        """Particles at the last look."""
-
-    def prepare(self) -> None:
-        """Record what the next step, the last one before a look, is compared with."""
-
-    def look(self) -> None:
-        """Look at the run.
-
-        Raises:
-            Fault: it is not sound; the message names what and where.
-        """
+STRESS_ROUNDINGS = 64
+"""Roundings of the greatest stress by which a step may change the mean stress by itself."""
+OVERFULL = 20
+"""Soil in a cell, over that of a full one, that no compression of soil could explain."""
+EMPTIED = 0.1
+"""Soil in a block of cells, over that at the start, that no passing of particles could explain."""
+LARGEST_PARTED_SHARE = 0.1
+"""Share of a surface that noise may part where the soil cannot pull as the ground presses."""
+ROUNDED = 1e-3
+"""Normal velocity at a surface, over the greatest there, that is rounding."""
 
 
 class ParticleWatch:
@@ -73,16 +61,27 @@ class ParticleWatch:
         check_time_step(time_step=plan.time_step, longest=plan.longest_time_step)
         present = self._present
         self.particle_count = len(present)
-        names = ("position", "velocity", "stress", "mass")
         for first in range(0, len(present), LOOKED_AT_ONCE):
-            part = present[first : first + LOOKED_AT_ONCE]
-            check_particles(
-                number=part,
-                **{name: self._of(name, part) for name in names},
-                speed_limit=plan.speed_limit,
-                bounds=plan.particle_bounds,
-            )
+            self._look_at_particles(present[first : first + LOOKED_AT_ONCE])
         self._look_at_all(present)
+
+    def _look_at_particles(self, particle: Integers) -> None:
+        """Particles are within the grid, finite and slower than the waves that they carry."""
+        lower, upper = self._run.plan.particle_bounds
+        position, velocity = self._of("position", particle), self._of("velocity", particle)
+        stress, mass = self._of("stress", particle), self._of("mass", particle)
+        # NaN is not within any limit either. A reduction over all components is the fastest.
+        for quantity, values, sound in (
+            ("velocity", velocity, np.abs(velocity) < self._run.plan.speed_limit),
+            ("stress", stress, np.isfinite(stress)),
+            ("mass", mass, (mass > 0.0) & np.isfinite(mass)),
+            ("position", position, (position >= lower) & (position <= upper)),
+        ):
+            if not sound.all():
+                worst = int(np.argmin(sound)) // values[0].size
+                raise Fault(
+                    f"{quantity} of {self._named(particle[worst])} is {_text(values[worst])}"
+                )
 
     def _look_at_all(self, present: Integers) -> None:
         """Look at what is more than each particle by itself."""
@@ -97,6 +96,9 @@ class ParticleWatch:
 
     def _of(self, name: str, particle: Integers) -> NDArray[Any]:
         return self._run.array(f"particle.{name}").take(particle, axis=0)
+
+    def _named(self, particle: int | np.integer[Any]) -> str:
+        return f"particle {particle} at {_text(self._run.array('particle.position')[particle])} m"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,7 +127,7 @@ class SoilWatch(ParticleWatch):
         super().__init__(run)
         self._scene = scene
         present = self._present
-        self._first_blocks = self._blocks(self._mass_in(self._cell_of(present), present))
+        self._first_soil = self._soil_in_blocks(self._mass_in(self._cell_of(present), present))
         contact, window = scene.find(SurfaceContact), scene.find(MovingGrid)
         speed = window.first_speed if window else contact.speed if contact else 0.0
         self._parts = contact is not None and contact.can_part(scene.material, speed)
@@ -145,44 +147,67 @@ class SoilWatch(ParticleWatch):
 
     def _look_at_all(self, present: Integers) -> None:
         self._look_at_yield()
-        self._look_at_cells(present)
+        cell = self._cell_of(present)
+        mass = self._mass_in(cell, present)
+        self._look_at_cells(cell, mass)
+        # Elsewhere soil may leave a cell by right: below a free surface, beside one that parts.
+        if not (self._scene.find(FreeSurface) or self._parts):
+            self._look_at_blocks(self._soil_in_blocks(mass))
         if self._before is not None:
-            self._look_at_contact(self._before)
+            self._look_at_contact(self._before.speed)
             self._look_at_mean_stress(self._before)
             self._before = None
 
     def _look_at_yield(self) -> None:
+        """No stress is outside the yield surface by more than rounding."""
         launch = self._run.plan.between_steps.get("yield_check")
-        if launch is not None:
-            self._run.launch(launch)
-            check_yield(
-                margin=self._run.array("yield.margin"),
-                particle=self._run.array("yield.particle"),
-                position=self._run.array("particle.position"),
-                stress=self._run.array("particle.stress"),
+        if launch is None:
+            return
+        self._run.launch(launch)
+        margin = self._run.array("yield.margin")
+        block = int(np.argmax(margin))
+        if margin[block] > 0.0:
+            worst = int(self._run.array("yield.particle")[block])
+            stress = self._run.array("particle.stress")[worst]
+            raise Fault(
+                f"stress of {self._named(worst)} is {_text(stress)}, outside the yield surface by "
+                f"{margin[block]:.2g} of the strength"
             )
 
-    def _look_at_cells(self, present: Integers) -> None:
-        scene, volume = self._scene, self._run.array("cell.volume")
-        cell = self._cell_of(present)
-        mass = self._mass_in(cell, present)
-        check_cells(
-            mass=mass,
-            count=np.bincount(cell, minlength=len(volume)),
-            full_mass=scene.material.density * volume,
-            particles_per_cell=scene.particles_per_side**2,
-        )
-        # Elsewhere soil may leave a cell by right: below a free surface, beside one that parts.
-        if not (scene.find(FreeSurface) or self._parts):
-            check_blocks(self._blocks(mass), self._first_blocks)
+    def _look_at_cells(self, cell: Integers, mass: Floats) -> None:
+        """No cell holds more soil than could be pressed into it, by mass and by number.
 
-    def _look_at_contact(self, before: _Before) -> None:
+        Of a cell that a surface cuts, little may be open, which one particle then fills many times.
+        """
+        volume = self._run.array("cell.volume")
+        count = np.bincount(cell, minlength=len(volume))
+        filling = np.minimum(
+            mass / (self._scene.material.density * volume),
+            count / self._scene.particles_per_side**2,
+        )
+        worst = int(np.argmax(filling))
+        if not filling[worst] < OVERFULL:
+            raise Fault(f"soil in cell {worst} is {filling[worst]:.3g} times that of a full one")
+
+    def _look_at_blocks(self, soil: Floats) -> None:
+        """No block of cells has lost its soil; it may have had none at the start."""
+        emptied = soil < EMPTIED * self._first_soil
+        if emptied.any():
+            row, column = np.argwhere(emptied)[0]
+            left = soil[row, column] / self._first_soil[row, column]
+            raise Fault(
+                f"soil in 3 x 3 cells from row {row}, column {column} is {left:.2g} times that at "
+                "the start"
+            )
+
+    def _look_at_contact(self, speed: float) -> None:
         contact = self._scene.find(SurfaceContact)
         if contact is not None and not self._parts:
             velocity = self._run.array("node.velocities")[contact.nodes, :2]
-            check_contact(contact, velocity, speed=before.speed)
+            check_contact(contact, velocity, speed=speed)
 
     def _look_at_mean_stress(self, before: _Before) -> None:
+        """The mean stress has changed by what the law tells of the volume: it does not drift."""
         material, particle = self._scene.material, before.particle
         # The strain of the step in the cell that each was in.
         motion = self._run.array("cell.motion").take(before.cell, axis=0)
@@ -195,15 +220,19 @@ class SoilWatch(ParticleWatch):
         )
         if told is None:
             return
-        check_mean_stress(
-            number=particle,
-            position=self._of("position", particle),
-            stress=self._of("stress", particle),
-            change=(self._trace_of(particle) - before.trace) / 3.0,
-            told=told,
-            # The deviator has rounded too, before the return took it away.
-            trial=2.0 * material.ground_shear_modulus * np.abs(strain).max(axis=1),
-        )
+        stress = self._of("stress", particle)
+        change = (self._trace_of(particle) - before.trace) / 3.0
+        # The deviator has rounded too, before the return took it away.
+        trial = 2.0 * material.ground_shear_modulus * np.abs(strain).max(axis=1)
+        # Rows of a transposed copy are fast to reduce.
+        greatest = np.abs(stress.T.copy()).max(axis=0) + np.abs(told) + trial
+        drift = np.abs(change - told) - STRESS_ROUNDINGS * np.finfo(stress.dtype).eps * greatest
+        worst = int(np.argmax(drift))
+        if not drift[worst] <= 0.0:
+            raise Fault(
+                f"mean stress of {self._named(particle[worst])} has changed in a step by "
+                f"{change[worst]:.4g} Pa, its volume by what makes {told[worst]:.4g} Pa"
+            )
 
     @property
     def _speed(self) -> float:
@@ -236,13 +265,48 @@ class SoilWatch(ParticleWatch):
         mass = np.bincount(cell, self._of("mass", particle), minlength=count)
         return mass.astype(np.float64, copy=False)
 
-    def _blocks(self, mass: Floats) -> Floats:
-        grid = self._scene.grid
-        return block_sums(mass.reshape(grid.row_count, grid.column_count))
+    def _soil_in_blocks(self, mass: Floats) -> Floats:
+        """Sums over all blocks of 3 x 3 cells, by the row and column in which they begin."""
+        mass = mass.reshape(self._scene.grid.row_count, self._scene.grid.column_count)
+        in_rows = mass[:-2] + mass[1:-1] + mass[2:]
+        sums: Floats = in_rows[:, :-2] + in_rows[:, 1:-1] + in_rows[:, 2:]
+        return sums
+
+
+def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) -> None:
+    """Check that soil and surface move together along their normal, on nearly all of it.
+
+    Nodes on the axis are left out; should soil come apart there, blocks of cells lose theirs.
+
+    Args:
+        contact: one of a surface from which the soil cannot part.
+        velocity: of the soil at its nodes in the last step [m/s], shape [node_count, 2].
+        speed: of the body down through the soil in that step [m/s].
+
+    Raises:
+        Fault: they have come apart, or go through each other.
+    """
+    past = velocity + np.array([0.0, speed])
+    normal_speed = np.sum(past * contact.normals, axis=1)
+    rounding = ROUNDED * (abs(speed) + np.abs(velocity).max())
+    lost = ~(np.abs(normal_speed) <= rounding)
+    # Where the axis holds the soil too, the flow may leave a node none for a moment.
+    lost[contact.on_axis] = False
+    share = contact.normal_areas[lost].sum() / contact.normal_areas.sum()
+    if share > LARGEST_PARTED_SHARE:
+        worst = int(np.argmax(np.abs(normal_speed)))
+        raise Fault(
+            f"contact is lost on {share:.0%} of the surface: node {contact.nodes[worst]} goes "
+            f"into it at {normal_speed[worst]:.4g} m/s"
+        )
+
+
+def _text(values: Floats) -> str:
+    return np.array2string(np.asarray(values), precision=4, separator=", ")
 
 
 @functools.singledispatch
-def make_watch(scene: object, run: Run) -> Watch:
+def make_watch(scene: object, run: Run) -> ParticleWatch:
     """The watch on a run of a scene: of each particle, where its kind has registered no other."""
     return ParticleWatch(run)
 

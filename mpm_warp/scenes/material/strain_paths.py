@@ -23,7 +23,7 @@ from mpm_warp.materials.material import Law, Material, make_state_of_point
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.precision import FLOAT64, Precision
-from mpm_warp.watch.watch import make_watch
+from mpm_warp.watch.watch import ParticleWatch, make_watch
 
 NOWHERE = np.full(2, np.nan)
 """Of material points that have no position."""
@@ -96,7 +96,7 @@ def plan_strain_paths(
     return plan
 
 
-class StressWatch:
+class StressWatch(ParticleWatch):
     """Looks whether stresses are finite.
 
     Args:
@@ -105,11 +105,8 @@ class StressWatch:
     """
 
     def __init__(self, paths: StrainPaths, run: Run) -> None:
-        self._run = run
+        super().__init__(run)
         self.particle_count = len(paths.gradient)
-
-    def prepare(self) -> None:
-        """Nothing is recorded before the last step that a look is at."""
 
     def look(self) -> None:
         """Look at all stresses.

@@ -14,7 +14,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
-from mpm_warp.watch.checks import check_contact
+from mpm_warp.watch.watch import check_contact
 
 NOTICED_WITHIN = 500
 BLOCK = 3
