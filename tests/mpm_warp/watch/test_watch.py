@@ -1,4 +1,7 @@
-"""The watch: a fault planted in a sound run is noticed within 500 steps, and named."""
+"""The watch: a fault planted in a sound run is noticed within 500 steps, and named.
+
+On small scenes, and (slow) on every scene of the catalogue.
+"""
 
 import dataclasses
 import functools
@@ -8,11 +11,15 @@ import numpy as np
 import pytest
 import warp as wp
 
+from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parameters import Value
 from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 from mpm_warp.watch.watch import check_contact
 
@@ -25,6 +32,19 @@ FAULTS = [
     ("particle.position", 1e6, "position"),
     ("particle.mass", 0.0, "mass"),
 ]
+PARAMETERS: dict[str, dict[str, Value]] = {
+    # With an approach a row of cells runs empty below at its speed, where no soil is let in.
+    "cone_penetration": {"approach": 0},
+    # So deep that the soil may not part from the penetrometer.
+    "sounding": {"from_depth": 20, "to_depth": 21},
+}
+"""What a scene of the catalogue has in place of its defaults."""
+BUILT = {name: scene_class(name).build.__annotations__["return"] for name in scene_names()}
+"""What each scene builds: soil in a grid, bodies, or what is not watched."""
+SOIL_SCENES = [name for name, kind in BUILT.items() if kind in (Scene, "Scene")]
+BODY_SCENES = [name for name, kind in BUILT.items() if kind in (BodyScene, "BodyScene")]
+SMALL = ["cone", "cavity", "floating"]
+"""A window with contact, a wall that moves, and soil alone."""
 
 
 class DriftingTresca(Tresca):
@@ -47,18 +67,38 @@ def _make_drifting(plain: Any, precision: Precision) -> Any:
     return drifting
 
 
-@pytest.fixture(params=["cone", "cavity", "floating"])
-def scene(request: pytest.FixtureRequest) -> Scene:
-    """A window with contact, a wall that moves, and soil alone."""
+@functools.cache
+def composition(name: str) -> Any:
+    """What a scene of the catalogue builds, built once."""
+    return scene_class(name)(**PARAMETERS.get(name, {})).build()
+
+
+@pytest.fixture(params=SMALL)
+def small(request: pytest.FixtureRequest) -> Scene:
+    """A small scene."""
     value: Scene = request.getfixturevalue(request.param)
     return value
 
 
-def started(scene: Scene) -> Simulation:
+@pytest.fixture(params=[*SMALL, *(pytest.param(it, marks=pytest.mark.slow) for it in SOIL_SCENES)])
+def scene(request: pytest.FixtureRequest) -> Scene:
+    """Soil in a grid: a small scene, or one of the catalogue."""
+    name = request.param
+    value: Scene = request.getfixturevalue(name) if name in SMALL else composition(name)
+    return value
+
+
+def started(scene: Scene | BodyScene) -> Simulation:
     """A run, a few steps on."""
     simulation = Simulation(scene)
     simulation.advance(3)
     return simulation
+
+
+def plant(simulation: Simulation, array: str, particle: int, value: float) -> None:
+    """Give a particle a value, its first component only: above a window soil leaves by right."""
+    values = simulation.array(array)
+    values.reshape(len(values), -1)[particle, 0] = value
 
 
 def test_watch_looks_often_enough() -> None:
@@ -69,11 +109,9 @@ def test_watch_looks_often_enough() -> None:
 def test_planted_fault_is_noticed_and_its_particle_named(
     scene: Scene, array: str, value: float, named: str
 ) -> None:
-    """Its first component only: above a window soil leaves by right."""
     simulation = started(scene)
     particle = simulation.plan.particle_count // 2
-    values = simulation.array(array)
-    values.reshape(len(values), -1)[particle, 0] = value
+    plant(simulation, array, particle, value)
     with pytest.raises(SimulationDiverged) as noticed:
         simulation.advance(NOTICED_WITHIN)
     message = str(noticed.value)
@@ -84,12 +122,30 @@ def test_planted_fault_is_noticed_and_its_particle_named(
     assert "\n" not in message
 
 
-def test_doubled_time_step_is_noticed(scene: Scene) -> None:
-    """Twice the longest that is stable."""
-    simulation = started(scene)
+@pytest.mark.slow
+@pytest.mark.parametrize(("array", "value", "named"), FAULTS)
+def test_planted_fault_in_a_body_is_noticed(array: str, value: float, named: str) -> None:
+    simulation = started(composition("sliding_block"))
+    plant(simulation, array, 0, value)
+    with pytest.raises(SimulationDiverged, match=r"of particle \d+ at"):
+        simulation.advance(NOTICED_WITHIN)
+
+
+def double_the_time_step(simulation: Simulation) -> None:
+    """Twice the longest that is stable: some scenes take far shorter ones."""
     simulation.plan.time_step = 2.0 * simulation.plan.longest_time_step
     with pytest.raises(SimulationDiverged, match="time step of"):
         simulation.advance(NOTICED_WITHIN)
+
+
+def test_doubled_time_step_is_noticed(scene: Scene) -> None:
+    double_the_time_step(started(scene))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BODY_SCENES)
+def test_doubled_time_step_of_bodies_is_noticed(name: str) -> None:
+    double_the_time_step(started(composition(name)))
 
 
 def test_speeds_that_grow_at_twice_the_stable_step_are_noticed(
@@ -133,6 +189,18 @@ def test_cells_that_have_lost_their_soil_are_noticed(cone: Scene) -> None:
         simulation.check()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOIL_SCENES)
+def test_cells_of_any_scene_that_have_lost_their_soil_are_noticed(name: str) -> None:
+    """Where cells have others around them, and soil leaves by no right."""
+    scene = composition(name)
+    if min(scene.grid.row_count, scene.grid.column_count) > BLOCK and not scene.find(FreeSurface):
+        simulation = started(scene)
+        lose_soil(simulation)
+        with pytest.raises(SimulationDiverged, match="soil in 3 x 3 cells from row"):
+            simulation.check()
+
+
 def test_soil_may_leave_cells_where_it_may_part_from_the_surface(cone: Scene) -> None:
     parting = dataclasses.replace(cone[SurfaceContact], in_situ_stress=0.0)
     simulation = Simulation(cone.with_parts(parting))
@@ -140,13 +208,27 @@ def test_soil_may_leave_cells_where_it_may_part_from_the_surface(cone: Scene) ->
     simulation.check()
 
 
-def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
+def lose_contact(scene: Scene) -> None:
     """It acts on nodes amid the soil instead of those of the surface."""
-    simulation = started(cone)
+    simulation = started(scene)
+    # Before anything else goes wrong by it.
     simulation.advance(NOTICED_WITHIN - 10 - simulation.step_count)
     simulation.array("contact.nodes")[:] = len(simulation.array("node.mass")) // 2
     with pytest.raises(SimulationDiverged, match=r"contact is lost on \d+% of the"):
         simulation.advance(NOTICED_WITHIN)
+
+
+def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
+    lose_contact(cone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOIL_SCENES)
+def test_contact_that_any_scene_loses_is_noticed(name: str) -> None:
+    """Where soil parts from the surface by no right."""
+    contact = composition(name).find(SurfaceContact)
+    if contact is not None and contact.in_situ_stress > 0.0:
+        lose_contact(composition(name))
 
 
 def test_a_held_node_may_be_without_soil_for_a_moment(cone: Scene) -> None:
@@ -172,9 +254,9 @@ def test_drift_of_the_mean_stress_is_noticed(cone: Scene, precision: str) -> Non
         Simulation(dataclasses.replace(sound, material=drifting)).advance(NOTICED_WITHIN)
 
 
-def test_a_sound_run_is_left_alone(scene: Scene) -> None:
+def test_a_sound_run_is_left_alone(small: Scene) -> None:
     """However its steps are parted, and however often it is looked at."""
-    simulation = Simulation(scene)
+    simulation = Simulation(small)
     for steps in (1, NOTICED_WITHIN - 2, 1, 7, 2 * NOTICED_WITHIN):
         simulation.advance(steps)
         simulation.check()
