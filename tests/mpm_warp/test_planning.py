@@ -12,6 +12,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
+from mpm_warp.scenes import scene_class, scene_names
 from tests.mpm_warp.edges import axis_and_ends
 
 STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
@@ -105,9 +106,9 @@ def test_a_wall_pushes_last_and_moves_after_the_particles(cavity: Scene) -> None
     ]
 
 
-@pytest.mark.parametrize("name", ["cone", "cavity", "floating"])
-def test_every_array_is_used(name: str, request: pytest.FixtureRequest) -> None:
-    plan = make_plan(request.getfixturevalue(name))
+@pytest.mark.parametrize("name", scene_names())
+def test_every_array_is_used(name: str) -> None:
+    plan = scene_class(name)().plan()
     used = {array for launch in plan.launches for array in launch.arrays}
     assert set(plan.arrays) == used
 

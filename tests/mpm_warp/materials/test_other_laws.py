@@ -144,6 +144,10 @@ def test_a_cone_goes_through_it_and_the_watch_knows_its_volume(short_test: ConeP
     assert pressure.max() > start
     # At R = 2 points begin at the critical state: what yields keeps its effective stress.
     np.testing.assert_allclose(p, start, rtol=0.05)
+    slot = int(np.flatnonzero(inside)[5])
+    simulation.array("particle.stress")[slot, 2] = start
+    with pytest.raises(SimulationDiverged, match=f"stress of particle {slot} .* outside the yield"):
+        simulation.check()
     with pytest.raises(SimulationDiverged, match="mean stress of particle"):
         Simulation(replace(scene, material=Drifting(**vars(material)))).advance(500)
 
