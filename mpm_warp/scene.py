@@ -158,6 +158,7 @@ class Scene:
         if self.bulk_viscosity is not None:
             check_number("bulk_viscosity", self.bulk_viscosity, POSITIVE)
         check_array("stress_at_rest", self.stress_at_rest, (4,))
+        self.material.check_stress_at_rest(self.stress_at_rest)
         check_kind("precision", self.precision, str)
         if self.precision not in PRECISIONS:
             raise SceneError(

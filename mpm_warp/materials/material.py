@@ -140,6 +140,17 @@ class Material(Checked, ABC):
         """
         return np.zeros((*place.shape[:-1], len(self.state)))
 
+    def check_stress_at_rest(self, stress: Floats) -> None:
+        """Check that the ground may have a stress before anything moves; any by default.
+
+        Args:
+            stress: (rr, zz, rz, tt) over that of the ground's pressure [Pa], shape [4].
+
+        Raises:
+            SceneError: the law does not allow it.
+        """
+        return
+
     def properties_at(self, place: Floats) -> Floats:
         """`properties` of points whose material varies, shape [..., property_count].
 

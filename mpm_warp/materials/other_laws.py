@@ -1,6 +1,6 @@
-"""Laws of other packages, by the entry point group `mpm_warp.materials`.
+"""Laws with parameters of their own: those of this package, and of others by entry points.
 
-In their pyproject.toml:
+Other packages offer laws by the entry point group `mpm_warp.materials`, in their pyproject.toml:
 
     [project.entry-points."mpm_warp.materials"]
     my_clay = "their_package.my_clay:MyClay"
@@ -24,6 +24,10 @@ GROUP = "mpm_warp.materials"
 """Group of the entry points by which other packages offer laws."""
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")
 """What a scene gives to a law that has a field of the name: rho [kg/m3], G [Pa], nu, su [Pa]."""
+OF_THIS_PACKAGE: Mapping[str, str] = {
+    "modified_cam_clay": "mpm_warp.materials.modified_cam_clay:ModifiedCamClay",
+}
+"""Where the laws of this package are that have parameters of their own, by name."""
 FROM_ELSEWHERE = ("variation",)
 """Fields that a scene sets later, where its ground varies."""
 
@@ -59,8 +63,9 @@ class OtherLaw:
 
 @functools.cache
 def other_laws() -> Mapping[str, EntryPoint]:
-    """Where the laws of other packages are, by name; none is imported for that."""
-    return {offered.name: offered for offered in entry_points(group=GROUP)}
+    """Where the laws are, by name; none is imported for that."""
+    own = [EntryPoint(name, where, GROUP) for name, where in OF_THIS_PACKAGE.items()]
+    return {offered.name: offered for offered in (*entry_points(group=GROUP), *own)}
 
 
 def loaded_laws() -> tuple[str, ...]:

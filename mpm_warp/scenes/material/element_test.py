@@ -6,9 +6,8 @@ of the extreme principal strains, e deviator of the strain so far, t = (s1 - s3)
     G = (change of stress : e) / (2 e : e)            shear modulus, by the secant from the start
     strength = t at the end,   t = G gamma in elastic soil from an isotropic start
 
-Strains are small: directions are those of the ground at the start. The volume stays, and so does
-what the mean total stress has from outside; of a law with effective stress the pore pressure is
-that of shear alone.
+Strains are small: directions are those of the ground at the start. The volume stays. The pore
+pressure is that at constant mean total stress: what shear alone makes of it.
 """
 
 from collections.abc import Mapping
@@ -162,7 +161,8 @@ class ElementTest(ClayScene):
         if EFFECTIVE_STRESS in state:
             shown[EFFECTIVE_STRESS] = (state[EFFECTIVE_STRESS], "Pa", "effective mean stress p'")
         if PORE_PRESSURE in state:
-            shown[PORE_PRESSURE] = (state[PORE_PRESSURE], "Pa", "excess pore pressure")
+            of_shear = state[PORE_PRESSURE] + change[:, [0, 1, 3]].mean(axis=1)
+            shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure, of shear alone")
         return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
 
     @property

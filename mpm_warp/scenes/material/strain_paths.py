@@ -53,6 +53,8 @@ class StrainPaths:
         count = len(np.atleast_1d(self.gradient))
         check_array("strain paths: gradient", self.gradient, (count, 5))
         check_array("strain paths: stress", self.stress, (count, 4))
+        for stress in self.stress:
+            self.material.check_stress_at_rest(stress)
         check_whole("strain paths: step_count", self.step_count, FROM_ONE)
 
 
