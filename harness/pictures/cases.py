@@ -1,18 +1,46 @@
-"""The picture of a few cases that differ in many parameters: the headline of each, with its bar."""
+"""Pictures of few cases, a row for each: of one scene, or of several scenes in the same soils."""
+
+from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 
+import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from harness.archive.conventions import (
+    COMPLETED,
+    Role,
+    is_there,
+    over_cases,
+    scenes_of,
+    spoken,
+    uncertainty_of,
+    varied_names,
+    with_role,
+)
 from harness.pictures.drawing.caption import write_caption
-from harness.pictures.drawing.plot_parts import INK, STYLED
-from harness.pictures.drawing.quantities import assigned, axis_label
+from harness.pictures.drawing.plot_parts import (
+    INK,
+    MARKERS,
+    STYLED,
+    empty_figure,
+    legend_above,
+    series_colour,
+)
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label, named, unit_of
 from harness.pictures.effects import much_varied, shows_effects
-from harness.pictures.studied import Studied
+from harness.pictures.studied import BARS, Studied
 
-ROW_HEIGHT, MARGIN = 0.32, 1.5
-"""Inches of a row, and of axis and caption."""
+CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
+"""Inches of the row of a case and of a soil, and of axis, legend and caption."""
+SPREAD = 0.5
+"""Height that the scenes of a row take, over its own."""
+MOST_ROWS = 24
+"""Rows on a page."""
 
 
 def shows_cases(dataset: xr.Dataset) -> bool:
@@ -24,29 +52,133 @@ def shows_cases(dataset: xr.Dataset) -> bool:
 def cases_figure(dataset: xr.Dataset) -> Figure:
     """A row for each case, the first of the study on top."""
     studied = Studied.known(dataset)
-    count = studied.computed.size
-    figure = Figure(figsize=(Figure().get_figwidth(), ROW_HEIGHT * count + MARGIN))
-    axes = figure.subplots()
-    rows = range(count)
-    axes.errorbar(
-        studied.computed, rows, xerr=studied.half_width, fmt="o", color=INK, ms=4, capsize=3
-    )
     usual = {
         name: Counter(it.numbers.tolist()).most_common(1)[0][0]
         for name, it in studied.varied.items()
     }
-    axes.set_yticks(rows, [_label(studied, case, usual) for case in rows], fontsize=8)
-    axes.set_ylim(count - 0.5, -0.5)
+    count = studied.computed.size
+    figure, axes = _rows([_label(studied, case, usual) for case in range(count)], CASE_HEIGHT)
+    half_width = studied.half_width
+    axes.errorbar(
+        studied.computed, range(count), xerr=half_width, fmt="o", color=INK, ms=4, capsize=3
+    )
     axes.set_xlabel(axis_label(dataset, studied.headline))
-    failed = studied.failed
     most = [assigned(dataset, name, it.value(usual[name])) for name, it in studied.varied.items()]
-    lost = f"{failed.size} of {count} cases did not complete." if failed.size else ""
     beside = f"Beside each case: where it differs from {', '.join(most)}."
-    write_caption(figure, dataset, beside, studied.bars, lost)
+    write_caption(figure, dataset, beside, studied.bars, _lost(studied.failed.size, count))
     return figure
+
+
+def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
+    """A figure with rows for marks, the first on top."""
+    figure, axes = empty_figure(height * len(labels) + MARGIN)
+    axes.set_yticks(range(len(labels)), labels, fontsize=8)
+    axes.set_ylim(len(labels) - 0.5, -0.5)
+    return figure, axes
+
+
+def _lost(failed: int, count: int) -> str:
+    return f"{failed} of {count} cases did not complete." if failed else ""
 
 
 def _label(studied: Studied, case: int, usual: dict[str, float]) -> str:
     """What a case has that most have not."""
     own = [name for name, it in studied.varied.items() if it.numbers[case] != usual[name]]
     return studied.label(case, own) or "as most"
+
+
+@dataclass(frozen=True)
+class _Soils:
+    """Cases of several scenes, those with the same values of what varies in one row.
+
+    Attributes:
+        headlines: names of what the scenes were run for.
+        labels: of the rows.
+        cases: number of the case of each scene in each row, by scene.
+    """
+
+    headlines: list[str]
+    labels: list[str]
+    cases: dict[str, list[int]]
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> _Soils | None:
+        """The rows; None where the scenes do not share them, or have results of several units."""
+        if "status" not in dataset or "scene" not in dataset.coords:
+            return None
+        dims = set(dataset["status"].dims)
+        named_headlines = with_role(dataset, Role.HEADLINE)
+        headlines = [name for name in named_headlines if set(dataset[name].dims) <= dims]
+        scenes = np.array(scenes_of(dataset))
+        kinds = list(dict.fromkeys(scenes.tolist()))
+        names = _varied_within(dataset, scenes)
+        columns = [over_cases(dataset, name).tolist() for name in names]
+        values = list(zip(*columns, strict=True)) or [()] * scenes.size
+        found = {
+            kind: {values[case]: int(case) for case in np.flatnonzero(scenes == kind)}
+            for kind in kinds
+        }
+        rows = found[kinds[0]]
+        alike = all(own.keys() == rows.keys() for own in found.values())
+        is_each_once = sum(map(len, found.values())) == scenes.size
+        units = {unit_of(dataset, name) for name in headlines}
+        fits = alike and is_each_once and len(units) == 1 and len(rows) <= MOST_ROWS
+        if len(kinds) < 2 or not fits:
+            return None
+        labels = [
+            ", ".join(assigned(dataset, *it) for it in zip(names, row, strict=True)) for row in rows
+        ]
+        cases = {kind: [own[row] for row in rows] for kind, own in found.items()}
+        return cls(headlines, labels, cases)
+
+
+def shows_scenes(dataset: xr.Dataset) -> bool:
+    """Whether several scenes were run with the same values of what varies."""
+    return _Soils.of(dataset) is not None
+
+
+@STYLED
+def scenes_figure(dataset: xr.Dataset) -> Figure:
+    """A row for each soil, with a mark for each scene; the first of the study on top."""
+    soils = _Soils.of(dataset)
+    assert soils is not None, "the scenes share no rows"
+    figure, axes = _rows(soils.labels, SOIL_HEIGHT)
+    values, half_width = _headlines(dataset, soils.headlines), uncertainty_of(dataset)
+    kinds = list(soils.cases)
+    for number, (kind, cases) in enumerate(soils.cases.items()):
+        axes.errorbar(
+            values[cases],
+            np.arange(len(cases)) + SPREAD * (number / (len(kinds) - 1) - 0.5),
+            xerr=half_width[cases].astype(float),
+            fmt=MARKERS[number % len(MARKERS)],
+            color=series_colour(number, len(kinds)),
+            ms=4,
+            capsize=3,
+            label=spoken(kind),
+        )
+    unit = unit_of(dataset, soils.headlines[0]) or "-"
+    axes.set_xlabel(f"{', '.join(named(dataset, name) for name in soils.headlines)} [{unit}]")
+    legend_above(figure, axes)
+    bars = BARS if np.isfinite(half_width).any() else ""
+    write_caption(figure, dataset, bars, _lost(int(np.isnan(values).sum()), values.size))
+    return figure
+
+
+def _headlines(dataset: xr.Dataset, names: Sequence[str]) -> Floats:
+    """The headline of each case, whatever its scene; not a number where it did not complete."""
+    own = [over_cases(dataset, name).astype(float) for name in names]
+    completed = over_cases(dataset, "status").astype(str) == COMPLETED
+    return np.where(completed, np.fmax.reduce(own), np.nan)
+
+
+def _varied_within(dataset: xr.Dataset, scenes: np.ndarray) -> list[str]:
+    """What differs between cases of the same scene."""
+
+    def differs(name: str) -> bool:
+        values = over_cases(dataset, name)
+        return any(
+            len({it for it in values[scenes == kind].tolist() if is_there(it)}) > 1
+            for kind in set(scenes.tolist())
+        )
+
+    return [name for name in varied_names(dataset) if name != "scene" and differs(name)]

@@ -15,7 +15,6 @@ from harness.pictures.drawing.plot_parts import (
     MARKERS,
     MOST_LABELS,
     STYLED,
-    draw_series,
     empty_figure,
     legend_above,
     mark_failures,
@@ -150,9 +149,8 @@ def convergence_figure(dataset: xr.Dataset) -> Figure:
         x, y = h[ordered], studied.computed[ordered]
         observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, colour)
         label = f"{studied.label(cases[0], other) or 'computed'}: {observed}"
-        width = None if studied.half_width is None else studied.half_width[ordered]
-        line = "-" if is_error else ""
-        draw_series(axes, x, y, width, color=colour, ls=line, marker=MARKERS[rank], label=label)
+        width, line = studied.widths(ordered), "-" if is_error else ""
+        axes.errorbar(x, y, width, color=colour, ls=line, marker=MARKERS[rank], label=label)
         mark_failures(axes, x[~np.isfinite(y)])
     if is_error:
         axes.set_xscale("log")

@@ -1,9 +1,10 @@
-"""The picture of one varied parameter: what was computed over it, with bands and references."""
+"""What was computed over one varied parameter, with bands and references; over two, a map."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from harness.archive.conventions import Role, over_cases, parameter_of, with_role
 from harness.compare.compared import NothingToCompareError, conditions_of, stored_references
@@ -11,12 +12,14 @@ from harness.pictures.convergence import shows_convergence
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.literature import draw_experience, draw_literature, ranges_of_own
 from harness.pictures.drawing.plot_parts import (
+    FAILED,
+    INK,
     MARKERS,
     MOST_LABELS,
+    SHADES,
     STYLED,
     CurveEnd,
     chosen,
-    draw_series,
     empty_figure,
     label_ends,
     legend_above,
@@ -25,7 +28,6 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
 )
 from harness.pictures.drawing.quantities import Floats, Values, axis_label
-from harness.pictures.map import shows_map
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED, NEEDED
@@ -33,6 +35,15 @@ from harness.study.own_references import OwnReference
 
 FINE = 400
 """Points of a literature curve."""
+LEAST_VALUES = 3
+"""Values of each of two parameters from which on there is a map."""
+MOST_CURVES = 5
+"""Curves beside a map."""
+LEVELS = 7
+MAP_HEIGHT = 3.6
+"""Of a map, in inches."""
+EDGE = 0.05
+"""Of the axes: a contour's label that is nearer to their edge would be cut off, and is left out."""
 
 
 def shows_curve(dataset: xr.Dataset) -> bool:
@@ -74,9 +85,16 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
         label = studied.label(cases[0], other)
         if studied.headline == COMPARED and (rank == 0 or not shared):
             ends += _literature(axes, studied, name, ordered[0], None if shared else colour)
-        widths = None if studied.half_width is None else studied.half_width[ordered]
-        style = {"ls": "" if along.categories else "-", "marker": MARKERS[rank], "zorder": 4}
-        draw_series(axes, x, y, widths, color=colour, label=label or "computed", **style)
+        axes.errorbar(
+            x,
+            y,
+            studied.widths(ordered),
+            color=colour,
+            label=label or "computed",
+            ls="" if along.categories else "-",
+            marker=MARKERS[rank],
+            zorder=4,
+        )
         mark_failures(axes, x[~np.isfinite(y)])
         _draw_exact(axes, studied, ordered, x)
     along.dress(axes, room=10)
@@ -156,3 +174,98 @@ def _draw_exact(axes: Axes, studied: Studied, cases: np.ndarray, x: Floats) -> N
         if belongs and set(dataset[name].dims) <= set(dataset["status"].dims):
             exact = over_cases(dataset, name)[cases]
             axes.plot(x, exact, ls="--", lw=1, color="0.4", label=once(axes, "exact"))
+
+
+def shows_map(dataset: xr.Dataset) -> bool:
+    """Whether a result is that of two varied numbers, of all combinations of their values."""
+    studied = Studied.of(dataset)
+    if studied is None or not studied.is_combined or shows_convergence(dataset):
+        return False
+    if len(studied.varied) != 2 or len(studied.numbers) != 2:
+        return False
+    table = _table(studied, studied.computed)
+    # Contours need neighbours: a map with holes says less than the curves.
+    full = bool(np.isfinite(table).mean() > 0.5)
+    return min(table.shape) >= LEAST_VALUES and studied.computed.size == table.size and full
+
+
+@STYLED
+def map_figure(dataset: xr.Dataset) -> Figure:
+    """Contours of what was computed over two parameters; beside them curves over the first."""
+    studied = Studied.known(dataset)
+    figure = Figure(figsize=(Figure().get_figwidth(), MAP_HEIGHT))
+    left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))
+    _draw_contours(figure, left, studied)
+    _draw_curves(right, studied)
+    bars = "; error bars hold the value with 95 %" if studied.half_width is not None else ""
+    sound = np.isfinite(studied.computed).all()
+    crosses = "" if sound else ", crosses did not complete"
+    write_caption(
+        figure,
+        dataset,
+        f"Left: contours; dots are computed cases{crosses}. "
+        f"Right: the same over one parameter{bars}.",
+    )
+    return figure
+
+
+def _across_and_up(studied: Studied) -> list[Values]:
+    """The parameter along the horizontal axis, the one with more values, and the other."""
+    return sorted(studied.varied.values(), key=lambda it: it.different.size, reverse=True)
+
+
+def _table(studied: Studied, values: Floats) -> Floats:
+    """Values of the cases over both parameters, shape [up, across]; else not a number."""
+    columns, rows = _across_and_up(studied)
+    table = np.full((rows.different.size, columns.different.size), np.nan)
+    row = np.searchsorted(rows.different, rows.numbers)
+    column = np.searchsorted(columns.different, columns.numbers)
+    table[row, column] = values
+    return table
+
+
+def _draw_contours(figure: Figure, axes: Axes, studied: Studied) -> None:
+    x, y = _across_and_up(studied)
+    table = np.ma.masked_invalid(_table(studied, studied.computed))
+    levels = MaxNLocator(LEVELS).tick_values(table.min(), table.max())
+    filled = axes.contourf(x.different, y.different, table, levels=levels, cmap=SHADES)
+    lines = axes.contour(filled, colors="white", linewidths=0.8)
+    # Labels are placed on the page: the axes need their scales before.
+    x.dress(axes, room=7)
+    y.dress(axes, room=10, which="y")
+    for label in axes.clabel(lines, fontsize=7, fmt="%g"):
+        place = (axes.transData - axes.transAxes).transform(label.get_position())
+        label.set_visible(bool((np.abs(place - 0.5) < 0.5 - EDGE).all()))
+    sound = np.isfinite(studied.computed)
+    axes.plot(x.numbers[sound], y.numbers[sound], ".", color=INK, ms=3, clip_on=False)
+    if not sound.all():
+        axes.plot(x.numbers[~sound], y.numbers[~sound], "x", color=FAILED, clip_on=False)
+    axes.grid(visible=False)
+    axes.set_xlabel(axis_label(studied.dataset, x.name))
+    axes.set_ylabel(axis_label(studied.dataset, y.name))
+    bar = figure.colorbar(filled, cax=axes.inset_axes((0, 1.04, 1, 0.04)), orientation="horizontal")
+    bar.ax.xaxis.set_ticks_position("top")
+    bar.ax.xaxis.set_label_position("top")
+    bar.set_label(axis_label(studied.dataset, studied.headline), fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+
+
+def _draw_curves(axes: Axes, studied: Studied) -> None:
+    x, y = _across_and_up(studied)
+    groups = studied.groups([y.name])
+    rows = chosen(len(groups), MOST_CURVES)
+    ends = []
+    for rank, cases in enumerate(groups[row] for row in rows):
+        colour = series_colour(rank, len(rows))
+        ordered = cases[np.argsort(x.numbers[cases])]
+        along, computed = x.numbers[ordered], studied.computed[ordered]
+        width = studied.widths(ordered)
+        axes.errorbar(along, computed, width, color=colour, marker=MARKERS[rank], ms=4)
+        known = np.flatnonzero(np.isfinite(computed))
+        if known.size:
+            label = studied.label(cases[0], [y.name])
+            ends.append(CurveEnd(along[known[-1]], computed[known[-1]], label, colour))
+    x.dress(axes, room=5)
+    axes.set_xlabel(axis_label(studied.dataset, x.name))
+    axes.set_ylabel(axis_label(studied.dataset, studied.headline))
+    label_ends(axes, ends, size=7)

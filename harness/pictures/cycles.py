@@ -12,7 +12,6 @@ from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
     STYLED,
     chosen,
-    draw_series,
     legend_above,
     series_colour,
 )
@@ -100,7 +99,7 @@ def _draw_factor(axes: Axes, case: xr.Dataset, rank: int, count: int, label: str
     colour = series_colour(rank, count)
     cycle = case["cycle"].values
     factor, marker = case[FACTOR].values, MARKERS[rank]
-    draw_series(axes, cycle, factor, color=colour, label=label, ls="", marker=marker, ms=4)
+    axes.errorbar(cycle, factor, color=colour, label=label, ls="", marker=marker, ms=4)
     fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
     if np.isfinite(fit.cycles):
         along = np.linspace(0.0, float(cycle[-1]), FINE)

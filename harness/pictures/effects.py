@@ -1,4 +1,4 @@
-"""The picture of random cases, or of many parameters at once: the effect of each, and the rest."""
+"""Pictures of many parameters: what each does alone, as a tornado, or among others, as a fit."""
 
 import math
 import textwrap
@@ -9,10 +9,31 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from harness.archive.conventions import MISSING
 from harness.pictures.drawing.caption import write_caption
-from harness.pictures.drawing.plot_parts import ACCENT, MOST_LABELS, STYLED, mark_failures
-from harness.pictures.drawing.quantities import Floats, Values, axis_label, number
+from harness.pictures.drawing.plot_parts import (
+    ACCENT,
+    INK,
+    LIGHT,
+    MOST_LABELS,
+    STYLED,
+    empty_figure,
+    mark_failures,
+)
+from harness.pictures.drawing.quantities import (
+    Floats,
+    Values,
+    axis_label,
+    named,
+    number,
+    plain,
+    quantity,
+    symbol,
+    unit_of,
+)
 from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 
@@ -20,8 +41,11 @@ LEAST_PARAMETERS = 3
 MOST_LISTED = 20
 """Cases that a reader takes in one by one."""
 COLUMNS = 3
-ROW_HEIGHT, MARGIN = 1.75, 0.9
+PANEL_HEIGHT, PANEL_MARGIN = 1.75, 0.9
 """Inches of a row of panels, and of the caption."""
+MOST_BARS = 20
+BAR_HEIGHT, BAR_MARGIN = 0.3, 1.6
+"""Inches of a bar of a tornado, and of all around them."""
 
 
 def shows_effects(dataset: xr.Dataset) -> bool:
@@ -29,7 +53,7 @@ def shows_effects(dataset: xr.Dataset) -> bool:
     studied = much_varied(dataset)
     if studied is None:
         return False
-    return studied.computed.size > MOST_LISTED or effects(studied).is_fitted
+    return studied.computed.size > MOST_LISTED or _effects(studied).is_fitted
 
 
 def much_varied(dataset: xr.Dataset) -> Studied | None:
@@ -43,7 +67,7 @@ def much_varied(dataset: xr.Dataset) -> Studied | None:
 
 
 @dataclass(frozen=True)
-class Effects:
+class _Effects:
     """A fit of the headline by a sum of functions of one parameter each.
 
     Attributes:
@@ -63,12 +87,8 @@ class Effects:
         """Standard deviation of the residual."""
         return float(np.nanstd(self.residual))
 
-    def strength(self, name: str) -> float:
-        """From the least to the greatest of what a parameter contributes."""
-        return float(np.ptp(self.parts[name][np.isfinite(self.residual)]))
 
-
-def effects(studied: Studied) -> Effects:
+def _effects(studied: Studied) -> _Effects:
     """Fit the headline by least squares.
 
     A number contributes a parabola, in its logarithm where its axis is logarithmic; a straight line
@@ -78,21 +98,16 @@ def effects(studied: Studied) -> Effects:
     values = studied.computed[sound]
     mean = float(values.mean())
     for degree in (2, 1):
-        columns = {name: _columns(it, sound, degree) for name, it in studied.varied.items()}
-        matrix = np.column_stack(list(columns.values()))
-        is_fitted = sound.sum() >= 2 * (matrix.shape[1] + 1)
+        columns = [_columns(it, sound, degree) for it in studied.varied.values()]
+        matrix = np.hstack(columns)
+        is_fitted = bool(sound.sum() >= 2 * (matrix.shape[1] + 1))
         if is_fitted:
             break
-    coefficients = (
-        np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else np.zeros(matrix.shape[1])
-    )
-    ends = np.cumsum([column.shape[1] for column in columns.values()])[:-1]
-    parts = {
-        name: own @ factor
-        for (name, own), factor in zip(columns.items(), np.split(coefficients, ends), strict=True)
-    }
-    fit = mean + np.sum(list(parts.values()), axis=0)
-    return Effects(parts, mean, np.where(sound, studied.computed - fit, np.nan), bool(is_fitted))
+    found = np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else 0.0 * matrix[0]
+    ends = np.cumsum([column.shape[1] for column in columns])[:-1]
+    own = [column @ it for column, it in zip(columns, np.split(found, ends), strict=True)]
+    residual = np.where(sound, studied.computed - (mean + np.sum(own, axis=0)), np.nan)
+    return _Effects(dict(zip(studied.varied, own, strict=True)), mean, residual, is_fitted)
 
 
 def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
@@ -111,10 +126,13 @@ def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
 def effects_figure(dataset: xr.Dataset) -> Figure:
     """A panel for each parameter, most effect first: the cases without the effect of all others."""
     studied = Studied.known(dataset)
-    found = effects(studied)
-    names = sorted(studied.varied, key=found.strength, reverse=True)[:MOST_LABELS]
+    found = _effects(studied)
+    sound = np.isfinite(found.residual)
+    strength = {name: np.ptp(part[sound]) for name, part in found.parts.items()}
+    names = sorted(strength, key=lambda name: strength[name], reverse=True)[:MOST_LABELS]
     row_count = math.ceil(len(names) / COLUMNS)
-    figure = Figure(figsize=(Figure().get_figwidth(), ROW_HEIGHT * row_count + MARGIN))
+    figure = Figure()
+    figure.set_figheight(PANEL_HEIGHT * row_count + PANEL_MARGIN)
     panels = figure.subplots(row_count, COLUMNS, squeeze=False, sharey=True)
     for axes in panels.flat[len(names) :]:
         axes.remove()
@@ -126,7 +144,7 @@ def effects_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw_panel(axes: Axes, studied: Studied, found: Effects, name: str) -> None:
+def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> None:
     values = studied.varied[name]
     effect = found.mean + found.parts[name]
     sound = np.isfinite(found.residual)
@@ -145,26 +163,141 @@ def _draw_panel(axes: Axes, studied: Studied, found: Effects, name: str) -> None
     axes.tick_params(labelsize=7)
 
 
-def _explanations(studied: Studied, found: Effects, shown: int) -> Sequence[str]:
+def _explanations(studied: Studied, found: _Effects, shown: int) -> Sequence[str]:
     count = int(np.isfinite(found.residual).sum())
     failed = found.residual.size - count
-    left_out = len(studied.varied) - shown
-    sentences = [
-        f"{count} cases; {failed} did not complete (crosses)." if failed else f"{count} cases."
+    total = float(np.nanstd(studied.computed))
+    explained = 1.0 - (found.spread / total) ** 2 if total > 0.0 else 1.0
+    most = f"Of {len(studied.varied)} parameters the {shown} of most effect are shown."
+    return (
+        f"{count} cases; {failed} did not complete (crosses)." if failed else f"{count} cases.",
+        "Each dot is a case, less the effects of all other parameters; the line is this "
+        "parameter's effect, a parabola by least squares. The band is the standard deviation "
+        f"of what the fit leaves, {number(found.spread)}; the fit explains {explained:.0%} of "
+        "the variance."
+        if found.is_fitted
+        else "Each dot is a case as it was computed: they are too few for a fit.",
+        most if len(studied.varied) > shown else "",
+    )
+
+
+def shows_tornado(dataset: xr.Dataset) -> bool:
+    """Whether a result shows what each of several parameters does alone."""
+    studied = Studied.of(dataset)
+    if studied is None or studied.design != ONE_AT_A_TIME or not np.isfinite(studied.computed[0]):
+        return False
+    return any(bar.reach > 0.0 for bar in _bars(studied))
+
+
+@dataclass(frozen=True)
+class _Bar:
+    """What one parameter does alone.
+
+    Attributes:
+        values: of the parameter in all cases; the first case has those of the start.
+        cases: those that differ from the first in this parameter alone.
+        change: of the headline in these cases, from the first one's.
+    """
+
+    values: Values
+    cases: np.ndarray
+    change: Floats
+
+    @property
+    def reach(self) -> float:
+        """From the least headline to the greatest, that of the start among them."""
+        return float(np.ptp(np.nan_to_num([0.0, *self.change])))
+
+    def extreme(self, side: int) -> int | None:
+        """The completed case of greatest change, with values below (-1) or above (1) the start."""
+        numbers = self.values.numbers
+        beyond = side * (numbers[self.cases] - numbers[0]) > 0.0
+        places = np.flatnonzero(beyond & np.isfinite(self.change))
+        return int(places[np.argmax(np.abs(self.change[places]))]) if places.size else None
+
+
+def _bars(studied: Studied) -> list[_Bar]:
+    """A bar for each parameter, the widest first."""
+    found = []
+    ran = studied.status != MISSING
+    for values in studied.varied.values():
+        own = np.flatnonzero(ran & (values.numbers != values.numbers[0]))
+        found.append(_Bar(values, own, studied.computed[own] - studied.computed[0]))
+    return sorted(found, key=lambda bar: bar.reach, reverse=True)
+
+
+@STYLED
+def tornado_figure(dataset: xr.Dataset) -> Figure:
+    """A bar for each parameter: how far the headline goes with it from the first case's."""
+    studied = Studied.known(dataset)
+    bars = _bars(studied)
+    shown = bars[:MOST_BARS]
+    figure, axes = empty_figure(BAR_HEIGHT * len(shown) + BAR_MARGIN)
+    start = float(studied.computed[0])
+    axes.axvline(start, color=INK, lw=1)
+    for place, bar in enumerate(shown):
+        _draw_bar(axes, studied, bar, place)
+    names = [f"{named(dataset, it.values.name)} ({_value(studied, it, 0)})" for it in shown]
+    axes.set_yticks(range(len(shown)), names, fontsize=7)
+    axes.set_ylim(len(shown) - 0.4, -0.6)
+    axes.spines["left"].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(visible=False, axis="y")
+    axes.margins(x=0.12)
+    axes.set_xlabel(axis_label(dataset, studied.headline))
+    handles = [
+        Patch(color=LIGHT, label="value below the start"),
+        Patch(color=ACCENT, label="value above it, or another choice"),
+        Line2D([], [], color=INK, lw=1, label=f"start: {number(start)}"),
     ]
-    if found.is_fitted:
-        total = float(np.nanstd(studied.computed))
-        explained = 1.0 - (found.spread / total) ** 2 if total > 0.0 else 1.0
-        sentences.append(
-            "Each dot is a case, less the effects of all other parameters; the line is this "
-            "parameter's effect, a parabola by least squares. The band is the standard deviation "
-            f"of what the fit leaves, {number(found.spread)}; the fit explains {explained:.0%} of "
-            "the variance."
+    figure.legend(handles=handles, loc="outside upper left", ncols=3)
+    rest = len(bars) - len(shown)
+    write_caption(
+        figure,
+        dataset,
+        "One parameter at a time differs from the case of the line. In brackets beside each "
+        "parameter: its value in that case; at the ends of bars: the value that reaches so far.",
+        f"{rest} more parameters change less." if rest else "",
+        _failures(bars),
+        studied.bars,
+    )
+    return figure
+
+
+def _value(studied: Studied, bar: _Bar, case: int) -> str:
+    return quantity(bar.values.of_case(case), unit_of(studied.dataset, bar.values.name))
+
+
+def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
+    """Values below the start have the upper half of the row, those above it the lower one."""
+    start = float(studied.computed[0])
+    for side, colour in ((-1, LIGHT), (1, ACCENT)):
+        extreme = bar.extreme(side)
+        if extreme is None:
+            continue
+        case, change, height = int(bar.cases[extreme]), bar.change[extreme], place + 0.2 * side
+        width = studied.widths(case)
+        axes.barh(height, change, 0.36, left=start, color=colour, xerr=width, ecolor="0.3")
+        outward = -1.0 if change < 0.0 else 1.0
+        beyond = 0.0 if width is None else np.nan_to_num(width)
+        axes.annotate(
+            _value(studied, bar, case),
+            (start + change + outward * beyond, height),
+            xytext=(3 * outward, 0),
+            textcoords="offset points",
+            ha="right" if outward < 0.0 else "left",
+            va="center",
+            fontsize=6,
         )
-    else:
-        sentences.append("Each dot is a case as it was computed: they are too few for a fit.")
-    if left_out:
-        sentences.append(
-            f"Of {len(studied.varied)} parameters the {shown} of most effect are shown."
-        )
-    return sentences
+
+
+def _failures(bars: Sequence[_Bar]) -> str:
+    """The values at which the case did not complete, in a sentence."""
+    failures = []
+    for bar in bars:
+        failed = bar.values.numbers[bar.cases[~np.isfinite(bar.change)]]
+        if failed.size:
+            values = ", ".join(plain(bar.values.text(float(number))) for number in failed)
+            own = symbol(bar.values.name) or plain(bar.values.label)
+            failures.append(f"{own} = {values}")
+    return f"Not completed: {'; '.join(failures)}." if failures else ""

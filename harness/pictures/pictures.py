@@ -13,18 +13,21 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
-from harness.pictures.cases import cases_figure, shows_cases
+from harness.pictures.cases import cases_figure, scenes_figure, shows_cases, shows_scenes
 from harness.pictures.convergence import convergence_figure, shows_convergence
-from harness.pictures.curve import curve_figure, shows_curve
+from harness.pictures.curve import curve_figure, map_figure, shows_curve, shows_map
 from harness.pictures.cycles import cycles_figure, shows_cycles
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
-from harness.pictures.effects import effects_figure, shows_effects
-from harness.pictures.map import map_figure, shows_map
+from harness.pictures.effects import (
+    effects_figure,
+    shows_effects,
+    shows_tornado,
+    tornado_figure,
+)
 from harness.pictures.resistance import resistance_figure, shows_resistance
-from harness.pictures.scenes import scenes_figure, shows_scenes
 from harness.pictures.sounding import shows_sounding, sounding_figure
-from harness.pictures.stability import shows_stability, stability_figure
-from harness.pictures.tornado import shows_tornado, tornado_figure
+from harness.pictures.stability import shows_stability
+from harness.pictures.stability_map import stability_figure
 from harness.pictures.work_precision import shows_work_precision, study_figure
 
 PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], Figure]]] = {

@@ -1,4 +1,4 @@
-"""The stability map: where a study is stable, by which margin, and what gives way first beyond.
+"""Where a study is stable, by which margin, and what gives way first beyond, in words.
 
 One parameter at a time: a strip of single cases for each parameter, from the default to the first
 failure on either side. At random: the share that completed over the range of each parameter.
@@ -7,59 +7,24 @@ failure on either side. At random: the share that completed over the range of ea
 from __future__ import annotations
 
 import re
-import textwrap
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib import rc_context
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize, to_hex
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from harness.archive.conventions import (
     COMPLETED,
-    CRASHED,
     MISSING,
-    TIMED_OUT,
-    UNFINISHED,
     limits_of,
     over_cases,
-    spoken,
     varied_names,
 )
-from harness.pictures.drawing.caption import write_caption
-from harness.pictures.drawing.plot_parts import SHADES, STYLED
 from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 
-STATUSES = {
-    COMPLETED: ("o", "#009E73"),
-    "inaccurate": ("^", "#E69F00"),
-    UNFINISHED: ("p", "#F0E442"),
-    "diverged": ("X", "#D55E00"),
-    "refused": ("s", "#666666"),
-    TIMED_OUT: ("D", "#56B4E9"),
-    CRASHED: ("P", "#CC79A7"),
-    "failed": ("v", "#0072B2"),
-}
-"""Marker and colour of each status, in Okabe and Ito's colours."""
-OTHER = ("*", "black")
-"""Those of any other status."""
-STRIP_HEIGHT, LEGEND_HEIGHT, SCALE_HEIGHT = 0.62, 0.45, 0.6
-"""Inches of a strip, of the legend above, and of the scale of colours and the caption each."""
-LEFT, RIGHT = 0.18, 0.6
-"""Where strips begin and end, of the page's width: names stand before them, words behind."""
-BESIDE = 46
-"""Letters of a line beside a strip."""
 PART_COUNT = 5
 """Parts of equally many cases that the range of a random parameter is cut into."""
 STRIP_HEADING = (
@@ -83,33 +48,33 @@ def shows_stability(dataset: xr.Dataset) -> bool:
     return bool(ended) and (limits_of(dataset) != {} or ended != {COMPLETED})
 
 
-@STYLED
-def stability_figure(dataset: xr.Dataset) -> Figure:
-    """A strip for each parameter: of single cases, or of the shares of random ones."""
-    limits = limits_of(dataset).items()
-    limit = " or ".join(f"{spoken(name)} over its limit of {size:g}" for name, size in limits)
-    if dataset.attrs["design"] == ONE_AT_A_TIME:
-        cases = strips(dataset)
-        figure = _figure(cases)
-        handles = _explain_strips(figure, cases, limit)
-        explanation = "One parameter at a time differs from the default."
-    else:
-        parts = shares(dataset)
-        figure = _figure(parts)
-        handles = _explain_shares(parts, limit)
-        explanation = (
-            "Each range is cut into parts of equally many cases; bars are shares of a part."
-        )
-    figure.legend(handles=handles, loc="upper left", ncols=5, fontsize=7)
-    write_caption(figure, dataset, explanation)
-    return figure
-
-
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     """The map in words: a heading, then a row for each parameter."""
-    if dataset.attrs["design"] == ONE_AT_A_TIME:
-        return [STRIP_HEADING, *(strip.row for strip in strips(dataset))]
-    return [SHARE_HEADING, *(share.row for share in shares(dataset))]
+    is_strip = dataset.attrs["design"] == ONE_AT_A_TIME
+    heading = STRIP_HEADING if is_strip else SHARE_HEADING
+    return [heading, *(row.words for row in stability_strips(dataset))]
+
+
+def stability_strips(dataset: xr.Dataset) -> Sequence[Strip | Shares]:
+    """A strip for each varied parameter, of the cases that were run.
+
+    One at a time, in the order of the dataset: the first case, which has the defaults, and those
+    that differ from it in the parameter. At random: all cases, those parameters first over which
+    the shares differ most.
+    """
+    outcomes = Outcomes.of(dataset)
+    ran = outcomes.status != MISSING
+    varied = [Values.of(dataset, name) for name in varied_names(dataset)]
+    if dataset.attrs["design"] != ONE_AT_A_TIME:
+        found = [Shares.of(values.at(ran), outcomes.at(ran)) for values in varied]
+        return sorted(found, key=lambda it: np.ptp(it.completed), reverse=True)
+    strips = []
+    for values in varied:
+        own = values.numbers != values.numbers[0]
+        own[0] = True
+        own &= ran
+        strips.append(Strip(values.at(own), float(values.numbers[0]), outcomes.at(own)))
+    return strips
 
 
 class Outcomes(NamedTuple):
@@ -143,6 +108,16 @@ class Outcomes(NamedTuple):
     def known_shares(self) -> Floats:
         """The shares of the limit that are known."""
         return self.limit_share[np.isfinite(self.limit_share)]
+
+    @property
+    def failures(self) -> str:
+        """What gave way: cases of each status, and a reason of the most frequent one."""
+        failed = Counter(self.status[self.status != COMPLETED].tolist())
+        if not failed:
+            return "none"
+        texts = ", ".join(f"{failed[status]} {status}" for status in sorted(failed))
+        reason = self.reason[self.status == failed.most_common(1)[0][0]][0]
+        return ": ".join(filter(None, (texts, str(reason))))
 
 
 def short_reason(message: str) -> str:
@@ -184,23 +159,20 @@ class Strip:
         return np.unique(numbers[held])
 
     @property
-    def stable_text(self) -> str:
-        """The values in words."""
-        texts = [self.values.text(number) for number in self.stable]
-        if not self.values.categories:
-            return " to ".join(dict.fromkeys([*texts[:1], *texts[-1:]])) or "none"
-        return ", ".join(texts) or "none"
+    def words(self) -> tuple[str, ...]:
+        """The strip in words, under `STRIP_HEADING`."""
+        values, known = self.values, self.outcomes.known_shares
+        stable = [values.text(number) for number in self.stable] or ["none"]
+        ends = dict.fromkeys([stable[0], stable[-1]])
+        share = f"up to {known.max():.0%} of the limit" if known.size else ""
+        text = ", ".join(stable) if values.categories else " to ".join(ends)
+        default = values.text(self.default)
+        return values.label, default, text, self.margin(-1), self.margin(1), share
 
     @property
-    def row(self) -> tuple[str, ...]:
-        """The strip in words, under `STRIP_HEADING`."""
-        known = self.outcomes.known_shares
-        share = f"up to {known.max():.0%} of the limit" if known.size else ""
-        default = self.values.text(self.default)
-        return (
-            *(self.values.label, default, self.stable_text),
-            *(self.margin(-1), self.margin(1), share),
-        )
+    def beside(self) -> tuple[str, ...]:
+        """What stands beside the strip."""
+        return f"below: {self.margin(-1)}", f"above: {self.margin(1)}"
 
     def margin(self, side: int) -> str:
         """How far it is from the default to the first failure on a side, and what gives way."""
@@ -215,48 +187,12 @@ class Strip:
         where = values.text(number)
         if number == self.default:
             where = "the default itself"
+        elif values.logarithmic and min(number, self.default) > 0.0:
+            where += f" (factor {(number / self.default) ** side:.3g})"
         elif not values.categories:
-            is_ratio = values.logarithmic and min(number, self.default) > 0.0
-            factor = f"factor {(number / self.default) ** side:.3g}" if is_ratio else ""
-            where += f" ({factor or f'difference {number - self.default:+.3g}'})"
+            where += f" (difference {number - self.default:+.3g})"
         why = self.outcomes.status[place], self.outcomes.reason[place]
         return f"{where}, {': '.join(filter(None, map(str, why)))}"
-
-    def draw(self, axes: Axes) -> None:
-        """Draw a mark for each case, the default, and the span that is stable."""
-        stable, outcomes = self.stable, self.outcomes
-        if stable.size and not self.values.categories:
-            ends = stable[[0, -1]]
-            axes.plot(ends, [0, 0], color="0.8", lw=8, solid_capstyle="round", gid="stable")
-        axes.axvline(self.default, color="black", lw=1, gid="default")
-        for number, status, share in zip(
-            self.values.numbers, outcomes.status.tolist(), outcomes.limit_share, strict=True
-        ):
-            marker, colour = STATUSES.get(status, OTHER)
-            if np.isfinite(share):
-                colour = to_hex(SHADES(share))
-            axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
-        self.values.dress(axes, room=6)
-        axes.set_ylim(-1, 1)
-        axes.set_yticks([])
-        _write_beside(axes, f"below: {self.margin(-1)}", f"above: {self.margin(1)}")
-
-
-def strips(dataset: xr.Dataset) -> list[Strip]:
-    """A strip for each parameter of a design of one at a time, in the order of the dataset.
-
-    The first case has the defaults. What is derived from a varied parameter has a strip too. Cases
-    that were not run yet are left out.
-    """
-    outcomes, found = Outcomes.of(dataset), []
-    for name in varied_names(dataset):
-        values = Values.of(dataset, name)
-        own = values.numbers != values.numbers[0]
-        own[0] = True
-        own &= outcomes.status != MISSING
-        part = replace(values, numbers=values.numbers[own])
-        found.append(Strip(part, float(values.numbers[0]), outcomes.at(own)))
-    return found
 
 
 @dataclass(frozen=True)
@@ -273,166 +209,52 @@ class Shares:
     bounds: Floats
     parts: Sequence[Outcomes]
 
-    def count(self, status: str) -> NDArray[np.intp]:
-        """Cases of each part that ended so, shape [part_count]."""
-        return np.array([np.sum(part.status == status) for part in self.parts])
+    @classmethod
+    def of(cls, values: Values, outcomes: Outcomes) -> Shares:
+        """Parts of single values where there are few of them, else of about as many cases each."""
+        numbers, edges = values.numbers, values.different
+        if not values.categories and edges.size > PART_COUNT:
+            edges = np.unique(np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1)))[1:-1]
+        part = np.searchsorted(edges, numbers)
+        members = [np.flatnonzero(part == value) for value in np.unique(part)]
+        bounds = np.array([[numbers[cases].min(), numbers[cases].max()] for cases in members])
+        return cls(values, bounds, [outcomes.at(cases) for cases in members])
 
-    @property
-    def case_count(self) -> NDArray[np.intp]:
-        """Cases of each part."""
-        return np.array([part.status.size for part in self.parts])
+    def share(self, status: str) -> Floats:
+        """Share of the cases of each part that ended so, shape [part_count]."""
+        return np.array([np.mean(part.status == status) for part in self.parts])
 
     @property
     def completed(self) -> Floats:
         """Share of the cases that completed, of each part."""
-        share: Floats = self.count(COMPLETED) / self.case_count
-        return share
+        return self.share(COMPLETED)
 
     @property
-    def spread(self) -> float:
-        """Largest share less the smallest: how much the parameter matters."""
-        return float(np.ptp(self.completed))
+    def texts(self) -> list[str]:
+        """The values of each part in words."""
+        ends = [dict.fromkeys(it) for it in self.bounds.tolist()]
+        return [
+            " to ".join(self.values.text(it if len(own) == 1 else float(f"{it:.3g}")) for it in own)
+            for own in ends
+        ]
 
     @property
-    def limit_share(self) -> Floats:
-        """Median size of results over their limit, of each part; else not a number."""
-        known = [part.known_shares for part in self.parts]
-        return np.array([np.median(value) if value.size else np.nan for value in known])
-
-    @property
-    def row(self) -> tuple[str, ...]:
+    def words(self) -> tuple[str, ...]:
         """The shares in words, under `SHARE_HEADING`."""
-        least = int(np.argmin(self.completed))
-        told = ", ".join(
-            f"{self.text(part)}: {share:.0%} of {count}"
-            for part, (share, count) in enumerate(zip(self.completed, self.case_count, strict=True))
-        )
-        worst = self.text(least), self.failures(least)
-        return self.values.label, told, f"{self.spread:.0%}", *worst
+        completed, texts = self.completed, self.texts
+        told = [
+            f"{text}: {share:.0%} of {part.status.size}"
+            for text, share, part in zip(texts, completed, self.parts, strict=True)
+        ]
+        least, spread = int(np.argmin(completed)), f"{np.ptp(completed):.0%}"
+        worst = texts[least], self.parts[least].failures
+        return self.values.label, ", ".join(told), spread, *worst
 
-    def text(self, part: int) -> str:
-        """The values of a part in words."""
-        low, high = self.bounds[part].tolist()
-        if low == high:
-            return self.values.text(low)
-        return " to ".join(self.values.text(float(f"{end:.3g}")) for end in (low, high))
-
-    def failures(self, part: int) -> str:
-        """What gave way in a part: cases of each status, and a reason of the most frequent one."""
-        outcomes = self.parts[part]
-        failed = Counter(outcomes.status[outcomes.status != COMPLETED].tolist())
-        if not failed:
-            return "none"
-        texts = ", ".join(f"{failed[status]} {status}" for status in sorted(failed))
-        reason = outcomes.reason[outcomes.status == failed.most_common(1)[0][0]][0]
-        return ": ".join(filter(None, (texts, str(reason))))
-
-    def draw(self, axes: Axes) -> None:
-        """Draw a bar for each part, in the colours of how its cases ended."""
-        counts, bounds = self.case_count, self.bounds
-        places, base = np.arange(counts.size), np.zeros(counts.size)
-        for status in _in_order(self.parts):
-            height = self.count(status) / counts
-            axes.bar(places, height, 0.9, base, color=STATUSES.get(status, OTHER)[1], gid=status)
-            base += height
-        axes.hlines(self.limit_share, places - 0.45, places + 0.45, color="black", lw=2)
-        if np.array_equal(bounds[:, 0], bounds[:, 1]):
-            axes.set_xticks(places, [self.text(part) for part in places.tolist()])
-        else:
-            edges = [*bounds[:, 0], bounds[-1, 1]]
-            # Three digits, without an exponent where the number is not long.
-            texts = [f"{float(f'{edge:.3g}'):g}" for edge in edges]
-            axes.set_xticks(np.arange(len(edges)) - 0.5, texts)
-        axes.set_xlim(-0.5, places.size - 0.5)
-        axes.set_ylim(0, 1)
-        axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
+    @property
+    def beside(self) -> tuple[str, ...]:
+        """What stands beside the bars."""
         least, most = self.completed.min(), self.completed.max()
         if least == 1.0:
-            _write_beside(axes, f"all {counts.sum()} complete")
-            return
-        worst = int(np.argmin(self.completed))
-        failures = f"least at {self.text(worst)}: {self.failures(worst)}"
-        _write_beside(axes, f"{least:.0%} to {most:.0%} complete", failures)
-
-
-def shares(dataset: xr.Dataset) -> list[Shares]:
-    """The shares over each parameter of random cases, those first over which they differ most.
-
-    Parts are single values where there are few of them, else hold about as many cases each. Cases
-    that were not run yet are left out.
-    """
-    ran = dataset.isel(case=dataset["status"].values != MISSING)
-    outcomes = Outcomes.of(ran)
-    found = []
-    for name in varied_names(ran):
-        values = Values.of(ran, name)
-        numbers, edges = values.numbers, values.different
-        if not values.categories and edges.size > PART_COUNT:
-            quantiles = np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1))
-            edges = np.unique(quantiles)[1:-1]
-        part = np.searchsorted(edges, numbers)
-        members = [np.flatnonzero(part == value) for value in np.unique(part)]
-        bounds = np.array([[numbers[cases].min(), numbers[cases].max()] for cases in members])
-        found.append(Shares(values, bounds, [outcomes.at(cases) for cases in members]))
-    return sorted(found, key=lambda it: it.spread, reverse=True)
-
-
-def _figure(rows: Sequence[Strip | Shares]) -> Figure:
-    """A row for each parameter, with its name before it."""
-    height = STRIP_HEIGHT * len(rows) + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
-    with rc_context({"figure.constrained_layout.use": False}):
-        figure = Figure(figsize=(Figure().get_figwidth(), height))
-    all_axes = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
-    top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
-    figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
-    for axes, row in zip(all_axes, rows, strict=True):
-        axes.spines[["top", "right", "left"]].set_visible(False)
-        label = textwrap.fill(row.values.label, 17)
-        axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
-        axes.tick_params(axis="x", labelsize=6, pad=1)
-        row.draw(axes)
-    return figure
-
-
-def _explain_strips(figure: Figure, found: Sequence[Strip], limit: str) -> list[Artist]:
-    """The legend's entries; where results have a limit, the scale of colours as well."""
-    outcomes = [strip.outcomes for strip in found]
-    is_scaled = any(it.known_shares.size for it in outcomes)
-    handles: list[Artist] = []
-    for status in _in_order(outcomes):
-        marker, own = STATUSES.get(status, OTHER)
-        colour = "white" if is_scaled and status == COMPLETED else own
-        mark = Line2D([], [], ls="", marker=marker, color=colour, mec="black", label=status)
-        handles.append(mark)
-    handles.append(Line2D([], [], color="black", lw=1, label="default"))
-    handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
-    if is_scaled:
-        height = figure.get_figheight()
-        axes = figure.add_axes((LEFT, 0.85 / height, RIGHT - LEFT, 0.08 / height))
-        scale = ScalarMappable(Normalize(0.0, 1.0), SHADES)
-        figure.colorbar(scale, cax=axes, orientation="horizontal")
-        axes.set_xlabel(f"{limit}, of completed cases", fontsize=7)
-        axes.tick_params(labelsize=6)
-    return handles
-
-
-def _explain_shares(found: Sequence[Shares], limit: str) -> list[Artist]:
-    """The legend's entries."""
-    handles: list[Artist] = [
-        Patch(color=STATUSES.get(status, OTHER)[1], label=status)
-        for status in _in_order(found[0].parts)
-    ]
-    if any(np.isfinite(entry.limit_share).any() for entry in found):
-        handles.append(Line2D([], [], color="black", lw=2, label=f"{limit}, median of completed"))
-    return handles
-
-
-def _write_beside(axes: Axes, *lines: str) -> None:
-    text = "\n".join(textwrap.fill(line, BESIDE, max_lines=2) for line in lines)
-    axes.text(1.03, 0.5, text, transform=axes.transAxes, va="center", fontsize=6)
-
-
-def _in_order(outcomes: Iterable[Outcomes]) -> list[str]:
-    """Each status once, in the order of `STATUSES`, others last."""
-    present = {status for it in outcomes for status in it.status.tolist()}
-    return [*(status for status in STATUSES if status in present), *sorted(present - set(STATUSES))]
+            return (f"all {sum(part.status.size for part in self.parts)} complete",)
+        failures = f"least at {self.words[-2]}: {self.words[-1]}"
+        return f"{least:.0%} to {most:.0%} complete", failures

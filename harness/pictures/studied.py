@@ -24,6 +24,8 @@ from harness.references.cone_factors import COMPARED
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names
 
+BARS = "Error bars hold the value with 95 %."
+
 
 @dataclass(frozen=True)
 class Studied:
@@ -69,6 +71,10 @@ class Studied:
         known = uncertainty_of(self.dataset).astype(float)
         return known if np.isfinite(known).any() else None
 
+    def widths(self, cases: np.ndarray | int) -> Floats | None:
+        """The half widths of some cases; None where none is known."""
+        return None if self.half_width is None else self.half_width[cases]
+
     @functools.cached_property
     def status(self) -> Texts:
         """How each case ended."""
@@ -110,13 +116,14 @@ class Studied:
     @property
     def bars(self) -> str:
         """What error bars are, in a sentence; empty where there are none."""
-        return "" if self.half_width is None else "Error bars hold the value with 95 %."
+        return "" if self.half_width is None else BARS
 
     def label(self, case: int, names: Iterable[str] | None = None) -> str:
         """What a case is called: its values of these varied parameters, by default of all."""
-        varied = [self.varied[name] for name in (self.varied if names is None else names)]
-        named = [(values.name, values.value(float(values.numbers[case]))) for values in varied]
-        return ", ".join(assigned(self.dataset, *each) for each in named)
+        names = self.varied if names is None else names
+        return ", ".join(
+            assigned(self.dataset, name, self.varied[name].of_case(case)) for name in names
+        )
 
     def case(self, index: int) -> xr.Dataset:
         """One case, without dims of cases."""

@@ -4,14 +4,12 @@ import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib import colormaps, style
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_hex
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 from harness.archive.atomic_files import write_whole
 from harness.errors import HarnessError
@@ -99,9 +97,10 @@ def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
 
 
 @STYLED
-def empty_figure() -> tuple[Figure, Axes]:
-    """A figure with one pair of axes."""
+def empty_figure(height: float | None = None) -> tuple[Figure, Axes]:
+    """A figure with one pair of axes, of so many inches in height; None: that of the style."""
     figure = Figure()
+    figure.set_figheight(height or figure.get_figheight())
     return figure, figure.add_subplot()
 
 
@@ -115,17 +114,6 @@ def series_colour(index: int, count: int) -> str:
 def shade(fraction: float) -> str:
     """Colour of a number on the scale `SHADES`, from 0 to 1."""
     return to_hex(SHADES(fraction))
-
-
-def draw_series(
-    axes: Axes,
-    x: ArrayLike,
-    y: ArrayLike,
-    half_width: ArrayLike | None = None,
-    **look: Any,
-) -> None:
-    """Draw computed values with markers, their half widths as error bars where they are known."""
-    axes.errorbar(np.asarray(x), np.asarray(y), yerr=half_width, **look)
 
 
 def mark_failures(axes: Axes, positions: Floats, label: str = "not completed") -> None:

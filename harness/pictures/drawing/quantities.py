@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -156,6 +156,10 @@ class Values:
         numbers = np.array([float(categories.index(text)) for text in texts])
         return cls(name=name, unit=unit, numbers=numbers, categories=categories)
 
+    def at(self, cases: np.ndarray) -> Values:
+        """Those of some cases."""
+        return replace(self, numbers=self.numbers[cases])
+
     @property
     def label(self) -> str:
         """Name and unit."""
@@ -207,6 +211,10 @@ class Values:
     def value(self, number: float) -> float | str:
         """The value that stands for a number: itself, or one of the categories."""
         return self.categories[int(number)] if self.categories else number
+
+    def of_case(self, case: int) -> float | str:
+        """The value of a case."""
+        return self.value(float(self.numbers[case]))
 
     def dress(self, axes: Axes, room: int, which: str = "x") -> None:
         """Give an axis its scale, and ticks at the values; `room` is for how many labels it has."""

@@ -23,9 +23,8 @@ from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import fixed
 from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image
-from harness.pictures.effects import effects_figure
+from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
-from harness.pictures.tornado import tornado_figure
 from mpm_warp import ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from mpm_warp.scenes.catalogue import CatalogueScene

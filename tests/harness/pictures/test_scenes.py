@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.container import ErrorbarContainer
 
-from harness.pictures.scenes import scenes_figure, shows_scenes
+from harness.pictures.cases import scenes_figure, shows_scenes
 from mpm_warp.results import labelled
 from tests.harness.pictures.conftest import figures
 

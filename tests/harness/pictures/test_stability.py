@@ -14,14 +14,8 @@ from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
-from harness.pictures.stability import (
-    Strip,
-    shares,
-    short_reason,
-    stability_figure,
-    stability_rows,
-    strips,
-)
+from harness.pictures.stability import short_reason, stability_rows
+from harness.pictures.stability_map import stability_figure
 from tests.harness.pictures.conftest import figures
 
 BAD_VELOCITY = (
@@ -78,8 +72,11 @@ def one_at_a_time(outcomes: Sequence[tuple[dict[str, object], str]] = OUTCOMES) 
     return made("one_at_a_time", [status for _, status in outcomes], **columns)
 
 
-def strip_of(dataset: xr.Dataset, name: str) -> Strip:
-    return next(strip for strip in strips(dataset) if strip.values.name == name)
+def row_of(dataset: xr.Dataset, name: str) -> dict[str, str]:
+    """What the map says of a parameter, by its headings."""
+    heading, *rows = stability_rows(dataset)
+    (row,) = (row for row in rows if row[0] == name)
+    return dict(zip(heading, row, strict=True))
 
 
 def random_cases() -> xr.Dataset:
@@ -92,83 +89,71 @@ def random_cases() -> xr.Dataset:
     )
 
 
-def test_stable_is_what_completed_up_to_the_first_failure_on_either_side() -> None:
-    strip = strip_of(one_at_a_time(), "speed_ratio")
-    assert strip.default == 0.03
-    assert strip.stable.tolist() == [0.01, 0.03, 0.1]
-    assert strip.stable_text == "0.01 to 0.1"
+DIVERGED = "diverged: velocity of particle 352"
+INACCURATE = (
+    "inaccurate: the transfers between material points and grid took 7.0% of the penetrometer's "
+    "work"
+)
+TRIED = [OUTCOMES[0], *(({"speed_ratio": it}, "completed") for it in (0.1, 0.4, 0.01))]
+NO_DEFAULT = [({}, "crashed"), *OUTCOMES[1:]]
+NO_MISES = [*OUTCOMES[:-1], (OUTCOMES[-1][0], "diverged")]
+BELOW, ABOVE = f"0.001 (factor 30), {DIVERGED}", f"0.3 (factor 10), {INACCURATE}"
 
 
-def test_the_margin_is_a_factor_where_values_span_decades() -> None:
-    strip = strip_of(one_at_a_time(), "speed_ratio")
-    assert strip.margin(-1) == "0.001 (factor 30), diverged: velocity of particle 352"
-    assert strip.margin(1) == (
-        "0.3 (factor 10), inaccurate: the transfers between material points and grid took 7.0% of "
-        "the penetrometer's work"
-    )
+@pytest.mark.parametrize(
+    ("outcomes", "name", "stable", "below", "above"),
+    [
+        (OUTCOMES, "speed ratio", "0.01 to 0.1", BELOW, ABOVE),
+        (
+            OUTCOMES,  # what completed beyond a failure is not stable
+            "Poisson's ratio",
+            "0.3 to 0.49",
+            f"0.2 (difference -0.29), {DIVERGED}",
+            "no case",
+        ),
+        (TRIED, "speed ratio", "0.01 to 0.4", "none failed down to 0.01", "none failed up to 0.4"),
+        (NO_DEFAULT, "speed ratio", "none", *["the default itself, crashed"] * 2),
+        (OUTCOMES, "material", "tresca, von_mises", "no case", "none failed"),
+        (NO_MISES, "material", "tresca", "no case", f"von_mises, {DIVERGED}"),
+    ],
+)
+def test_what_is_stable_and_what_is_the_margin(
+    outcomes: Sequence[tuple[dict[str, object], str]],
+    name: str,
+    stable: str,
+    below: str,
+    above: str,
+) -> None:
+    row = row_of(one_at_a_time(outcomes), name)
+    told = row["stable"], row["first failure below"], row["first failure above"]
+    assert told == (stable, below, above)
 
 
-def test_the_margin_is_a_difference_elsewhere_and_values_beyond_a_failure_are_not_stable() -> None:
-    strip = strip_of(one_at_a_time(), "poissons_ratio")
-    assert strip.margin(-1) == "0.2 (difference -0.29), diverged: velocity of particle 352"
-    assert strip.margin(1) == "no case"
-    assert strip.stable_text == "0.3 to 0.49"
+@pytest.mark.parametrize(
+    ("statuses", "values", "stable", "above"),
+    [
+        # A default that the scene derives is no number.
+        (["completed", "completed", "diverged"], [np.nan, 0.5, 1.0], "derived, 0.5", "1, "),
+        # From zero there is no factor.
+        (["completed", "completed", "diverged"], [0.0, 1.0, 1e4], "0 to 1", "10000 (difference"),
+        # What was not run says nothing.
+        (["completed", "missing", "completed"], [1.0, 2.0, 3.0], "1 to 3", "none failed up to 3"),
+    ],
+)
+def test_values_of_any_kind(
+    statuses: list[str], values: list[float], stable: str, above: str
+) -> None:
+    row = row_of(made("one_at_a_time", statuses, stress=values), "stress")
+    assert row["stable"] == stable
+    assert row["first failure above"].startswith(above)
 
 
-def test_a_side_without_failure_tells_how_far_it_was_tried() -> None:
-    outcomes = [*OUTCOMES[:1], *(({"speed_ratio": it}, "completed") for it in (0.1, 0.4, 0.01))]
-    strip = strip_of(one_at_a_time(outcomes), "speed_ratio")
-    assert strip.margin(1) == "none failed up to 0.4"
-    assert strip.margin(-1) == "none failed down to 0.01"
-
-
-def test_where_the_default_itself_fails_nothing_is_stable() -> None:
-    strip = strip_of(one_at_a_time([({}, "crashed"), *OUTCOMES[1:]]), "speed_ratio")
-    assert strip.stable_text == "none"
-    assert strip.margin(-1) == strip.margin(1) == "the default itself, crashed"
-
-
-def test_texts_are_told_apart_from_numbers() -> None:
-    strip = strip_of(one_at_a_time(), "material")
-    assert (strip.stable_text, strip.margin(1)) == ("tresca, von_mises", "none failed")
-    failed = strip_of(one_at_a_time([*OUTCOMES[:-1], (OUTCOMES[-1][0], "diverged")]), "material")
-    assert failed.stable_text == "tresca"
-    assert failed.margin(1) == "von_mises, diverged: velocity of particle 352"
-
-
-def test_a_default_that_the_scene_derives_is_no_number() -> None:
-    dataset = made(
-        "one_at_a_time", ["completed", "completed", "diverged"], adhesion=[np.nan, 0.5, 1]
-    )
-    strip = strip_of(dataset, "adhesion")
-    assert strip.stable_text == "derived, 0.5"
-    assert strip.margin(1) == "1, diverged: velocity of particle 352"
-
-
-def test_a_margin_from_zero_is_a_difference() -> None:
-    dataset = made("one_at_a_time", ["completed", "completed", "diverged"], stress=[0.0, 1.0, 1e4])
-    assert strip_of(dataset, "stress").margin(1).startswith("10000 (difference +1e+04), diverged")
-
-
-def test_cases_that_were_not_run_are_left_out() -> None:
-    statuses = ["completed", "missing", "completed"]
-    dataset = made("one_at_a_time", statuses, stress=[1.0, 2.0, 3.0])
-    assert strip_of(dataset, "stress").margin(1) == "none failed up to 3"
-    assert strip_of(dataset, "stress").stable.tolist() == [1.0, 3.0]
-
-
-def test_a_result_is_told_as_a_share_of_its_limit() -> None:
-    dataset = made("one_at_a_time", ["completed"] * 3, stress=[1.0, 2.0, 3.0])
-    dataset["energy_error"] = "case", np.array([-0.01, 0.02, -0.03]), {"limit": 0.04}
-    assert strip_of(dataset, "stress").outcomes.limit_share == pytest.approx([0.25, 0.5, 0.75])
-    assert stability_rows(dataset)[1][-1] == "up to 75% of the limit"
-
-
-def test_of_several_limits_the_nearest_counts() -> None:
+def test_a_result_is_told_as_a_share_of_its_limit_and_of_several_the_nearest_counts() -> None:
     dataset = made("one_at_a_time", ["completed"] * 2, stress=[1.0, 2.0])
-    dataset["energy_error"] = "case", np.array([0.01, 0.01]), {"limit": 0.04}
-    dataset["mass_error"] = "case", np.array([0.1, 0.4]), {"limit": 1.0}
-    assert strip_of(dataset, "stress").outcomes.limit_share == pytest.approx([0.25, 0.4])
+    dataset["energy_error"] = "case", np.array([-0.01, 0.02]), {"limit": 0.04}
+    assert row_of(dataset, "stress")["limit"] == "up to 50% of the limit"
+    dataset["mass_error"] = "case", np.array([0.8, 0.1]), {"limit": 1.0}
+    assert row_of(dataset, "stress")["limit"] == "up to 80% of the limit"
     label = stability_figure(dataset).axes[-1].get_xlabel()
     assert label.startswith("energy error over its limit of 0.04 or mass error over its limit of 1")
 
@@ -176,44 +161,30 @@ def test_of_several_limits_the_nearest_counts() -> None:
 def test_a_result_without_a_limit_has_no_scale() -> None:
     dataset = one_at_a_time()
     dataset["energy_error"] = "case", np.full(len(OUTCOMES), 0.01)
-    assert np.isnan(strip_of(dataset, "speed_ratio").outcomes.limit_share).all()
+    assert row_of(dataset, "speed ratio")["limit"] == ""
     assert len(stability_figure(dataset).axes) == len(DEFAULTS)
 
 
-def test_shares_of_random_cases_over_equally_many() -> None:
-    first, second = shares(random_cases())
-    assert (first.values.name, second.values.name) == ("stiffness", "strength")
-    assert first.case_count.tolist() == [4, 4, 4, 4, 4]
-    assert first.completed.tolist() == [1.0, 0.75, 0.5, 0.25, 0.0]
-    assert first.spread == 1.0
-    assert [first.text(part) for part in range(5)] == [
-        "1 to 4",
-        "5 to 8",
-        "9 to 12",
-        "13 to 16",
-        "17 to 20",
+def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
+    """Those first over which they differ most; few values have a part each."""
+    heading, *rows = stability_rows(random_cases())
+    assert [dict(zip(heading, row, strict=True)) for row in rows] == [
+        {
+            "parameter": "stiffness",
+            "completed": "1 to 4: 100% of 4, 5 to 8: 75% of 4, 9 to 12: 50% of 4, "
+            "13 to 16: 25% of 4, 17 to 20: 0% of 4",
+            "spread": "100%",
+            "least": "17 to 20",
+            "what gives way there": f"4 {DIVERGED}",
+        },
+        {
+            "parameter": "strength",
+            "completed": "1: 40% of 10, 2: 60% of 10",
+            "spread": "20%",
+            "least": "1",
+            "what gives way there": f"6 {DIVERGED}",
+        },
     ]
-    assert first.failures(0) == "none"
-    assert first.failures(4) == "4 diverged: velocity of particle 352"
-
-
-def test_few_values_have_a_part_each() -> None:
-    second = shares(random_cases())[1]
-    assert second.bounds.tolist() == [[1.0, 1.0], [2.0, 2.0]]
-    assert second.case_count.tolist() == [10, 10]
-    assert second.completed.tolist() == [0.4, 0.6]
-
-
-def test_rows_of_random_cases_name_the_worst_part() -> None:
-    heading, row, _ = stability_rows(random_cases())
-    assert dict(zip(heading, row, strict=True)) == {
-        "parameter": "stiffness",
-        "completed": "1 to 4: 100% of 4, 5 to 8: 75% of 4, 9 to 12: 50% of 4, 13 to 16: 25% of 4, "
-        "17 to 20: 0% of 4",
-        "spread": "100%",
-        "least": "17 to 20",
-        "what gives way there": "4 diverged: velocity of particle 352",
-    }
 
 
 def marks(figure: Figure, row: int) -> list[tuple[float, str]]:
@@ -274,24 +245,25 @@ def test_where_all_complete_no_least_share_is_told() -> None:
     assert [text.get_text() for text in axes.texts] == ["all 6 complete"]
 
 
-def test_nothing_is_drawn_without_a_failure_or_a_limit() -> None:
-    sound = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
-    assert figures(sound) == {}
-    energy = sound.assign(energy_error=("case", [0.01, 0.02], {"limit": 0.05}))
-    assert list(figures(energy)) == ["stability"]
-    assert list(figures(one_at_a_time())) == ["stability"]
+SOUND = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
 
 
 @pytest.mark.parametrize(
-    "attributes", [{"design": "full"}, {"design": "list"}, {"scene": "cone_bearing thick_cylinder"}]
+    ("dataset", "is_drawn"),
+    [
+        (SOUND, False),
+        (SOUND.assign(energy_error=("case", [0.01, 0.02], {"limit": 0.05})), True),
+        (one_at_a_time(), True),
+        (one_at_a_time().assign_attrs(design="full"), False),
+        (one_at_a_time().assign_attrs(design="list"), False),
+        (one_at_a_time().assign_attrs(scene="cone_bearing thick_cylinder"), False),
+        (made("one_at_a_time", ["diverged"]), False),
+        (made("one_at_a_time", ["missing"] * 2, stress=[1.0, 2.0]), False),
+    ],
+    ids=["sound", "limit", "failures", "full", "list", "two scenes", "nothing varies", "not run"],
 )
-def test_nothing_is_drawn_of_other_designs_and_several_scenes(attributes: dict[str, str]) -> None:
-    assert figures(one_at_a_time().assign_attrs(attributes)) == {}
-
-
-def test_nothing_is_drawn_where_nothing_varies_or_nothing_was_run() -> None:
-    assert figures(made("one_at_a_time", ["diverged"])) == {}
-    assert figures(made("one_at_a_time", ["missing"] * 2, stress=[1.0, 2.0])) == {}
+def test_which_results_have_a_map(dataset: xr.Dataset, is_drawn: bool) -> None:
+    assert list(figures(dataset)) == ["stability"] * is_drawn
 
 
 def test_picture_and_table_come_out_of_plot_and_report(tmp_path: Path) -> None:
