@@ -8,10 +8,13 @@ import functools
 
 from mpm_warp.materials.yield_check import add_yield_check
 from mpm_warp.parts.free_surface import FreeSurface, PassingSurface
-from mpm_warp.parts.interpolation import ConservativeInterpolation, make_velocity_interpolation
+from mpm_warp.parts.interpolation import (
+    ConservativeInterpolation,
+    conservative_flow,
+    flow_displacement,
+)
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import PRECISIONS
 from mpm_warp.scene import Scene
 from mpm_warp.step.cell_rates import add_cell_rates
 from mpm_warp.step.cell_stress import add_cell_stress
@@ -49,11 +52,7 @@ def make_soil_plan(
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
     grid, material, window = scene.grid, scene.material, scene.find(MovingGrid)
     plan = _empty_plan(scene, share_count, time_step)
-    interpolation = (
-        make_velocity_interpolation(plan.precision)
-        if scene.find(ConservativeInterpolation)
-        else None
-    )
+    interpolated = scene.find(ConservativeInterpolation) is not None
     add_points(
         plan,
         grid,
@@ -81,13 +80,13 @@ def make_soil_plan(
         grid,
         density=material.density,
         particles_per_side=scene.particles_per_side,
-        internal_flow=None if interpolation is None else interpolation.of_cell,
+        internal_flow=conservative_flow if interpolated else None,
     )
     add_grid_to_particles(
         plan,
         grid,
         material,
-        flow_displacement=None if interpolation is None else interpolation.displacement,
+        flow_displacement=flow_displacement if interpolated else None,
         window_top=None if window is None else window.top(scene),
     )
     for part in scene.parts:
@@ -120,7 +119,6 @@ def _empty_plan(scene: Scene, share_count: int, time_step: float | None) -> Plan
     if time_step is None:
         time_step = scene.time_step_fraction * critical_time_step
     return Plan(
-        precision=PRECISIONS[scene.precision],
         share_count=share_count,
         time_step=time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,

@@ -35,7 +35,6 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run
-from mpm_warp.precision import PRECISIONS
 
 KindOfPart = TypeVar("KindOfPart", bound="Part")
 
@@ -135,7 +134,6 @@ class Scene:
             bounds the grid holds it: fixed nodes, or the surroundings, which start with it. Where
             the material varies it is none: the variation has the horizontal stress.
         parts: all that acts on the soil, moves the grid or is recorded.
-        precision: floating point numbers of the run, "float64" or "float32".
 
     Raises:
         SceneError: a value is not allowed, or two parts do not go together.
@@ -148,7 +146,6 @@ class Scene:
     bulk_viscosity: float | None = None
     stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4))
     parts: tuple[Part, ...] = ()
-    precision: str = "float64"
 
     def __post_init__(self) -> None:
         check_kind("grid", self.grid, Grid)
@@ -159,11 +156,6 @@ class Scene:
             check_number("bulk_viscosity", self.bulk_viscosity, POSITIVE)
         check_array("stress_at_rest", self.stress_at_rest, (4,))
         self.material.check_stress_at_rest(self.stress_at_rest)
-        check_kind("precision", self.precision, str)
-        if self.precision not in PRECISIONS:
-            raise SceneError(
-                f"precision = {self.precision!r} must be one of {', '.join(PRECISIONS)}"
-            )
         refuse_together(
             "stress_at_rest",
             np.any(self.stress_at_rest) and self.material.variation is not None,

@@ -26,8 +26,9 @@ from mpm_warp.arguments import (
     check_whole,
     checked,
 )
-from mpm_warp.bodies.grid import UniformGrid, one, real, vec2, zero
+from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import one, real, vec2, zero
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.plan.plan import Plan
 

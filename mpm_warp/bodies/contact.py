@@ -33,10 +33,10 @@ import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, Checked, checked
 from mpm_warp.bodies.body import Body
-from mpm_warp.bodies.grid import UniformGrid, first_node, one, real, two, vec2, vec3, zero
-from mpm_warp.parts.contact import make_contact_law
+from mpm_warp.bodies.grid import UniformGrid, first_node
+from mpm_warp.kernel_types import one, real, two, vec2, vec3, zero
+from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import FLOAT64
 
 NEIGHBOURHOOD = 2
 """Cells around a node over which pressure is averaged: all nodes that an interface reaches."""
@@ -47,7 +47,6 @@ FAR = wp.constant(real(-1e30))
 A, B = wp.constant(0), wp.constant(1)
 """Rows of the body and of its base in arrays over fields."""
 reach = wp.constant(NEIGHBOURHOOD)
-contact_law = make_contact_law(FLOAT64)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,12 +23,8 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.precision import FLOAT64
+from mpm_warp.kernel_types import half, one, real, two, vec2, vec3
 
-real, vec2, vec3, vec4, vec5 = FLOAT64.real, FLOAT64.vec2, FLOAT64.vec3, FLOAT64.vec4, FLOAT64.vec5
-mat22 = FLOAT64.mat22
-"""Bodies are computed in double precision."""
-zero, half, one, two = (wp.constant(real(number)) for number in (0.0, 0.5, 1.0, 2.0))
 low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
 
 

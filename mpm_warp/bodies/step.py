@@ -35,35 +35,16 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, check_whole
 from mpm_warp.bodies.body import Body, add_clock, add_loads, add_particles
 from mpm_warp.bodies.contact import add_contact
-from mpm_warp.bodies.grid import (
-    UniformGrid,
-    first_node,
-    half,
-    local_coordinate,
-    mat22,
-    offsets,
-    one,
-    real,
-    slopes,
-    vec2,
-    vec3,
-    vec4,
-    vec5,
-    weights,
-    zero,
-)
+from mpm_warp.bodies.grid import UniformGrid, first_node, local_coordinate, offsets, slopes, weights
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.materials.elasticity import make_elastic_increment, make_motion, make_rotated
+from mpm_warp.kernel_types import half, mat22, one, real, vec2, vec3, vec4, vec5, zero
+from mpm_warp.materials.elasticity import elastic_increment, motion_of, rotated
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.planning import make_plan
-from mpm_warp.precision import FLOAT64
 
 four = wp.constant(real(4.0))
-motion_of = make_motion(FLOAT64)
-rotated = make_rotated(FLOAT64)
-elastic_increment = make_elastic_increment(FLOAT64)
 
 
 @make_plan.register
@@ -80,7 +61,6 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
     if time_step is None:
         time_step = scene.time_step_fraction * critical_time_step
     plan = Plan(
-        precision=FLOAT64,
         time_step=time_step,
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),

@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 
 import warp as wp
 
+from mpm_warp.kernel_types import real
 from mpm_warp.plan.launch import Launch, ShareRow
 from mpm_warp.plan.plan import Plan
 
@@ -76,7 +77,7 @@ def _is_array(kind: Any) -> bool:
 
 
 def _is_real(kind: Any) -> bool:
-    return getattr(kind, "_wp_scalar_type_", kind) in {wp.float64, wp.float32}
+    return getattr(kind, "_wp_scalar_type_", kind) is real
 
 
 def _batched(kind: Any) -> Any:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import FROM_ONE, check_kind, check_known, check_whole
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.replay import Replay
+from mpm_warp.kernel_types import kernels_kept
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import kernels_kept
 
 
 def device_names() -> list[str]:

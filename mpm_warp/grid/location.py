@@ -11,7 +11,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.precision import Precision
+from mpm_warp.kernel_types import one, real, vec2, vec3, vec5, zero
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,8 @@ class Location:
 
 
 @functools.cache
-def make_location(polar: bool, precision: Precision) -> Location:
-    """Location functions in one precision, of a polar grid or of one with horizontal rows."""
-    real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
-    vec5 = precision.vec5
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+def make_location(polar: bool) -> Location:
+    """Location functions of a polar grid or of one with horizontal rows."""
 
     @wp.func
     def horizontal(x: vec2) -> vec2:

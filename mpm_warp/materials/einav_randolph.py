@@ -26,7 +26,8 @@ import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, checked
 from mpm_warp.errors import SceneError
-from mpm_warp.materials.elasticity import make_elastic_increment
+from mpm_warp.kernel_types import one, real, two, vec2, vec4, vec7, vector
+from mpm_warp.materials.elasticity import elastic_increment
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.perfectly_plastic import (
     STRENGTH,
@@ -34,7 +35,6 @@ from mpm_warp.materials.perfectly_plastic import (
     UndrainedClay,
     limit_pressure,
 )
-from mpm_warp.precision import Precision
 
 STEEPEST = 0.5
 """Greatest slope of the strength over G; at 1 the stress would fall without any strain."""
@@ -115,18 +115,17 @@ class EinavRandolph(UndrainedClay):
         """Of intact clay at the largest rate that counts [Pa]."""
         return limit_pressure(self.shear_modulus, self._greatest_strength)
 
-    def update(self, precision: Precision) -> Any:
+    def update(self) -> Any:
         """Return to the surface of the criterion, as large as strain and rate leave it."""
-        return _make_update(self.criterion, self.softens, self.depends_on_rate, precision)
+        return _make_update(self.criterion, self.softens, self.depends_on_rate)
 
-    def yield_function(self, precision: Precision) -> Any:
+    def yield_function(self) -> Any:
         """The measure of the criterion, and the strength k."""
-        measure = self.criterion.measure(precision)
-        return _make_yield_function(measure, self.softens, self.depends_on_rate, precision)
+        return _make_yield_function(self.criterion.measure, self.softens, self.depends_on_rate)
 
-    def law(self, precision: Precision) -> Law:
+    def law(self) -> Law:
         """See `Material`; the key has the criterion too, and what changes the strength."""
-        law = super().law(precision)
+        law = super().law()
         kind = f"{self.criterion.__qualname__}.{'.'.join(self.state)}"
         return replace(law, key=f"{law.key}.{kind}")
 
@@ -136,16 +135,15 @@ class EinavRandolph(UndrainedClay):
 
 
 @functools.cache
-def _make_strength(softens: bool, precision: Precision) -> Any:
+def _make_strength(softens: bool) -> Any:
     """The function (properties, 1 - S) -> (k / R, what of it strain can still take) [Pa]."""
-    real, vec2, vec7 = precision.real, precision.vec2, precision.vec7
 
     @wp.func
     def strength(properties: vec7, lost: real) -> vec2:
         k, left = properties[wp.static(STRENGTH)], real(0.0)
         if wp.static(softens):
             remoulded = properties[3] * k
-            left = (k - remoulded) * (real(1.0) - lost)
+            left = (k - remoulded) * (one - lost)
             k = remoulded + left
         return vec2(k, left)
 
@@ -153,10 +151,9 @@ def _make_strength(softens: bool, precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_memory(softens: bool, depends_on_rate: bool, precision: Precision) -> tuple[Any, Any]:
+def _make_memory(softens: bool, depends_on_rate: bool) -> tuple[Any, Any]:
     """The functions state -> (1 - S, R - 1), and back."""
-    real, vec2 = precision.real, precision.vec2
-    state_type = precision.vector(max(1, softens + depends_on_rate))
+    state_type = vector(max(1, softens + depends_on_rate))
 
     @wp.func
     def recalled(state: state_type) -> vec2:
@@ -180,14 +177,10 @@ def _make_memory(softens: bool, depends_on_rate: bool, precision: Precision) -> 
 
 
 @functools.cache
-def _make_yield_function(
-    measure: Any, softens: bool, depends_on_rate: bool, precision: Precision
-) -> Any:
-    vec2, vec4, vec7 = precision.vec2, precision.vec4, precision.vec7
-    state_type = precision.vector(max(1, softens + depends_on_rate))
-    recalled, _ = _make_memory(softens, depends_on_rate, precision)
-    strength = _make_strength(softens, precision)
-    one = wp.constant(precision.real(1.0))
+def _make_yield_function(measure: Any, softens: bool, depends_on_rate: bool) -> Any:
+    state_type = vector(max(1, softens + depends_on_rate))
+    recalled, _ = _make_memory(softens, depends_on_rate)
+    strength = _make_strength(softens)
 
     @wp.func
     def measure_and_strength(stress: vec4, properties: vec7, state: state_type) -> vec2:
@@ -199,20 +192,11 @@ def _make_yield_function(
 
 
 @functools.cache
-def _make_update(
-    criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool, precision: Precision
-) -> Any:
-    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
-    state_type = precision.vector(max(1, softens + depends_on_rate))
-    recalled, remembered = _make_memory(softens, depends_on_rate, precision)
-    strength, elastic_increment = (
-        _make_strength(softens, precision),
-        make_elastic_increment(precision),
-    )
-    measure, within, nearest = (
-        function(precision) for function in (criterion.measure, criterion.within, criterion.nearest)
-    )
-    one = wp.constant(real(1.0))
+def _make_update(criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool) -> Any:
+    state_type = vector(max(1, softens + depends_on_rate))
+    recalled, remembered = _make_memory(softens, depends_on_rate)
+    strength = _make_strength(softens)
+    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
 
     @wp.func
     def soften_and_return(
@@ -227,7 +211,7 @@ def _make_update(
         if within(trial, k):
             return trial, state
         if wp.static(depends_on_rate):
-            rate = real(2.0) / time_step * measure(strain)
+            rate = two / time_step * measure(strain)
             rate_effect = properties[5] * wp.log(wp.max(rate * properties[6], one))
             k *= one + rate_effect
             left *= one + rate_effect

@@ -15,8 +15,20 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, checked
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import (
+    half,
+    one,
+    quarter,
+    real,
+    third,
+    two,
+    vec1,
+    vec2,
+    vec4,
+    vec5,
+    vec7,
+)
 from mpm_warp.materials.material import Law, Material
-from mpm_warp.precision import Precision
 
 SHEAR_MODULUS, BULK_MODULUS = 0, 1
 """Places of G and K among the properties of an isotropic material."""
@@ -47,10 +59,9 @@ class Isotropic(Material):
         own[..., :2] *= self.stiffness_ratio_at(place)[..., None]
         return own
 
-    def moduli(self, precision: Precision) -> Any:
+    def moduli(self) -> Any:
         """The first two properties."""
-        lengths = len(self.properties), max(1, len(self.state))
-        return _make_moduli(*lengths, precision)
+        return constant_moduli
 
     def mean_stress_change(
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
@@ -84,91 +95,69 @@ class Isotropic(Material):
 class LinearElastic(Isotropic):
     """Soil or a body that never yields; the rate of its stress is that of Jaumann."""
 
-    def update(self, precision: Precision) -> Any:
+    def update(self) -> Any:
         """The trial stress is the stress."""
-        return _make_elastic_update(precision)
+        return stays_elastic
 
 
-@functools.cache
-def make_elastic_increment(precision: Precision) -> Any:
-    """The function (e, G, K) -> K tr e + 2 G dev e, (rr, zz, rz, tt) [Pa]."""
-    real, vec4 = precision.real, precision.vec4
-    two, third = wp.constant(real(2.0)), wp.constant(real(1.0 / 3.0))  # a division takes longer
-
-    @wp.func
-    def elastic_increment(e: vec4, shear: real, bulk: real) -> vec4:
-        two_shear = two * shear
-        mean = (bulk - third * two_shear) * (e[0] + e[1] + e[3])
-        return vec4(
-            two_shear * e[0] + mean,
-            two_shear * e[1] + mean,
-            two_shear * e[2],
-            two_shear * e[3] + mean,
-        )
-
-    return elastic_increment
+@wp.func
+def elastic_increment(e: vec4, G: real, K: real) -> vec4:
+    """K tr e + 2 G dev e, (rr, zz, rz, tt) [Pa]."""
+    two_shear = two * G
+    mean = (K - third * two_shear) * (e[0] + e[1] + e[3])
+    return vec4(
+        two_shear * e[0] + mean,
+        two_shear * e[1] + mean,
+        two_shear * e[2],
+        two_shear * e[3] + mean,
+    )
 
 
-@functools.cache
-def make_motion(precision: Precision) -> Any:
-    """The function (L, time step) -> what a step at the velocity gradient L does to a point.
+@wp.func
+def motion_of(L: vec5, time_step: real) -> vec7:
+    """What a step at the velocity gradient L (rr, rz, zr, zz, tt) does to a point.
 
-    L is (rr, rz, zr, zz, tt); the result holds the strain e (rr, zz, rz, tt) and, of the angle of
-    the rotation, the square of the sine and the sine and cosine of the double.
+    It is the strain e (rr, zz, rz, tt) and, of the angle of the rotation, the square of the sine
+    and the sine and cosine of the double.
     """
-    real, vec5, vec7 = precision.real, precision.vec5, precision.vec7
-    quarter, half, one, two = (wp.constant(real(x)) for x in (0.25, 0.5, 1.0, 2.0))
-
-    @wp.func
-    def motion(L: vec5, time_step: real) -> vec7:
-        # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
-        t = quarter * time_step * (L[1] - L[2])
-        scale = one / (one + t * t)
-        cosine = (one - t * t) * scale
-        sine = two * t * scale
-        return vec7(
-            time_step * L[0],
-            time_step * L[3],
-            half * time_step * (L[1] + L[2]),
-            time_step * L[4],
-            sine * sine,
-            two * cosine * sine,
-            one - two * sine * sine,
-        )
-
-    return motion
+    # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
+    t = quarter * time_step * (L[1] - L[2])
+    scale = one / (one + t * t)
+    cosine = (one - t * t) * scale
+    sine = two * t * scale
+    return vec7(
+        time_step * L[0],
+        time_step * L[3],
+        half * time_step * (L[1] + L[2]),
+        time_step * L[4],
+        sine * sine,
+        two * cosine * sine,
+        one - two * sine * sine,
+    )
 
 
-@functools.cache
-def make_rotated(precision: Precision) -> Any:
-    """The function (stress, motion) -> R sigma R'."""
-    vec4, vec7 = precision.vec4, precision.vec7
-    half = wp.constant(precision.real(0.5))
-
-    @wp.func
-    def rotated(stress: vec4, motion: vec7) -> vec4:
-        rz, difference = stress[2], stress[1] - stress[0]
-        square, double_sine, double_cosine = motion[4], motion[5], motion[6]
-        change = square * difference + double_sine * rz
-        return vec4(
-            stress[0] + change,
-            stress[1] - change,
-            double_cosine * rz + half * double_sine * difference,
-            stress[3],
-        )
-
-    return rotated
+@wp.func
+def rotated(stress: vec4, motion: vec7) -> vec4:
+    """R sigma R'."""
+    rz, difference = stress[2], stress[1] - stress[0]
+    square, double_sine, double_cosine = motion[4], motion[5], motion[6]
+    change = square * difference + double_sine * rz
+    return vec4(
+        stress[0] + change,
+        stress[1] - change,
+        double_cosine * rz + half * double_sine * difference,
+        stress[3],
+    )
 
 
 @functools.cache
-def make_stress_update(law: Law, precision: Precision) -> Any:
+def make_stress_update(law: Law) -> Any:
     """The function (stress, motion, time step, properties, state) -> (stress, state) after a step.
 
     It is that of any law: the stress is turned, then the law does the rest.
     """
-    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_type, state_type = law.properties_type, law.state_type
-    rotated, update = make_rotated(precision), law.update
+    update = law.update
 
     @wp.func
     def stress_update(
@@ -187,15 +176,13 @@ def make_stress_update(law: Law, precision: Precision) -> Any:
 
 
 @functools.cache
-def make_plastic_step(law: Law, precision: Precision) -> Any:
+def make_plastic_step(law: Law) -> Any:
     """The function of the arguments of `make_stress_update` -> what plastic strain follows from.
 
     It gives the stress after the step, the elastic trial stress less it, and the moduli (G, K)
     that the trial is made with.
     """
-    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_type, state_type = law.properties_type, law.state_type
-    rotated, elastic_increment = make_rotated(precision), make_elastic_increment(precision)
     update, moduli = law.update, law.moduli
 
     @wp.func
@@ -216,26 +203,13 @@ def make_plastic_step(law: Law, precision: Precision) -> Any:
     return plastic_step
 
 
-@functools.cache
-def _make_moduli(property_count: int, state_count: int, precision: Precision) -> Any:
-    vec2, vec4 = precision.vec2, precision.vec4
-    properties_type, state_type = precision.vector(property_count), precision.vector(state_count)
-
-    @wp.func
-    def constant_moduli(stress: vec4, properties: properties_type, state: state_type) -> vec2:
-        return vec2(properties[0], properties[1])
-
-    return constant_moduli
+@wp.func
+def constant_moduli(stress: vec4, properties: Any, state: Any) -> vec2:
+    """(G, K), whatever the stress."""
+    return vec2(properties[0], properties[1])
 
 
-@functools.cache
-def _make_elastic_update(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    vec1 = precision.vector(1)
-    elastic_increment = make_elastic_increment(precision)
-
-    @wp.func
-    def stays_elastic(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
-        return stress + elastic_increment(strain, properties[0], properties[1]), state
-
-    return stays_elastic
+@wp.func
+def stays_elastic(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+    """The trial stress."""
+    return stress + elastic_increment(strain, properties[0], properties[1]), state

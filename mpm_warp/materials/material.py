@@ -22,8 +22,8 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
-from mpm_warp.precision import Precision
 
 PROPERTIES = "particle.properties"
 """The array of the properties of each point of a material that varies, shape [slot_count]."""
@@ -37,7 +37,7 @@ EFFECTIVE_STRESS, PORE_PRESSURE = "effective_mean_stress", "excess_pore_pressure
 
 @dataclass(frozen=True)
 class Law:
-    """The functions of a material on the device, in one precision.
+    """The functions of a material on the device.
 
     Stresses and strains are (rr, zz, rz, tt), tension positive, rz that of the tensor. `properties`
     holds the material's `properties`, `state` what the point remembers, both as vectors.
@@ -97,24 +97,23 @@ class Material(Checked, ABC):
     # The law on the device.
 
     @abstractmethod
-    def update(self, precision: Precision) -> Any:
+    def update(self) -> Any:
         """The function of a step; what it takes and gives is said in `Law`."""
 
     @abstractmethod
-    def moduli(self, precision: Precision) -> Any:
+    def moduli(self) -> Any:
         """The function of the elastic moduli, see `Law`."""
 
-    def yield_function(self, precision: Precision) -> Any | None:
+    def yield_function(self) -> Any | None:
         """The check of the stress, see `Law`; None: there is none."""
         return None
 
-    def strength_function(self, precision: Precision) -> Any | None:
+    def strength_function(self) -> Any | None:
         """The undrained shear strength, see `Law`; by default the second of `yield_function`."""
-        yield_function = self.yield_function(precision)
+        yield_function = self.yield_function()
         if yield_function is None:
             return None
-        lengths = len(self.properties), max(1, len(self.state))
-        return _make_strength(yield_function, *lengths, precision)
+        return _make_strength(yield_function)
 
     # Its numbers.
 
@@ -234,19 +233,19 @@ class Material(Checked, ABC):
         """Whether the adhesion factor of a surface varies with the soil beside it."""
         return self.variation is not None and self.variation.adhesion_ratio is not None
 
-    def law(self, precision: Precision) -> Law:
-        """The material's functions on the device in one precision."""
+    def law(self) -> Law:
+        """The material's functions on the device."""
         name = f"{type(self).__module__}.{type(self).__qualname__}".replace("<locals>.", "")
         varies = self.variation is not None
         lengths = f"{len(self.properties)}.{len(self.state)}"
         return Law(
             key=f"{'varied.' if varies else ''}{name}.{lengths}",
-            update=self.update(precision),
-            moduli=self.moduli(precision),
-            yield_function=self.yield_function(precision),
-            strength=self.strength_function(precision),
-            properties_type=precision.vector(len(self.properties)),
-            state_type=precision.vector(max(1, len(self.state))),
+            update=self.update(),
+            moduli=self.moduli(),
+            yield_function=self.yield_function(),
+            strength=self.strength_function(),
+            properties_type=vector(len(self.properties)),
+            state_type=vector(max(1, len(self.state))),
             remembers=len(self.state) > 0,
             varies=varies,
         )
@@ -257,14 +256,9 @@ class Material(Checked, ABC):
 
 
 @functools.cache
-def _make_strength(
-    yield_function: Any, property_count: int, state_count: int, precision: Precision
-) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    properties_type, state_type = precision.vector(property_count), precision.vector(state_count)
-
+def _make_strength(yield_function: Any) -> Any:
     @wp.func
-    def strength(stress: vec4, properties: properties_type, state: state_type) -> real:
+    def strength(stress: vec4, properties: Any, state: Any) -> real:
         return yield_function(stress, properties, state)[1]
 
     return strength

@@ -33,10 +33,21 @@ import warp as wp
 from mpm_warp.arguments import Range, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import (
+    half,
+    one,
+    real,
+    third,
+    two,
+    vec2,
+    vec3,
+    vec4,
+    vec8,
+    zero,
+)
 from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Law, Material
-from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.materials.von_mises import j2
 from mpm_warp.parameters import parameter
-from mpm_warp.precision import Precision
 
 FLOOR = 1e-6
 """Least effective mean stress, over that at the start."""
@@ -50,6 +61,11 @@ ITERATIONS = 60
 AT_CRITICAL_STATE = 1e-10
 """Distance to the critical state in the logarithm of 2 p / p_c, at which it is reached."""
 CIRCLE, MATSUOKA_NAKAI = "circle", "matsuoka_nakai"
+
+three, six = wp.constant(real(3.0)), wp.constant(real(6.0))
+of_angle = wp.constant(real(-1.5 * math.sqrt(3.0)))  # tension is positive in s
+rounding, tolerance = wp.constant(real(1e-13)), wp.constant(real(1e-12))
+near, longest = wp.constant(real(AT_CRITICAL_STATE)), wp.constant(real(PART))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,25 +250,25 @@ class ModifiedCamClay(Material):
 
     # The law on the device.
 
-    def update(self, precision: Precision) -> Any:
+    def update(self) -> Any:
         """Elastic, or back to the surface, in as many parts as the step needs."""
-        return _make_update(*self._kind, precision)
+        return _make_update(*self._kind)
 
-    def moduli(self, precision: Precision) -> Any:
+    def moduli(self) -> Any:
         """G and K with the water, at the effective stress."""
-        return _make_moduli(self._kind[1], precision)
+        return _make_moduli(self._kind[1])
 
-    def yield_function(self, precision: Precision) -> Any:
+    def yield_function(self) -> Any:
         """(p + q^2 / (M^2 p), p_c)."""
-        return _make_yield_function(self._kind[0], precision)
+        return _make_yield_function(self._kind[0])
 
-    def strength_function(self, precision: Precision) -> Any:
+    def strength_function(self) -> Any:
         """M p / sqrt(3) at the critical state: what shear leaves as it is."""
-        return _make_strength(precision)
+        return strength_at_critical_state
 
-    def law(self, precision: Precision) -> Law:
+    def law(self) -> Law:
         """See `Material`; the key has the shape too, and whether G is given."""
-        law = super().law(precision)
+        law = super().law()
         by_angle, constant = self._kind
         kind = f"{'angle' if by_angle else 'circle'}.{'constant' if constant else 'by_stress'}"
         return replace(law, key=f"{law.key}.{kind}")
@@ -265,11 +281,8 @@ class ModifiedCamClay(Material):
 
 
 @functools.cache
-def _make_slope(by_angle: bool, precision: Precision) -> Any:
+def _make_slope(by_angle: bool) -> Any:
     """The function (deviator, its J2, properties) -> M in its direction."""
-    real, vec4, vec8 = precision.real, precision.vec4, precision.vector(8)
-    one, three = wp.constant(real(1.0)), wp.constant(real(3.0))
-    factor = wp.constant(real(-1.5 * math.sqrt(3.0)))  # tension is positive in s
 
     @wp.func
     def slope(s: vec4, J2: real, properties: vec8) -> real:
@@ -277,30 +290,22 @@ def _make_slope(by_angle: bool, precision: Precision) -> Any:
         if wp.static(by_angle):
             if real(0.0) < J2:
                 J3 = s[3] * (s[0] * s[1] - s[2] * s[2])
-                cosine = wp.clamp(factor * J3 / (J2 * wp.sqrt(J2)), -one, one)
+                cosine = wp.clamp(of_angle * J3 / (J2 * wp.sqrt(J2)), -one, one)
                 M = one / (properties[6] * wp.cos(wp.acos(-properties[7] * cosine) / three))
         return M
 
     return slope
 
 
-@functools.cache
-def _make_deviator(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    third = wp.constant(real(1.0 / 3.0))
-
-    @wp.func
-    def deviator(tensor: vec4) -> vec4:
-        mean = third * (tensor[0] + tensor[1] + tensor[3])
-        return vec4(tensor[0] - mean, tensor[1] - mean, tensor[2], tensor[3] - mean)
-
-    return deviator
+@wp.func
+def deviator(tensor: vec4) -> vec4:
+    """The tensor less its mean."""
+    mean = third * (tensor[0] + tensor[1] + tensor[3])
+    return vec4(tensor[0] - mean, tensor[1] - mean, tensor[2], tensor[3] - mean)
 
 
 @functools.cache
-def _make_moduli(constant: bool, precision: Precision) -> Any:
-    vec2, vec3, vec4, vec8 = (precision.vector(length) for length in (2, 3, 4, 8))
-
+def _make_moduli(constant: bool) -> Any:
     @wp.func
     def moduli(stress: vec4, properties: vec8, state: vec3) -> vec2:
         bulk = properties[1] * state[0]
@@ -313,14 +318,8 @@ def _make_moduli(constant: bool, precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_yield_function(by_angle: bool, precision: Precision) -> Any:
-    real = precision.real
-    vec2, vec3, vec4, vec8 = (precision.vector(length) for length in (2, 3, 4, 8))
-    deviator, j2, slope = (
-        _make_deviator(precision),
-        make_j2(precision),
-        _make_slope(by_angle, precision),
-    )
+def _make_yield_function(by_angle: bool) -> Any:
+    slope = _make_slope(by_angle)
 
     @wp.func
     def measure_and_size(stress: vec4, properties: vec8, state: vec3) -> vec2:
@@ -331,75 +330,52 @@ def _make_yield_function(by_angle: bool, precision: Precision) -> Any:
     return measure_and_size
 
 
-@functools.cache
-def _make_strength(precision: Precision) -> Any:
-    real = precision.real
-    vec3, vec4, vec8 = (precision.vector(length) for length in (3, 4, 8))
-
-    @wp.func
-    def strength(stress: vec4, properties: vec8, state: vec3) -> real:
-        share = properties[1] / (properties[1] + properties[2])  # Lam = a / (a + b)
-        last = state[0] * wp.pow(real(0.5) * state[1] / state[0], share)
-        return properties[0] * last / wp.sqrt(real(3.0))
-
-    return strength
+@wp.func
+def strength_at_critical_state(stress: vec4, properties: vec8, state: vec3) -> real:
+    """M p / sqrt(3) where shear has led to the critical state."""
+    share = properties[1] / (properties[1] + properties[2])  # Lam = a / (a + b)
+    last = state[0] * wp.pow(real(0.5) * state[1] / state[0], share)
+    return properties[0] * last / wp.sqrt(real(3.0))
 
 
-@functools.cache
-def _make_return(precision: Precision) -> Any:
-    """The function (p, p_c, J2 of the trial, G, M, properties) -> (p, p_c, share) at f = 0."""
-    real, vec3, vec8 = precision.real, precision.vec3, precision.vector(8)
-    zero, half, one, two, three, six = (wp.constant(real(x)) for x in (0, 0.5, 1, 2, 3, 6))
-    tolerance, near = wp.constant(real(1e-12)), wp.constant(real(AT_CRITICAL_STATE))
-
-    @wp.func
-    def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: vec8) -> vec3:
-        a, b = properties[1], properties[2]
-        MM, square = M * M, three * J2
-        last = wp.log(two * trial / size)  # (a + b) x at the critical state
-        if wp.abs(last) < near:
-            return vec3(trial, two * trial, wp.min(one, M * trial / wp.sqrt(square)))
-        last /= a + b
-        # f > 0 at x = low, f < 0 at x = high; Newton's method from low, halving where it fails.
-        low, high, x = real(0.0), last, real(0.0)
-        p, pc, share = one * trial, one * size, real(1.0)
-        for _k in range(wp.static(ITERATIONS)):
-            p, pc = trial * wp.exp(-a * x), size * wp.exp(b * x)
-            rate = two * p - pc
-            N = MM * rate
-            D = N + six * G * x
-            share = N / D
-            f = square * share * share + MM * p * (p - pc)
-            if wp.abs(f) <= tolerance * MM * pc * pc:
-                break
-            if f > zero:
-                low = x
-            else:
-                high = x
-            dN = -MM * (two * a * p + b * pc)
-            dshare = (dN - share * (dN + six * G)) / D
-            df = two * square * share * dshare - MM * p * (a * rate + b * pc)
-            x -= f / df
-            if (x - low) * (x - high) >= zero:
-                x = half * (low + high)
-        # What is left goes to the size of the surface: a rounding.
-        return vec3(p, wp.max(pc, p + square * share * share / (MM * p)), share)
-
-    return to_surface
+@wp.func
+def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: vec8) -> vec3:
+    """(p, p_c, share of the deviator) at f = 0, by (p, p_c, J2 of the trial, G, M, properties)."""
+    a, b = properties[1], properties[2]
+    MM, square = M * M, three * J2
+    last = wp.log(two * trial / size)  # (a + b) x at the critical state
+    if wp.abs(last) < near:
+        return vec3(trial, two * trial, wp.min(one, M * trial / wp.sqrt(square)))
+    last /= a + b
+    # f > 0 at x = low, f < 0 at x = high; Newton's method from low, halving where it fails.
+    low, high, x = real(0.0), last, real(0.0)
+    p, pc, share = one * trial, one * size, real(1.0)
+    for _k in range(wp.static(ITERATIONS)):
+        p, pc = trial * wp.exp(-a * x), size * wp.exp(b * x)
+        rate = two * p - pc
+        N = MM * rate
+        D = N + six * G * x
+        share = N / D
+        f = square * share * share + MM * p * (p - pc)
+        if wp.abs(f) <= tolerance * MM * pc * pc:
+            break
+        if f > zero:
+            low = x
+        else:
+            high = x
+        dN = -MM * (two * a * p + b * pc)
+        dshare = (dN - share * (dN + six * G)) / D
+        df = two * square * share * dshare - MM * p * (a * rate + b * pc)
+        x -= f / df
+        if (x - low) * (x - high) >= zero:
+            x = half * (low + high)
+    # What is left goes to the size of the surface: a rounding.
+    return vec3(p, wp.max(pc, p + square * share * share / (MM * p)), share)
 
 
 @functools.cache
-def _make_update(by_angle: bool, constant: bool, precision: Precision) -> Any:
-    real = precision.real
-    vec3, vec4, vec8 = (precision.vector(length) for length in (3, 4, 8))
-    deviator, j2, slope = (
-        _make_deviator(precision),
-        make_j2(precision),
-        _make_slope(by_angle, precision),
-    )
-    to_surface = _make_return(precision)
-    zero, one, two, three = (wp.constant(real(x)) for x in (0, 1, 2, 3))
-    rounding, longest = wp.constant(real(1e-13)), wp.constant(real(PART))
+def _make_update(by_angle: bool, constant: bool) -> Any:
+    slope = _make_slope(by_angle)
 
     @wp.func
     def consolidate_and_shear(

@@ -8,16 +8,15 @@ Symbols: f measure of a stress by the yield criterion [Pa], su strength, tau ela
 
 import functools
 import math
-from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import Isotropic, make_elastic_increment
-from mpm_warp.precision import Precision
+from mpm_warp.kernel_types import real, vec1, vec2, vec3, vec4
+from mpm_warp.materials.elasticity import Isotropic, elastic_increment
 
 STRENGTH = 2
 """Place of su among the properties, behind the moduli."""
@@ -61,39 +60,32 @@ def limit_pressure(shear_modulus: float, strength: float) -> float:
 
 
 class PerfectlyPlastic(UndrainedClay):
-    """Perfect plasticity with a yield criterion, which another law may take at any strength."""
+    """Perfect plasticity with a yield criterion, which another law may take at any strength.
 
-    @classmethod
-    @abstractmethod
-    def measure(cls, precision: Precision) -> Any:
-        """The function stress -> f, its measure by the criterion [Pa]."""
+    A criterion is three functions on the device.
 
-    @classmethod
-    @abstractmethod
-    def within(cls, precision: Precision) -> Any:
-        """The function (stress, strength) -> whether the stress is within the yield surface.
+    Attributes:
+        measure: stress -> f, its measure by the criterion [Pa].
+        within: (stress, strength) -> whether the stress is within the yield surface. It is asked of
+            every point in every step, and takes no root.
+        nearest: (trial stress outside, strength) -> nearest stress of the yield surface.
+    """
 
-        It is asked of every point in every step, and takes no root.
-        """
+    measure: ClassVar[Any]
+    within: ClassVar[Any]
+    nearest: ClassVar[Any]
 
-    @classmethod
-    @abstractmethod
-    def nearest(cls, precision: Precision) -> Any:
-        """The function (trial stress outside, strength) -> nearest stress of the yield surface."""
-
-    def update(self, precision: Precision) -> Any:
+    def update(self) -> Any:
         """Return to the yield surface from outside."""
-        return _make_update(self.within(precision), self.nearest(precision), precision)
+        return _make_update(self.within, self.nearest)
 
-    def yield_function(self, precision: Precision) -> Any:
+    def yield_function(self) -> Any:
         """(f, su)."""
-        return _make_yield_function(self.measure(precision), precision)
+        return _make_yield_function(self.measure)
 
 
 @functools.cache
-def _make_yield_function(measure: Any, precision: Precision) -> Any:
-    vec1, vec2, vec3, vec4 = (precision.vector(length) for length in (1, 2, 3, 4))
-
+def _make_yield_function(measure: Any) -> Any:
     @wp.func
     def measure_and_strength(stress: vec4, properties: vec3, state: vec1) -> vec2:
         return vec2(measure(stress), properties[wp.static(STRENGTH)])
@@ -102,11 +94,7 @@ def _make_yield_function(measure: Any, precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_update(within: Any, nearest: Any, precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    vec1, vec3 = precision.vector(1), precision.vec3
-    elastic_increment = make_elastic_increment(precision)
-
+def _make_update(within: Any, nearest: Any) -> Any:
     @wp.func
     def elastic_then_return(
         stress: vec4, strain: vec4, time_step: real, properties: vec3, state: vec1

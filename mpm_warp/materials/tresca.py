@@ -3,117 +3,88 @@
 In axisymmetry the hoop stress is principal. The other two are centre +- radius of Mohr's circle.
 """
 
-import functools
-from typing import Any
-
 import warp as wp
 
+from mpm_warp.kernel_types import half, real, two, vec4, zero
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.precision import Precision
+
+
+@wp.func
+def greatest_shear(stress: vec4) -> real:
+    """(sigma_1 - sigma_3) / 2."""
+    centre = half * (stress[0] + stress[1])
+    half_difference = half * (stress[0] - stress[1])
+    radius = wp.sqrt(half_difference * half_difference + stress[2] * stress[2])
+    highest = wp.max(centre + radius, stress[3])
+    lowest = wp.min(centre - radius, stress[3])
+    return half * (highest - lowest)
+
+
+@wp.func
+def within_hexagon(stress: vec4, strength: real) -> bool:
+    """Whether neither 2 radius nor radius + |centre - hoop| of Mohr's circle exceeds 2 su."""
+    centre = half * (stress[0] + stress[1])
+    half_difference = half * (stress[0] - stress[1])
+    square = half_difference * half_difference + stress[2] * stress[2]
+    room = wp.min(strength, two * strength - wp.abs(centre - stress[3]))
+    return room >= zero and square <= room * room
+
+
+@wp.func
+def nearest_of_hexagon(trial: vec4, strength: real) -> vec4:
+    """The nearest point of the hexagon, on a side of it or a corner."""
+    # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
+    centre = half * (trial[0] + trial[1])
+    half_difference = half * (trial[0] - trial[1])
+    radius = wp.sqrt(half_difference * half_difference + trial[2] * trial[2])
+    hoop = trial[3]
+    highest = wp.max(centre + radius, hoop)
+    lowest = wp.min(centre - radius, hoop)
+
+    # The nearest point of the hexagon: its side, where the middle stress does not change ...
+    trace = two * centre + hoop
+    middle = trace - highest - lowest
+    mean_of_extremes = half * (highest + lowest)
+    new_highest = mean_of_extremes + strength
+    new_lowest = mean_of_extremes - strength
+    new_middle = middle
+    # ... or its corner, where the middle one would leave the range of the two.
+    third = strength / real(3.0)
+    mean = trace / real(3.0)
+    if middle > new_highest:
+        new_highest = mean + two * third
+        new_middle = new_highest
+        new_lowest = mean - real(4.0) * third
+    elif middle < new_lowest:
+        new_lowest = mean - two * third
+        new_middle = new_lowest
+        new_highest = mean + real(4.0) * third
+
+    # Principal directions stay; which of the three is the hoop stress is known by its rank.
+    major, minor, new_hoop = new_highest, new_lowest, new_middle
+    if hoop >= centre + radius:
+        major, minor, new_hoop = new_middle, new_lowest, new_highest
+    elif hoop <= centre - radius:
+        major, minor, new_hoop = new_highest, new_middle, new_lowest
+    new_centre = half * (major + minor)
+    scale = real(0.0)
+    if radius > zero:
+        scale = half * (major - minor) / radius
+    return vec4(
+        new_centre + scale * half_difference,
+        new_centre - scale * half_difference,
+        scale * trial[2],
+        new_hoop,
+    )
 
 
 class Tresca(PerfectlyPlastic):
     """Yields where (sigma_1 - sigma_3) / 2 = su."""
 
-    @classmethod
-    def measure(cls, precision: Precision) -> Any:
-        """(sigma_1 - sigma_3) / 2."""
-        return _make_greatest_shear(precision)
-
-    @classmethod
-    def within(cls, precision: Precision) -> Any:
-        """Where neither 2 radius nor radius + |centre - hoop| of Mohr's circle exceeds 2 su."""
-        return _make_within(precision)
-
-    @classmethod
-    def nearest(cls, precision: Precision) -> Any:
-        """The nearest point of the hexagon, on a side of it or a corner."""
-        return _make_nearest(precision)
+    measure = greatest_shear
+    within = within_hexagon
+    nearest = nearest_of_hexagon
 
     def undrained_strength(self, test: str) -> float:
         """In every mode su."""
         return self.strength
-
-
-@functools.cache
-def _make_greatest_shear(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-
-    @wp.func
-    def greatest_shear(stress: vec4) -> real:
-        centre = real(0.5) * (stress[0] + stress[1])
-        half_difference = real(0.5) * (stress[0] - stress[1])
-        radius = wp.sqrt(half_difference * half_difference + stress[2] * stress[2])
-        highest = wp.max(centre + radius, stress[3])
-        lowest = wp.min(centre - radius, stress[3])
-        return real(0.5) * (highest - lowest)
-
-    return greatest_shear
-
-
-@functools.cache
-def _make_within(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-
-    @wp.func
-    def within_hexagon(stress: vec4, strength: real) -> bool:
-        centre = real(0.5) * (stress[0] + stress[1])
-        half_difference = real(0.5) * (stress[0] - stress[1])
-        square = half_difference * half_difference + stress[2] * stress[2]
-        room = wp.min(strength, real(2.0) * strength - wp.abs(centre - stress[3]))
-        return room >= real(0.0) and square <= room * room
-
-    return within_hexagon
-
-
-@functools.cache
-def _make_nearest(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-
-    @wp.func
-    def nearest_of_hexagon(trial: vec4, strength: real) -> vec4:
-        # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
-        centre = real(0.5) * (trial[0] + trial[1])
-        half_difference = real(0.5) * (trial[0] - trial[1])
-        radius = wp.sqrt(half_difference * half_difference + trial[2] * trial[2])
-        hoop = trial[3]
-        highest = wp.max(centre + radius, hoop)
-        lowest = wp.min(centre - radius, hoop)
-
-        # The nearest point of the hexagon: its side, where the middle stress does not change ...
-        trace = real(2.0) * centre + hoop
-        middle = trace - highest - lowest
-        mean_of_extremes = real(0.5) * (highest + lowest)
-        new_highest = mean_of_extremes + strength
-        new_lowest = mean_of_extremes - strength
-        new_middle = middle
-        # ... or its corner, where the middle one would leave the range of the two.
-        third = strength / real(3.0)
-        mean = trace / real(3.0)
-        if middle > new_highest:
-            new_highest = mean + real(2.0) * third
-            new_middle = new_highest
-            new_lowest = mean - real(4.0) * third
-        elif middle < new_lowest:
-            new_lowest = mean - real(2.0) * third
-            new_middle = new_lowest
-            new_highest = mean + real(4.0) * third
-
-        # Principal directions stay; which of the three is the hoop stress is known by its rank.
-        major, minor, new_hoop = new_highest, new_lowest, new_middle
-        if hoop >= centre + radius:
-            major, minor, new_hoop = new_middle, new_lowest, new_highest
-        elif hoop <= centre - radius:
-            major, minor, new_hoop = new_highest, new_middle, new_lowest
-        new_centre = real(0.5) * (major + minor)
-        scale = real(0.0)
-        if radius > real(0.0):
-            scale = real(0.5) * (major - minor) / radius
-        return vec4(
-            new_centre + scale * half_difference,
-            new_centre - scale * half_difference,
-            scale * trial[2],
-            new_hoop,
-        )
-
-    return nearest_of_hexagon

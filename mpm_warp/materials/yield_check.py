@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from mpm_warp.kernel_types import one, real, vec4
 from mpm_warp.materials.material import (
     Law,
     Material,
@@ -13,7 +14,6 @@ from mpm_warp.materials.material import (
     make_state_of_point,
 )
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 
 YIELD_ROUNDINGS = 64
 """Roundings of the greatest stress by which a stress may be beyond the yield surface."""
@@ -27,7 +27,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
     It leaves in `yield.margin` how far the worst particle of each block is outside the yield
     surface beyond rounding, over its strength, and its number in `yield.particle`.
     """
-    law = material.law(plan.precision)
+    law = material.law()
     if law.yield_function is None:
         return
     (count,) = plan.arrays["particle.mass"].shape
@@ -35,7 +35,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
     plan.add_zeros("yield.margin", "real", blocks)
     plan.add_zeros("yield.particle", "int", blocks)
     plan.between_steps["yield_check"] = plan.launch(
-        _make_yield_check(law, plan.precision),
+        _make_yield_check(law),
         blocks,
         count=count,
         particle_state=plan.find("particle.state"),
@@ -49,13 +49,13 @@ def add_yield_share(plan: Plan, material: Material) -> None:
     It leaves in `yield.share` the shear stress of each slot over the shear strength, as the
     material's own criterion measures them: 1 where it yields.
     """
-    law = material.law(plan.precision)
+    law = material.law()
     if law.yield_function is None:
         return
     (count,) = plan.arrays["particle.mass"].shape
     plan.add_zeros("yield.share", "real", count)
     plan.between_steps["yield_share"] = plan.launch(
-        _make_yield_share(law, plan.precision),
+        _make_yield_share(law),
         count,
         particle_state=plan.find("particle.state"),
         properties=material.launch_properties(law),
@@ -63,17 +63,13 @@ def add_yield_share(plan: Plan, material: Material) -> None:
 
 
 @functools.cache
-def _make_yield_check(law: Law, precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
+def _make_yield_check(law: Law) -> Any:
     properties_argument, state_type = law.properties_argument, law.state_type
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     yield_function: Any = law.yield_function
-    one = wp.constant(real(1.0))
-    roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(precision.numpy_name).eps))
+    roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(float).eps))
 
-    @wp.kernel(
-        module=f"mpm_warp.yield_check.{law.key}.{precision.numpy_name}", enable_backward=False
-    )
+    @wp.kernel(module=f"mpm_warp.yield_check.{law.key}", enable_backward=False)
     def yield_check(
         count: int,
         particle_cell: wp.array(dtype=wp.vec2i),
@@ -105,16 +101,13 @@ def _make_yield_check(law: Law, precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_yield_share(law: Law, precision: Precision) -> Any:
+def _make_yield_share(law: Law) -> Any:
     """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
-    real, vec4 = precision.real, precision.vec4
     properties_argument, state_type = law.properties_argument, law.state_type
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     yield_function: Any = law.yield_function
 
-    @wp.kernel(
-        module=f"mpm_warp.yield_share.{law.key}.{precision.numpy_name}", enable_backward=False
-    )
+    @wp.kernel(module=f"mpm_warp.yield_share.{law.key}", enable_backward=False)
     def yield_share(
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),

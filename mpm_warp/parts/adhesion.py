@@ -17,6 +17,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.kernel_types import real, vec2, vec4, zero
 from mpm_warp.materials.material import (
     ADHESION_RATIO,
     Law,
@@ -26,7 +27,6 @@ from mpm_warp.materials.material import (
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 
 
@@ -47,7 +47,7 @@ def add_changing_adhesion(
         adhesion_forces: of each beside soil of the strength k0 [N], shape [node_count].
     """
     material, grid = scene.material, scene.grid
-    law = material.law(plan.precision)
+    law = material.law()
     changes = law.remembers or passes_soil_that_varies(scene)
     if not changes or law.strength is None or not adhesion_forces.any():
         return
@@ -57,7 +57,7 @@ def add_changing_adhesion(
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
     plan.audit_last(
         plan.launch(
-            _make_sum_of_strength(law, material.varies_adhesion, plan.precision),
+            _make_sum_of_strength(law, material.varies_adhesion),
             plan.arrays["particle.mass"].shape,
             particle_state=plan.find("particle.state"),
             particle_adhesion_ratio=plan.find(ADHESION_RATIO),
@@ -67,25 +67,24 @@ def add_changing_adhesion(
             contact_strength_sum=ShareRow("contact.strength_sum"),
         ),
         plan.launch(
-            _make_adhesion(plan.share_count, plan.precision),
+            _make_adhesion(plan.share_count),
             len(nodes),
             column_count=grid.column_count,
             row_count=grid.row_count,
         ),
-        plan.launch(_make_clear(plan.precision), (plan.share_count, grid.row_count)),
+        plan.launch(clear_strength, (plan.share_count, grid.row_count)),
     )
 
 
 @functools.cache
-def _make_sum_of_strength(law: Law, varies_adhesion: bool, precision: Precision) -> Any:
+def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
     """The kernel, launched over slots of particles."""
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
     properties_type, state_type = law.properties_type, law.state_type
     properties_argument = law.properties_argument
     strength: Any = law.strength
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
 
-    key = f"{'adhesion.' if varies_adhesion else ''}{law.key}.{precision.numpy_name}"
+    key = f"{'adhesion.' if varies_adhesion else ''}{law.key}"
 
     @wp.kernel(module=f"mpm_warp.sum_of_strength.{key}", enable_backward=False)
     def sum_of_strength(
@@ -116,12 +115,10 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool, precision: Precision)
 
 
 @functools.cache
-def _make_adhesion(share_count: int, precision: Precision) -> Any:
+def _make_adhesion(share_count: int) -> Any:
     """The kernel, launched over the surface's nodes; one without soil keeps what it has."""
-    real, vec2 = precision.real, precision.vec2
-    key = f"{share_count}.{precision.numpy_name}"
 
-    @wp.kernel(module=f"mpm_warp.adhesion_beside.{key}", enable_backward=False)
+    @wp.kernel(module=f"mpm_warp.adhesion_beside.{share_count}", enable_backward=False)
     def adhesion_beside(
         offset: int,
         contact_nodes: wp.array(dtype=int),
@@ -139,20 +136,14 @@ def _make_adhesion(share_count: int, precision: Precision) -> Any:
                 sums += contact_strength_sum[share, row - 1]
             if row < row_count:
                 sums += contact_strength_sum[share, row]
-        if sums[1] > real(0.0):
+        if sums[1] > zero:
             contact_adhesion[n] = contact_first_adhesion[n] * (sums[0] / sums[1])
 
     return adhesion_beside
 
 
-@functools.cache
-def _make_clear(precision: Precision) -> Any:
-    """The kernel, launched over the sums: (shares, rows)."""
-    vec2 = precision.vec2
-
-    @wp.kernel(module=f"mpm_warp.clear_strength.{precision.numpy_name}", enable_backward=False)
-    def clear_strength(contact_strength_sum: wp.array2d(dtype=vec2)):
-        share, row = wp.tid()
-        contact_strength_sum[share, row] = vec2()
-
-    return clear_strength
+@wp.kernel(module="mpm_warp.clear_strength", enable_backward=False)
+def clear_strength(contact_strength_sum: wp.array2d(dtype=vec2)):
+    """Launched over the sums: (shares, rows)."""
+    share, row = wp.tid()
+    contact_strength_sum[share, row] = vec2()

@@ -11,9 +11,8 @@ displacement of a node; the dashpots are implicit:
     m dv/dt = -k w - c v,    dw/dt = v_r                        far field
 """
 
-import functools
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import warp as wp
@@ -22,9 +21,9 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_nodes
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.kernel_types import one, real, vec2, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene, refuse_together
 
 Booleans = NDArray[np.bool_]
@@ -76,26 +75,21 @@ class Fixed(Part):
         """Add the launch, over the held nodes."""
         plan.add_array("fixed.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("fixed.free", "vec2", self.free)
-        plan.add_launch(_make_fixed(plan.precision), len(self.nodes))
+        plan.add_launch(fixed, len(self.nodes))
 
 
-@functools.cache
-def _make_fixed(precision: Precision) -> Any:
-    vec2, vec4 = precision.vec2, precision.vec4
-
-    @wp.kernel(module=f"mpm_warp.fixed.{precision.numpy_name}", enable_backward=False)
-    def fixed(
-        offset: int,
-        fixed_nodes: wp.array(dtype=int),
-        fixed_free: wp.array(dtype=vec2),
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        k = offset + wp.tid()
-        node, free = fixed_nodes[k], fixed_free[k]
-        v = node_velocities[node]
-        node_velocities[node] = vec4(free[0] * v[0], free[1] * v[1], v[2], v[3])
-
-    return fixed
+@wp.kernel(module="mpm_warp.fixed", enable_backward=False)
+def fixed(
+    offset: int,
+    fixed_nodes: wp.array(dtype=int),
+    fixed_free: wp.array(dtype=vec2),
+    node_velocities: wp.array(dtype=vec4),
+):
+    """Launched over the held nodes."""
+    k = offset + wp.tid()
+    node, free = fixed_nodes[k], fixed_free[k]
+    v = node_velocities[node]
+    node_velocities[node] = vec4(free[0] * v[0], free[1] * v[1], v[2], v[3])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,29 +109,22 @@ class RadialMotion(Part):
         """Add the launch, over nodes."""
         grid = scene.grid
         plan.add_array("ray.direction", "vec2", grid.surface_normals)
-        plan.add_launch(
-            _make_radial_motion(plan.precision), grid.node_count, column_count=grid.column_count
-        )
+        plan.add_launch(radial_motion, grid.node_count, column_count=grid.column_count)
 
 
-@functools.cache
-def _make_radial_motion(precision: Precision) -> Any:
-    vec2, vec4 = precision.vec2, precision.vec4
-
-    @wp.kernel(module=f"mpm_warp.radial_motion.{precision.numpy_name}", enable_backward=False)
-    def radial_motion(
-        offset: int,
-        column_count: int,
-        ray_direction: wp.array(dtype=vec2),
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        k = offset + wp.tid()
-        n = ray_direction[k / (column_count + 1)]
-        v = node_velocities[k]
-        along = wp.dot(vec2(v[0], v[1]), n)
-        node_velocities[k] = vec4(along * n[0], along * n[1], v[2], v[3])
-
-    return radial_motion
+@wp.kernel(module="mpm_warp.radial_motion", enable_backward=False)
+def radial_motion(
+    offset: int,
+    column_count: int,
+    ray_direction: wp.array(dtype=vec2),
+    node_velocities: wp.array(dtype=vec4),
+):
+    """Launched over nodes."""
+    k = offset + wp.tid()
+    n = ray_direction[k / (column_count + 1)]
+    v = node_velocities[k]
+    along = wp.dot(vec2(v[0], v[1]), n)
+    node_velocities[k] = vec4(along * n[0], along * n[1], v[2], v[3])
 
 
 QUIET_SPEED_RATIO = 3.3
@@ -201,7 +188,7 @@ class FarField(Part):
         plan.add_array("far_field.spring", "real", self.spring)
         plan.add_array("far_field.dashpot", "vec2", self.dashpot)
         plan.add_zeros("far_field.displacement", "real", count)
-        plan.add_launch(_make_far_field(plan.precision), count)
+        plan.add_launch(far_field, count)
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         """The springs belong to the soil beside them: they rise with it, and new ones are slack."""
@@ -222,31 +209,25 @@ def raise_springs(run: Run, *, lowest: Floats | float) -> None:
     run.assign("far_field.displacement", springs)
 
 
-@functools.cache
-def _make_far_field(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
-
-    @wp.kernel(module=f"mpm_warp.far_field.{precision.numpy_name}", enable_backward=False)
-    def far_field(
-        offset: int,
-        far_field_nodes: wp.array(dtype=int),
-        far_field_spring: wp.array(dtype=real),
-        far_field_dashpot: wp.array(dtype=vec2),
-        node_mass: wp.array(dtype=real),
-        time_step: real,
-        far_field_displacement: wp.array(dtype=real),
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        k = offset + wp.tid()
-        node = far_field_nodes[k]
-        if node_mass[node] <= zero:
-            return
-        v, c, w = node_velocities[node], far_field_dashpot[k], far_field_displacement[k]
-        rate = time_step / node_mass[node]
-        v_r = (v[0] - rate * far_field_spring[k] * w) / (one + rate * c[0])
-        v_z = v[1] / (one + rate * c[1])
-        far_field_displacement[k] = w + time_step * v_r
-        node_velocities[node] = vec4(v_r, v_z, v[2], v[3])
-
-    return far_field
+@wp.kernel(module="mpm_warp.far_field", enable_backward=False)
+def far_field(
+    offset: int,
+    far_field_nodes: wp.array(dtype=int),
+    far_field_spring: wp.array(dtype=real),
+    far_field_dashpot: wp.array(dtype=vec2),
+    node_mass: wp.array(dtype=real),
+    time_step: real,
+    far_field_displacement: wp.array(dtype=real),
+    node_velocities: wp.array(dtype=vec4),
+):
+    """Launched over the nodes of the side."""
+    k = offset + wp.tid()
+    node = far_field_nodes[k]
+    if node_mass[node] <= zero:
+        return
+    v, c, w = node_velocities[node], far_field_dashpot[k], far_field_displacement[k]
+    rate = time_step / node_mass[node]
+    v_r = (v[0] - rate * far_field_spring[k] * w) / (one + rate * c[0])
+    v_z = v[1] / (one + rate * c[1])
+    far_field_displacement[k] = w + time_step * v_r
+    node_velocities[node] = vec4(v_r, v_z, v[2], v[3])

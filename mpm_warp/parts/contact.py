@@ -37,10 +37,10 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.kernel_types import real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.adhesion import add_changing_adhesion, passes_soil_that_varies
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 
 PARTED = 1e-3
@@ -144,9 +144,9 @@ class SurfaceContact(Part):
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
         if self.on_axis.size:
             plan.add_array("contact.on_axis", "int", self.on_axis, (len(self.nodes),))
-            plan.add_launch(_make_least_mass_reaction(plan.precision), len(self.on_axis))
+            plan.add_launch(least_mass_reaction, len(self.on_axis))
         plan.add_launch(
-            _make_surface_contact(window_motion is not None, plan.precision),
+            _make_surface_contact(window_motion is not None),
             len(self.nodes),
             friction=self.friction,
             speed=self.speed,
@@ -182,43 +182,32 @@ class SurfaceContact(Part):
         return self.in_situ_stress < 2.0 * pull
 
 
-@functools.cache
-def make_contact_law(precision: Precision) -> Any:
-    """The function (m, d, n, P, mu, a A dt, p A dt) -> (J_n, J_t w/|w|): impulse from the body."""
-    real, vec2, vec3 = precision.real, precision.vec2, precision.vec3
-    zero = wp.constant(real(0.0))
-
-    @wp.func
-    def contact_law(
-        m: real, d: vec2, n: vec2, pressing: real, friction: real, adhesion: real, pressure: real
-    ) -> vec3:
-        normal_speed = wp.dot(d, n)
-        J_n = wp.max(m * normal_speed, -pressure)
-        if pressing <= zero:
-            return vec3(J_n, zero, zero)
-        w = d - normal_speed * n
-        slip = m * wp.length(w)
-        limit = friction * pressing + adhesion
-        transmitted = m * w
-        if slip > limit:
-            transmitted = (limit / slip) * transmitted
-        return vec3(J_n, transmitted[0], transmitted[1])
-
-    return contact_law
+@wp.func
+def contact_law(
+    m: real, d: vec2, n: vec2, pressing: real, friction: real, adhesion: real, pressure: real
+) -> vec3:
+    """(J_n, J_t w/|w|), the impulse from the body, of (m, d, n, P, mu, a A dt, p A dt)."""
+    normal_speed = wp.dot(d, n)
+    J_n = wp.max(m * normal_speed, -pressure)
+    if pressing <= zero:
+        return vec3(J_n, zero, zero)
+    w = d - normal_speed * n
+    slip = m * wp.length(w)
+    limit = friction * pressing + adhesion
+    transmitted = m * w
+    if slip > limit:
+        transmitted = (limit / slip) * transmitted
+    return vec3(J_n, transmitted[0], transmitted[1])
 
 
 @functools.cache
-def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
+def _make_surface_contact(travelling: bool) -> Any:
     """The kernel, launched over the surface's nodes.
 
     Args:
         travelling: whether the grid travels with the body; else the body has a speed of its own.
-        precision: floating point types.
     """
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    contact_law = make_contact_law(precision)
-
-    key = f"{'travelling' if travelling else 'resting'}.{precision.numpy_name}"
+    key = "travelling" if travelling else "resting"
 
     @wp.kernel(module=f"mpm_warp.surface_contact.{key}", enable_backward=False)
     def surface_contact(
@@ -231,23 +220,23 @@ def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
         node_mass: wp.array(dtype=real),
         time_step: real,
         speed: real,
-        window_motion: wp.array(dtype=wp.float64),
+        window_motion: wp.array(dtype=real),
         node_velocities: wp.array(dtype=vec4),
         contact_impulse: wp.array(dtype=vec2),
     ):
         k = offset + wp.tid()
         node = contact_nodes[k]
         m = node_mass[node]
-        if m <= real(0.0):
+        if m <= zero:
             return
         v = node_velocities[node]
         n = contact_normals[k]
         d = vec2(v[0], v[1])
         if wp.static(travelling):
             # The body sinks through the soil at the speed at which the soil passes the grid.
-            d += vec2(real(0.0), real(window_motion[1]))
+            d += vec2(zero, window_motion[1])
         else:
-            d += vec2(real(0.0), speed)
+            d += vec2(zero, speed)
         in_situ = contact_pressure[k] * time_step
         pressing = m * wp.dot(d, n) + in_situ
         J = contact_law(m, d, n, pressing, friction, contact_adhesion[k] * time_step, in_situ)
@@ -260,29 +249,23 @@ def _make_surface_contact(travelling: bool, precision: Precision) -> Any:
     return surface_contact
 
 
-@functools.cache
-def _make_least_mass_reaction(precision: Precision) -> Any:
-    """The kernel, launched over the nodes on the axis."""
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-
-    @wp.kernel(module=f"mpm_warp.least_mass_reaction.{precision.numpy_name}", enable_backward=False)
-    def least_mass_reaction(
-        offset: int,
-        contact_on_axis: wp.array(dtype=int),
-        contact_nodes: wp.array(dtype=int),
-        contact_normals: wp.array(dtype=vec2),
-        node_mass: wp.array(dtype=real),
-        node_least_mass: wp.array(dtype=real),
-        node_velocities: wp.array(dtype=vec4),
-        contact_impulse: wp.array(dtype=vec2),
-    ):
-        k = contact_on_axis[offset + wp.tid()]
-        node, n = contact_nodes[k], contact_normals[k]
-        m, M, v = node_mass[node], node_least_mass[node], node_velocities[node]
-        if m <= real(0.0):
-            return
-        missing = wp.max(m, M) - m
-        J_n = missing * wp.dot(vec2(v[0] - v[2], v[1] - v[3]), n)
-        contact_impulse[k] += vec2(J_n, real(0.0))
-
-    return least_mass_reaction
+@wp.kernel(module="mpm_warp.least_mass_reaction", enable_backward=False)
+def least_mass_reaction(
+    offset: int,
+    contact_on_axis: wp.array(dtype=int),
+    contact_nodes: wp.array(dtype=int),
+    contact_normals: wp.array(dtype=vec2),
+    node_mass: wp.array(dtype=real),
+    node_least_mass: wp.array(dtype=real),
+    node_velocities: wp.array(dtype=vec4),
+    contact_impulse: wp.array(dtype=vec2),
+):
+    """Launched over the nodes on the axis."""
+    k = contact_on_axis[offset + wp.tid()]
+    node, n = contact_nodes[k], contact_normals[k]
+    m, M, v = node_mass[node], node_least_mass[node], node_velocities[node]
+    if m <= zero:
+        return
+    missing = wp.max(m, M) - m
+    J_n = missing * wp.dot(vec2(v[0] - v[2], v[1] - v[3]), n)
+    contact_impulse[k] += vec2(J_n, zero)

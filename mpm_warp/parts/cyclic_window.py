@@ -18,10 +18,8 @@ and its memory, and has no speed. Seen from the grid, which moves down by V, it 
 It comes back in the column that it left: what rests does not go sideways.
 """
 
-import functools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import warp as wp
@@ -29,10 +27,10 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Range, check_number, checked
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.seeding import seed_rows
+from mpm_warp.kernel_types import half, one, real, two, vec2, zero
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene, refuse_together
 
 RESTING_COLUMN = "particle.resting_column"
@@ -125,19 +123,19 @@ class CyclicWindow(MovingGrid):
         """Add what lets points leave and come back, rests soil at a turn, and moves the grid on."""
         grid = scene.grid
         plan.add_launch(
-            _make_leave_and_return(plan.precision),
+            leave_and_return,
             plan.arrays["particle.mass"].shape,
             bottom=float(grid.rows[0]),
             top=super().top(scene),
             highest_row=grid.row_count - 1,
         )
         plan.add_launch(
-            _make_rest_at_turn(plan.precision),
+            rest_at_turn,
             plan.arrays["particle.mass"].shape,
             passage_time=self.passage_time,
         )
         plan.add_launch(
-            _make_advance_cyclic_window(),
+            advance_cyclic_window,
             1,
             speed=self.speed,
             ramp_time=self.ramp_time,
@@ -150,85 +148,67 @@ def rows_below(grid: Grid, stroke: float) -> int:
     return math.ceil(stroke / float(grid.rows[1] - grid.rows[0]))
 
 
-@functools.cache
-def _make_rest_at_turn(precision: Precision) -> Any:
-    """The kernel, launched over slots of particles; it does nothing but in the step of a turn."""
-    real, vec2 = precision.real, precision.vec2
-
-    @wp.kernel(module=f"mpm_warp.rest_at_turn.{precision.numpy_name}", enable_backward=False)
-    def rest_at_turn(
-        offset: int,
-        time_step: wp.float64,
-        passage_time: wp.float64,
-        window_motion: wp.array(dtype=wp.float64),
-        particle_velocity: wp.array(dtype=vec2),
-    ):
-        p = offset + wp.tid()
-        now = window_motion[0]
-        if wp.floor((now + time_step) / passage_time) > wp.floor(now / passage_time):
-            particle_velocity[p] = vec2(real(0.0))
-
-    return rest_at_turn
+@wp.kernel(module="mpm_warp.rest_at_turn", enable_backward=False)
+def rest_at_turn(
+    offset: int,
+    time_step: real,
+    passage_time: real,
+    window_motion: wp.array(dtype=real),
+    particle_velocity: wp.array(dtype=vec2),
+):
+    """Launched over slots of particles; it does nothing but in the step of a turn."""
+    p = offset + wp.tid()
+    now = window_motion[0]
+    if wp.floor((now + time_step) / passage_time) > wp.floor(now / passage_time):
+        particle_velocity[p] = vec2(zero)
 
 
-@functools.cache
-def _make_advance_cyclic_window() -> Any:
+@wp.kernel(module="mpm_warp.advance_cyclic_window", enable_backward=False)
+def advance_cyclic_window(
+    time_step: real,
+    speed: real,
+    ramp_time: real,
+    passage_time: real,
+    window_motion: wp.array(dtype=real),
+):
     """One step of the motion; launched once."""
-    one, two = wp.constant(wp.float64(1.0)), wp.constant(wp.float64(2.0))
-
-    @wp.kernel(module="mpm_warp.advance_cyclic_window", enable_backward=False)
-    def advance_cyclic_window(
-        time_step: wp.float64,
-        speed: wp.float64,
-        ramp_time: wp.float64,
-        passage_time: wp.float64,
-        window_motion: wp.array(dtype=wp.float64),
-    ):
-        window_motion[2] += time_step * window_motion[1]
-        window_motion[0] += time_step
-        passages = wp.floor(window_motion[0] / passage_time)
-        since_turn = window_motion[0] - passages * passage_time
-        to_turn = passage_time - since_turn
-        share = wp.min(one, wp.min(since_turn, to_turn) / ramp_time)
-        upward = passages - two * wp.floor(passages / two)  # 0 or 1
-        window_motion[1] = (one - two * upward) * share * speed
-
-    return advance_cyclic_window
+    window_motion[2] += time_step * window_motion[1]
+    window_motion[0] += time_step
+    passages = wp.floor(window_motion[0] / passage_time)
+    since_turn = window_motion[0] - passages * passage_time
+    to_turn = passage_time - since_turn
+    share = wp.min(one, wp.min(since_turn, to_turn) / ramp_time)
+    upward = passages - two * wp.floor(passages / two)  # 0 or 1
+    window_motion[1] = (one - two * upward) * share * speed
 
 
-@functools.cache
-def _make_leave_and_return(precision: Precision) -> Any:
-    """The kernel, launched over slots of particles."""
-    real, vec2 = precision.real, precision.vec2
-
-    @wp.kernel(module=f"mpm_warp.leave_and_return.{precision.numpy_name}", enable_backward=False)
-    def leave_and_return(
-        offset: int,
-        time_step: real,
-        bottom: real,
-        top: real,
-        highest_row: int,
-        window_motion: wp.array(dtype=wp.float64),
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_resting_column: wp.array(dtype=int),
-    ):
-        p = offset + wp.tid()
-        x = particle_position[p]
-        column = particle_resting_column[p]
-        if column >= 0:
-            x += vec2(real(0.0), time_step * real(window_motion[1]))
-            particle_position[p] = x
-            if x[1] >= bottom and x[1] < top:
-                row = 0
-                if x[1] > real(0.5) * (bottom + top):
-                    row = highest_row
-                particle_cell[p] = wp.vec2i(column, row)
-                particle_resting_column[p] = -1
-        elif x[1] < bottom or x[1] >= top:
-            particle_velocity[p] = vec2(real(0.0))
-            particle_resting_column[p] = particle_cell[p][0]
-            particle_cell[p] = wp.vec2i(-1, -1)
-
-    return leave_and_return
+@wp.kernel(module="mpm_warp.leave_and_return", enable_backward=False)
+def leave_and_return(
+    offset: int,
+    time_step: real,
+    bottom: real,
+    top: real,
+    highest_row: int,
+    window_motion: wp.array(dtype=real),
+    particle_position: wp.array(dtype=vec2),
+    particle_velocity: wp.array(dtype=vec2),
+    particle_cell: wp.array(dtype=wp.vec2i),
+    particle_resting_column: wp.array(dtype=int),
+):
+    """Launched over slots of particles."""
+    p = offset + wp.tid()
+    x = particle_position[p]
+    column = particle_resting_column[p]
+    if column >= 0:
+        x += vec2(zero, time_step * window_motion[1])
+        particle_position[p] = x
+        if x[1] >= bottom and x[1] < top:
+            row = 0
+            if x[1] > half * (bottom + top):
+                row = highest_row
+            particle_cell[p] = wp.vec2i(column, row)
+            particle_resting_column[p] = -1
+    elif x[1] < bottom or x[1] >= top:
+        particle_velocity[p] = vec2(zero)
+        particle_resting_column[p] = particle_cell[p][0]
+        particle_cell[p] = wp.vec2i(-1, -1)

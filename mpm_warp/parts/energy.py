@@ -33,17 +33,17 @@ import warp as wp
 
 from mpm_warp.arguments import check_kind
 from mpm_warp.errors import SceneError
+from mpm_warp.kernel_types import half, real, vec2, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import Isotropic, make_plastic_step
 from mpm_warp.materials.material import (
     Law,
     make_properties_of_point,
     make_state_of_point,
 )
-from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.materials.von_mises import j2
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 
 OF_NODES, OF_CELLS, OF_POINTS = "balance.nodes", "balance.cells", "balance.points"
@@ -63,7 +63,7 @@ class EnergyAudit(Part):
         plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
         before, after = (
             plan.launch(
-                _make_kinetic_energy(when, plan.precision),
+                _make_kinetic_energy(when),
                 grid.row_count + 1,
                 column_count=grid.column_count,
             )
@@ -87,7 +87,7 @@ class EnergyBalance(Part):
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the records to the audited step."""
         grid, material = scene.grid, scene.material
-        precision, law = plan.precision, material.law(plan.precision)
+        law = material.law()
         slots = plan.arrays["particle.mass"].shape
         plan.add_zeros("balance.by_stress", "vec2", grid.node_count)
         plan.add_zeros("balance.by_ground", "vec2", grid.node_count)
@@ -96,13 +96,13 @@ class EnergyBalance(Part):
         plan.add_zeros(OF_CELLS, "real", grid.cell_count)
         plan.add_zeros(OF_POINTS, "vec2", slots)
         by_stress, by_ground = (
-            plan.launch(_make_keep_velocity(precision), grid.node_count, kept=name)
+            plan.launch(keep_velocity, grid.node_count, kept=name)
             for name in ("balance.by_stress", "balance.by_ground")
         )
-        of_nodes = plan.launch(_make_work_of_nodes(precision), grid.node_count)
-        of_cells = plan.launch(_make_work_of_cells(plan.share_count, precision), grid.cell_count)
+        of_nodes = plan.launch(work_of_nodes, grid.node_count)
+        of_cells = plan.launch(_make_work_of_cells(plan.share_count), grid.cell_count)
         of_points = plan.launch(
-            _make_work_of_points(law, precision),
+            _make_work_of_points(law),
             slots,
             column_count=grid.column_count,
             properties=material.launch_properties(law),
@@ -118,18 +118,15 @@ class EnergyBalance(Part):
 
 
 @functools.cache
-def _make_kinetic_energy(when: str, precision: Precision) -> Any:
+def _make_kinetic_energy(when: str) -> Any:
     """The kernel, launched over rows of nodes, each of which keeps its own sum.
 
     Args:
         when: "before" or "after" a step.
-        precision: floating point types.
     """
-    real, vec4 = precision.real, precision.vec4
     first, sign = {"before": (2, 1.0), "after": (0, -1.0)}[when]
-    key = f"{when}.{precision.numpy_name}"
 
-    @wp.kernel(module=f"mpm_warp.kinetic_energy.{key}", enable_backward=False)
+    @wp.kernel(module=f"mpm_warp.kinetic_energy.{when}", enable_backward=False)
     def kinetic_energy(
         column_count: int,
         node_mass: wp.array(dtype=real),
@@ -150,65 +147,48 @@ def _make_kinetic_energy(when: str, precision: Precision) -> Any:
     return kinetic_energy
 
 
-@functools.cache
-def _make_keep_velocity(precision: Precision) -> Any:
-    """The kernel, launched over nodes."""
-    vec2, vec4 = precision.vec2, precision.vec4
-
-    @wp.kernel(module=f"mpm_warp.keep_velocity.{precision.numpy_name}", enable_backward=False)
-    def keep_velocity(
-        offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.array(dtype=vec2)
-    ):
-        node = offset + wp.tid()
-        v = node_velocities[node]
-        kept[node] = vec2(v[0], v[1])
-
-    return keep_velocity
+@wp.kernel(module="mpm_warp.keep_velocity", enable_backward=False)
+def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.array(dtype=vec2)):
+    """Launched over nodes."""
+    node = offset + wp.tid()
+    v = node_velocities[node]
+    kept[node] = vec2(v[0], v[1])
 
 
-@functools.cache
-def _make_work_of_nodes(precision: Precision) -> Any:
-    """The kernel, launched over nodes."""
-    real, vec2, vec4, vec5 = precision.real, precision.vec2, precision.vec4, precision.vec5
-    half = wp.constant(real(0.5))
-
-    @wp.kernel(module=f"mpm_warp.work_of_nodes.{precision.numpy_name}", enable_backward=False)
-    def work_of_nodes(
-        offset: int,
-        node_velocities: wp.array(dtype=vec4),
-        node_mass: wp.array(dtype=real),
-        node_least_mass: wp.array(dtype=real),
-        window_motion: wp.array(dtype=wp.float64),
-        balance_by_stress: wp.array(dtype=vec2),
-        balance_by_ground: wp.array(dtype=vec2),
-        balance_nodes: wp.array(dtype=vec5),
-    ):
-        node = offset + wp.tid()
-        m, velocities = node_mass[node], node_velocities[node]
-        M = wp.max(m, node_least_mass[node])
-        u, v = vec2(velocities[2], velocities[3]), vec2(velocities[0], velocities[1])
-        w, g = balance_by_stress[node], balance_by_ground[node]
-        x = half * (u + v)
-        # The body sinks at the speed at which the soil passes the grid.
-        B = vec2(real(0.0), -real(window_motion[1]))
-        balance_nodes[node] = balance_nodes[node] + vec5(
-            m * wp.dot(v - g, B),
-            m * wp.dot(v - g, x),
-            m * wp.dot(g - w, x),
-            half * m * (wp.dot(v, v) - wp.dot(u, u)),
-            (m - M) * wp.dot(w - u, x),
-        )
-
-    return work_of_nodes
+@wp.kernel(module="mpm_warp.work_of_nodes", enable_backward=False)
+def work_of_nodes(
+    offset: int,
+    node_velocities: wp.array(dtype=vec4),
+    node_mass: wp.array(dtype=real),
+    node_least_mass: wp.array(dtype=real),
+    window_motion: wp.array(dtype=real),
+    balance_by_stress: wp.array(dtype=vec2),
+    balance_by_ground: wp.array(dtype=vec2),
+    balance_nodes: wp.array(dtype=vec5),
+):
+    """Launched over nodes."""
+    node = offset + wp.tid()
+    m, velocities = node_mass[node], node_velocities[node]
+    M = wp.max(m, node_least_mass[node])
+    u, v = vec2(velocities[2], velocities[3]), vec2(velocities[0], velocities[1])
+    w, g = balance_by_stress[node], balance_by_ground[node]
+    x = half * (u + v)
+    # The body sinks at the speed at which the soil passes the grid.
+    B = vec2(zero, -window_motion[1])
+    balance_nodes[node] = balance_nodes[node] + vec5(
+        m * wp.dot(v - g, B),
+        m * wp.dot(v - g, x),
+        m * wp.dot(g - w, x),
+        half * m * (wp.dot(v, v) - wp.dot(u, u)),
+        (m - M) * wp.dot(w - u, x),
+    )
 
 
 @functools.cache
-def _make_work_of_cells(share_count: int, precision: Precision) -> Any:
+def _make_work_of_cells(share_count: int) -> Any:
     """The kernel, launched over cells; it leaves their volume over the mass of their points too."""
-    real = precision.real
-    key = f"{share_count}.{precision.numpy_name}"
 
-    @wp.kernel(module=f"mpm_warp.work_of_cells.{key}", enable_backward=False)
+    @wp.kernel(module=f"mpm_warp.work_of_cells.{share_count}", enable_backward=False)
     def work_of_cells(
         offset: int,
         cell_mass: wp.array2d(dtype=real),
@@ -224,7 +204,7 @@ def _make_work_of_cells(share_count: int, precision: Precision) -> Any:
         m = real(0.0)
         for share in range(wp.static(share_count)):
             m += cell_mass[share, c]
-        if m > real(0.0):
+        if m > zero:
             balance_specific_volume[c] = V / m
         balance_cells[c] = balance_cells[c] + V * cell_viscosity[c] * d * d * time_step
 
@@ -232,12 +212,11 @@ def _make_work_of_cells(share_count: int, precision: Precision) -> Any:
 
 
 @functools.cache
-def _make_work_of_points(law: Law, precision: Precision) -> Any:
+def _make_work_of_points(law: Law) -> Any:
     """The kernel, launched over slots of particles."""
-    real, vec2, vec4, vec7 = precision.real, precision.vec2, precision.vec4, precision.vec7
     properties_argument, state_type = law.properties_argument, law.state_type
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
-    plastic_step, j2 = make_plastic_step(law, precision), make_j2(precision)
+    plastic_step = make_plastic_step(law)
     two, three, eighteen = (wp.constant(real(x)) for x in (2.0, 3.0, 18.0))
 
     @wp.func
@@ -251,9 +230,7 @@ def _make_work_of_points(law: Law, precision: Precision) -> Any:
         along_axes = sigma[0] * (e[0] - mean) + sigma[1] * (e[1] - mean) + sigma[3] * (e[3] - mean)
         return along_axes + two * sigma[2] * e[2]
 
-    @wp.kernel(
-        module=f"mpm_warp.work_of_points.{law.key}.{precision.numpy_name}", enable_backward=False
-    )
+    @wp.kernel(module=f"mpm_warp.work_of_points.{law.key}", enable_backward=False)
     def work_of_points(
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),

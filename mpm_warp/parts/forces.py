@@ -5,17 +5,15 @@ v <- v + dt f / m           f given force, m mass of the node
 v <- v / (1 + dt c)         c rate of damping, for states of rest
 """
 
-import functools
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, check_array, check_nodes, checked
 from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.kernel_types import one, real, vec2, vec4, zero
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 
 
@@ -32,29 +30,23 @@ class Gravity(Part):
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""
         plan.add_launch(
-            _make_gravity(plan.precision),
+            gravity,
             scene.grid.node_count,
             change=self.acceleration * plan.time_step,
         )
 
 
-@functools.cache
-def _make_gravity(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    zero = wp.constant(real(0.0))
-
-    @wp.kernel(module=f"mpm_warp.gravity.{precision.numpy_name}", enable_backward=False)
-    def gravity(
-        offset: int,
-        change: real,
-        node_mass: wp.array(dtype=real),
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        node = offset + wp.tid()
-        if node_mass[node] > zero:
-            node_velocities[node] -= vec4(zero, change, zero, zero)
-
-    return gravity
+@wp.kernel(module="mpm_warp.gravity", enable_backward=False)
+def gravity(
+    offset: int,
+    change: real,
+    node_mass: wp.array(dtype=real),
+    node_velocities: wp.array(dtype=vec4),
+):
+    """Launched over nodes; one without soil keeps what it has."""
+    node = offset + wp.tid()
+    if node_mass[node] > zero:
+        node_velocities[node] -= vec4(zero, change, zero, zero)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,30 +72,24 @@ class NodalLoad(Part):
         """Add the launch, over the loaded nodes."""
         plan.add_array("load.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("load.forces", "vec2", self.forces)
-        plan.add_launch(_make_nodal_load(plan.precision), len(self.nodes))
+        plan.add_launch(nodal_load, len(self.nodes))
 
 
-@functools.cache
-def _make_nodal_load(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    zero = wp.constant(real(0.0))
-
-    @wp.kernel(module=f"mpm_warp.nodal_load.{precision.numpy_name}", enable_backward=False)
-    def nodal_load(
-        load_nodes: wp.array(dtype=int),
-        load_forces: wp.array(dtype=vec2),
-        node_mass: wp.array(dtype=real),
-        time_step: real,
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        k = wp.tid()
-        node = load_nodes[k]
-        if node_mass[node] <= zero:
-            return
-        change = (time_step / node_mass[node]) * load_forces[k]
-        node_velocities[node] += vec4(change[0], change[1], zero, zero)
-
-    return nodal_load
+@wp.kernel(module="mpm_warp.nodal_load", enable_backward=False)
+def nodal_load(
+    load_nodes: wp.array(dtype=int),
+    load_forces: wp.array(dtype=vec2),
+    node_mass: wp.array(dtype=real),
+    time_step: real,
+    node_velocities: wp.array(dtype=vec4),
+):
+    """Launched over the loaded nodes."""
+    k = wp.tid()
+    node = load_nodes[k]
+    if node_mass[node] <= zero:
+        return
+    change = (time_step / node_mass[node]) * load_forces[k]
+    node_velocities[node] += vec4(change[0], change[1], zero, zero)
 
 
 @dataclass(frozen=True)
@@ -118,20 +104,12 @@ class Damping(Part):
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""
-        plan.add_launch(
-            _make_damping(plan.precision), scene.grid.node_count, drag=self.rate * plan.time_step
-        )
+        plan.add_launch(damping, scene.grid.node_count, drag=self.rate * plan.time_step)
 
 
-@functools.cache
-def _make_damping(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    one = wp.constant(real(1.0))
-
-    @wp.kernel(module=f"mpm_warp.damping.{precision.numpy_name}", enable_backward=False)
-    def damping(offset: int, drag: real, node_velocities: wp.array(dtype=vec4)):
-        node = offset + wp.tid()
-        v = node_velocities[node]
-        node_velocities[node] = vec4(v[0] / (one + drag), v[1] / (one + drag), v[2], v[3])
-
-    return damping
+@wp.kernel(module="mpm_warp.damping", enable_backward=False)
+def damping(offset: int, drag: real, node_velocities: wp.array(dtype=vec4)):
+    """Launched over nodes."""
+    node = offset + wp.tid()
+    v = node_velocities[node]
+    node_velocities[node] = vec4(v[0] / (one + drag), v[1] / (one + drag), v[2], v[3])

@@ -22,16 +22,16 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import real, vec4, vec7
 from mpm_warp.materials.elasticity import make_plastic_step
 from mpm_warp.materials.material import (
     Law,
     make_properties_of_point,
     make_state_of_point,
 )
-from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.materials.von_mises import j2
 from mpm_warp.materials.yield_check import add_yield_share
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan, Run
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 
 ORIGIN = "particle.origin"
@@ -55,9 +55,9 @@ class History(Part):
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the record of the plastic strain, and the share of its strength that soil bears."""
         grid, material = scene.grid, scene.material
-        law = material.law(plan.precision)
+        law = material.law()
         record = plan.launch(
-            _make_record_plastic_strain(law, plan.precision),
+            _make_record_plastic_strain(law),
             plan.arrays["particle.mass"].shape,
             column_count=grid.column_count,
             properties=material.launch_properties(law),
@@ -81,15 +81,14 @@ def displacement(run: Run, travel: float) -> Floats:
 
 
 @functools.cache
-def _make_record_plastic_strain(law: Law, precision: Precision) -> Any:
+def _make_record_plastic_strain(law: Law) -> Any:
     """The kernel, launched over slots of particles."""
-    real, vec4, vec7 = precision.real, precision.vec4, precision.vec7
     properties_argument, state_type = law.properties_argument, law.state_type
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
-    plastic_step, j2 = make_plastic_step(law, precision), make_j2(precision)
+    plastic_step = make_plastic_step(law)
     steps = wp.constant(real(AUDIT_INTERVAL))
 
-    key = f"{law.key}.{precision.numpy_name}"
+    key = f"{law.key}"
 
     @wp.kernel(module=f"mpm_warp.record_plastic_strain.{key}", enable_backward=False)
     def record_plastic_strain(

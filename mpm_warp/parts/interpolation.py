@@ -24,30 +24,13 @@ axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same eve
 upright cells in plane strain, where 1 / r is 0 in all this: c = 1/2, P = w T / (2 h), Q = 0.
 """
 
-import functools
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.kernel_types import one, real, vec2, vec4, vec10
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene, refuse_together
-
-
-@dataclass(frozen=True)
-class VelocityInterpolation:
-    """Device functions of the flow within a cell.
-
-    Attributes:
-        of_cell: (velocities of the four nodes, weights of the cell) -> (P, Q, S l / h, S) per time.
-        displacement: (these over a step, xi, eta) -> (d r, d z).
-    """
-
-    of_cell: Any
-    displacement: Any
 
 
 class ConservativeInterpolation(Part):
@@ -104,32 +87,26 @@ def interpolation_weights(grid: Grid) -> Floats:
     )
 
 
-@functools.cache
-def make_velocity_interpolation(precision: Precision) -> VelocityInterpolation:
-    """The functions in one precision."""
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    vec10 = precision.vector(10)
-    one = wp.constant(real(1.0))
+@wp.func
+def conservative_flow(u_00: vec4, u_10: vec4, u_01: vec4, u_11: vec4, weight: vec10) -> vec4:
+    """(P, Q, S l / h, S) per time of a cell, by the velocities of its nodes and its weights."""
+    T = (u_00[1] - u_10[1]) - (u_01[1] - u_11[1])
+    left, right = u_00[0] + u_01[0], u_10[0] + u_11[0]
+    a_0, a_1 = u_01[0] - u_00[0], u_11[0] - u_10[0]
+    P = weight[0] * T + weight[2] * (right - left) - weight[3] * left
+    Q = weight[1] * T + weight[3] * left + weight[4] * right
+    S = (
+        weight[5] * (a_1 - a_0)
+        + weight[6] * (a_0 + a_1)
+        + weight[7] * (left + right)
+        + weight[8] * T
+    )
+    return vec4(P, Q, weight[9] * S, S)
 
-    @wp.func
-    def conservative_flow(u_00: vec4, u_10: vec4, u_01: vec4, u_11: vec4, weight: vec10) -> vec4:
-        T = (u_00[1] - u_10[1]) - (u_01[1] - u_11[1])
-        left, right = u_00[0] + u_01[0], u_10[0] + u_11[0]
-        a_0, a_1 = u_01[0] - u_00[0], u_11[0] - u_10[0]
-        P = weight[0] * T + weight[2] * (right - left) - weight[3] * left
-        Q = weight[1] * T + weight[3] * left + weight[4] * right
-        S = (
-            weight[5] * (a_1 - a_0)
-            + weight[6] * (a_0 + a_1)
-            + weight[7] * (left + right)
-            + weight[8] * T
-        )
-        return vec4(P, Q, weight[9] * S, S)
 
-    @wp.func
-    def displacement(flow: vec4, xi: real, eta: real) -> vec2:
-        upright = eta * (one - eta)
-        across = xi * (one - xi) * (flow[0] + xi * flow[1])
-        return vec2(across + upright * flow[2], upright * flow[3])
-
-    return VelocityInterpolation(conservative_flow, displacement)
+@wp.func
+def flow_displacement(flow: vec4, xi: real, eta: real) -> vec2:
+    """(d r, d z) at a place in the cell, by the result of `conservative_flow` over a step."""
+    upright = eta * (one - eta)
+    across = xi * (one - xi) * (flow[0] + xi * flow[1])
+    return vec2(across + upright * flow[2], upright * flow[3])

@@ -15,7 +15,6 @@ f and g the linear functions along either, P = integral of f' rho^2, Q of f rho,
     integral of N       = Q (g)
 """
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -27,12 +26,14 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.kernel_types import half, one, quarter, real, third, vec2, vec3, vec4, vec5
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene, refuse_together
+
+sixth = wp.constant(real(1.0 / 6.0))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,15 +87,13 @@ class MovingWall(Part):
         plan.add_array("wall.motion", "vec3", motion)
         plan.add_array("wall.outward", "vec2", grid.surface_normals)
         plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
-        plan.add_launch(
-            _make_push(plan.precision), grid.row_count + 1, column_count=grid.column_count
-        )
+        plan.add_launch(push, grid.row_count + 1, column_count=grid.column_count)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
         """Add the launches that move the wall at the end of a step and draw the cells together."""
         grid = scene.grid
         plan.add_launch(
-            _make_move_wall(plan.precision),
+            move_wall,
             grid.row_count + 1,
             speed=self.speed,
             ramp_time=self.ramp_time,
@@ -104,9 +103,9 @@ class MovingWall(Part):
             angular, caps = grid.angular_integrals
             plan.add_array("wall.angular", "vec5", angular)
             plan.add_array("wall.caps", "real", caps)
-            plan.add_launch(_make_refit_sectors(plan.precision), grid.cell_count, **geometry)
+            plan.add_launch(refit_sectors, grid.cell_count, **geometry)
         else:
-            plan.add_launch(_make_refit_cells(plan.precision), grid.cell_count, **geometry)
+            plan.add_launch(refit_cells, grid.cell_count, **geometry)
 
 
 def crossing_time(array: Callable[[str], NDArray[Any]], material: Material) -> float:
@@ -120,134 +119,109 @@ def crossing_time(array: Callable[[str], NDArray[Any]], material: Material) -> f
     return float(lengths.min()) / material.pressure_wave_speed
 
 
-@functools.cache
-def _make_move_wall(precision: Precision) -> Any:
+@wp.kernel(module="mpm_warp.move_wall", enable_backward=False)
+def move_wall(
+    time_step: real,
+    speed: real,
+    ramp_time: real,
+    wall_motion: wp.array(dtype=vec3),
+    grid_rows: wp.array(dtype=vec5),
+):
     """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
 
     `wall_motion` is (time [s], speed [m/s], radius [m]) of the wall.
     """
-    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
-
-    @wp.kernel(module=f"mpm_warp.move_wall.{precision.numpy_name}", enable_backward=False)
-    def move_wall(
-        time_step: real,
-        speed: real,
-        ramp_time: real,
-        wall_motion: wp.array(dtype=vec3),
-        grid_rows: wp.array(dtype=vec5),
-    ):
-        j = wp.tid()
-        before = wall_motion[j]
-        time = before[0] + time_step
-        radius = before[2] + time_step * before[1]
-        wall_motion[j] = vec3(time, speed * wp.min(time / ramp_time, real(1.0)), radius)
-        row = grid_rows[j]
-        grid_rows[j] = vec5(row[0], row[1], row[2], radius, row[4])
-
-    return move_wall
+    j = wp.tid()
+    before = wall_motion[j]
+    time = before[0] + time_step
+    radius = before[2] + time_step * before[1]
+    wall_motion[j] = vec3(time, speed * wp.min(time / ramp_time, one), radius)
+    row = grid_rows[j]
+    grid_rows[j] = vec5(row[0], row[1], row[2], radius, row[4])
 
 
-@functools.cache
-def _make_refit_cells(precision: Precision) -> Any:
+@wp.kernel(module="mpm_warp.refit_cells", enable_backward=False)
+def refit_cells(
+    offset: int,
+    grid_columns: wp.array(dtype=vec3),
+    grid_rows: wp.array(dtype=vec5),
+    fitted_radius: real,
+    column_count: int,
+    cell_integrals: wp.array2d(dtype=vec3),
+    cell_volume: wp.array(dtype=real),
+):
     """Integrals and volumes of the cells after the wall has moved; launched over cells."""
-    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
-    half, quarter = wp.constant(real(0.5)), wp.constant(real(0.25))
-    sixth, third = wp.constant(real(1.0 / 6.0)), wp.constant(real(1.0 / 3.0))
-
-    @wp.kernel(module=f"mpm_warp.refit_cells.{precision.numpy_name}", enable_backward=False)
-    def refit_cells(
-        offset: int,
-        grid_columns: wp.array(dtype=vec3),
-        grid_rows: wp.array(dtype=vec5),
-        fitted_radius: real,
-        column_count: int,
-        cell_integrals: wp.array2d(dtype=vec3),
-        cell_volume: wp.array(dtype=real),
-    ):
-        c = offset + wp.tid()
-        column = grid_columns[c % column_count]
-        row = grid_rows[c / column_count]
-        a = row[3] + (fitted_radius - row[3]) * column[0]
-        w = (fitted_radius - row[3]) * column[1]
-        h = row[1]
-        across = half * (a + half * w) * h
-        inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
-        hoop = quarter * w * h
-        cell_integrals[c, 0] = vec3(-across, -inner, hoop)
-        cell_integrals[c, 1] = vec3(across, -outer, hoop)
-        cell_integrals[c, 2] = vec3(-across, inner, hoop)
-        cell_integrals[c, 3] = vec3(across, outer, hoop)
-        cell_volume[c] = (a + half * w) * w * h
-
-    return refit_cells
+    c = offset + wp.tid()
+    column = grid_columns[c % column_count]
+    row = grid_rows[c / column_count]
+    a = row[3] + (fitted_radius - row[3]) * column[0]
+    w = (fitted_radius - row[3]) * column[1]
+    h = row[1]
+    across = half * (a + half * w) * h
+    inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
+    hoop = quarter * w * h
+    cell_integrals[c, 0] = vec3(-across, -inner, hoop)
+    cell_integrals[c, 1] = vec3(across, -outer, hoop)
+    cell_integrals[c, 2] = vec3(-across, inner, hoop)
+    cell_integrals[c, 3] = vec3(across, outer, hoop)
+    cell_volume[c] = (a + half * w) * w * h
 
 
-@functools.cache
-def _make_refit_sectors(precision: Precision) -> Any:
+@wp.func
+def part(P: real, Q: real, t: vec5) -> vec3:
+    """Integrals of a node, by those over distance and angle."""
+    return vec3(P * t[0] + Q * t[1], P * t[2] - Q * t[3], Q * t[4])
+
+
+@wp.kernel(module="mpm_warp.refit_sectors", enable_backward=False)
+def refit_sectors(
+    offset: int,
+    grid_columns: wp.array(dtype=vec3),
+    grid_rows: wp.array(dtype=vec5),
+    fitted_radius: real,
+    column_count: int,
+    wall_angular: wp.array2d(dtype=vec5),
+    wall_caps: wp.array(dtype=real),
+    cell_integrals: wp.array2d(dtype=vec3),
+    cell_volume: wp.array(dtype=real),
+):
     """The same for the cells of a polar grid; launched over cells.
 
     `wall_angular` holds the integrals over the angle (g sin^2, g' sin cos, g sin cos, g' sin^2, g)
     of the two rays of each row, `wall_caps` that of sin.
     """
-    real, vec3, vec5 = precision.real, precision.vec3, precision.vec5
-    half, sixth, third = (wp.constant(real(x)) for x in (0.5, 1.0 / 6.0, 1.0 / 3.0))
-
-    @wp.func
-    def part(P: real, Q: real, t: vec5) -> vec3:
-        return vec3(P * t[0] + Q * t[1], P * t[2] - Q * t[3], Q * t[4])
-
-    @wp.kernel(module=f"mpm_warp.refit_sectors.{precision.numpy_name}", enable_backward=False)
-    def refit_sectors(
-        offset: int,
-        grid_columns: wp.array(dtype=vec3),
-        grid_rows: wp.array(dtype=vec5),
-        fitted_radius: real,
-        column_count: int,
-        wall_angular: wp.array2d(dtype=vec5),
-        wall_caps: wp.array(dtype=real),
-        cell_integrals: wp.array2d(dtype=vec3),
-        cell_volume: wp.array(dtype=real),
-    ):
-        c = offset + wp.tid()
-        j = c / column_count
-        column = grid_columns[c % column_count]
-        row = grid_rows[j]
-        a = row[3] + (fitted_radius - row[3]) * column[0]
-        w = (fitted_radius - row[3]) * column[1]
-        P = a * a + a * w + third * w * w
-        inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
-        cell_integrals[c, 0] = part(-P, inner, wall_angular[j, 0])
-        cell_integrals[c, 1] = part(P, outer, wall_angular[j, 0])
-        cell_integrals[c, 2] = part(-P, inner, wall_angular[j, 1])
-        cell_integrals[c, 3] = part(P, outer, wall_angular[j, 1])
-        cell_volume[c] = P * w * wall_caps[j]
-
-    return refit_sectors
+    c = offset + wp.tid()
+    j = c / column_count
+    column = grid_columns[c % column_count]
+    row = grid_rows[j]
+    a = row[3] + (fitted_radius - row[3]) * column[0]
+    w = (fitted_radius - row[3]) * column[1]
+    P = a * a + a * w + third * w * w
+    inner, outer = w * (half * a + sixth * w), w * (half * a + third * w)
+    cell_integrals[c, 0] = part(-P, inner, wall_angular[j, 0])
+    cell_integrals[c, 1] = part(P, outer, wall_angular[j, 0])
+    cell_integrals[c, 2] = part(-P, inner, wall_angular[j, 1])
+    cell_integrals[c, 3] = part(P, outer, wall_angular[j, 1])
+    cell_volume[c] = P * w * wall_caps[j]
 
 
-@functools.cache
-def _make_push(precision: Precision) -> Any:
+@wp.kernel(module="mpm_warp.push", enable_backward=False)
+def push(
+    column_count: int,
+    wall_motion: wp.array(dtype=vec3),
+    wall_outward: wp.array(dtype=vec2),
+    node_mass: wp.array(dtype=real),
+    node_velocities: wp.array(dtype=vec4),
+    wall_impulse: wp.array(dtype=real),
+):
     """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
 
     Launched over the rows of nodes.
     """
-    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-
-    @wp.kernel(module=f"mpm_warp.push.{precision.numpy_name}", enable_backward=False)
-    def push(
-        column_count: int,
-        wall_motion: wp.array(dtype=vec3),
-        wall_outward: wp.array(dtype=vec2),
-        node_mass: wp.array(dtype=real),
-        node_velocities: wp.array(dtype=vec4),
-        wall_impulse: wp.array(dtype=real),
-    ):
-        j = wp.tid()
-        node = j * (column_count + 1)
-        v = node_velocities[node]
-        n = wall_outward[j]
-        change = wall_motion[j][1] - (v[0] * n[0] + v[1] * n[1])
-        wall_impulse[j] += node_mass[node] * change
-        node_velocities[node] = vec4(v[0] + change * n[0], v[1] + change * n[1], v[2], v[3])
-
-    return push
+    j = wp.tid()
+    node = j * (column_count + 1)
+    v = node_velocities[node]
+    n = wall_outward[j]
+    change = wall_motion[j][1] - (v[0] * n[0] + v[1] * n[1])
+    wall_impulse[j] += node_mass[node] * change
+    node_velocities[node] = vec4(v[0] + change * n[0], v[1] + change * n[1], v[2], v[3])

@@ -38,11 +38,11 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Checked, check_array, check_nodes, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.kernel_types import one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import FarField, raise_springs
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 
 
@@ -231,7 +231,7 @@ class SurroundingGround(Part):
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add two launches, over the nodes of the side and of the ends."""
-        precision, nodes = plan.precision, (scene.grid.node_count,)
+        nodes = (scene.grid.node_count,)
         side_flow = self.source.velocity(self.side_positions)
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
         own = self._stiffness_ratio(scene, self.side_positions, 0.0)[:, None]
@@ -244,12 +244,12 @@ class SurroundingGround(Part):
         plan.add_array("far_field.drawn", "vec2", side_flow + drawn / self.spring)
         plan.add_array("far_field.displacement", "vec2", at_rest)
         partly = plan.find("cell.full_mass") is not None
-        plan.add_launch(_make_moving_side(partly, precision), len(self.side))
+        plan.add_launch(_make_moving_side(partly), len(self.side))
         # After the side: a spring in a corner must not move what the bottom holds.
         plan.add_array("end.nodes", "int", self.ends, nodes)
         plan.add_array("end.free", "vec2", self.free)
         plan.add_array("end.flow", "vec2", self._end_flow)
-        plan.add_launch(_make_moving_ends(precision), len(self.ends))
+        plan.add_launch(moving_ends, len(self.ends))
 
     def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
@@ -267,34 +267,27 @@ def _place(position: Floats, travel: float) -> Floats:
     return position - np.array([0.0, travel])
 
 
-@functools.cache
-def _make_moving_ends(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-
-    @wp.kernel(module=f"mpm_warp.moving_ends.{precision.numpy_name}", enable_backward=False)
-    def moving_ends(
-        offset: int,
-        end_nodes: wp.array(dtype=int),
-        end_free: wp.array(dtype=vec2),
-        end_flow: wp.array(dtype=vec2),
-        window_motion: wp.array(dtype=wp.float64),
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        k = offset + wp.tid()
-        node = end_nodes[k]
-        v, V = node_velocities[node], real(window_motion[1])
-        given = wp.cw_mul(end_free[k], vec2(v[0], v[1])) + V * end_flow[k]
-        node_velocities[node] = vec4(given[0], given[1], v[2], v[3])
-
-    return moving_ends
+@wp.kernel(module="mpm_warp.moving_ends", enable_backward=False)
+def moving_ends(
+    offset: int,
+    end_nodes: wp.array(dtype=int),
+    end_free: wp.array(dtype=vec2),
+    end_flow: wp.array(dtype=vec2),
+    window_motion: wp.array(dtype=real),
+    node_velocities: wp.array(dtype=vec4),
+):
+    """Launched over the nodes of bottom and top."""
+    k = offset + wp.tid()
+    node = end_nodes[k]
+    v, V = node_velocities[node], window_motion[1]
+    given = wp.cw_mul(end_free[k], vec2(v[0], v[1])) + V * end_flow[k]
+    node_velocities[node] = vec4(given[0], given[1], v[2], v[3])
 
 
 @functools.cache
-def _make_moving_side(partly: bool, precision: Precision) -> Any:
+def _make_moving_side(partly: bool) -> Any:
     """The kernel, launched over the nodes of the side; `partly`: there may be less soil at some."""
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    zero, two = wp.constant(real(0.0)), wp.constant(real(2.0))
-    key = f"{'partly.' if partly else ''}{precision.numpy_name}"
+    key = "partly" if partly else "full"
 
     @wp.kernel(module=f"mpm_warp.moving_side.{key}", enable_backward=False)
     def moving_side(
@@ -307,7 +300,7 @@ def _make_moving_side(partly: bool, precision: Precision) -> Any:
         node_mass: wp.array(dtype=real),
         node_least_mass: wp.array(dtype=real),
         time_step: real,
-        window_motion: wp.array(dtype=wp.float64),
+        window_motion: wp.array(dtype=real),
         far_field_displacement: wp.array(dtype=vec2),
         node_velocities: wp.array(dtype=vec4),
     ):
@@ -315,7 +308,7 @@ def _make_moving_side(partly: bool, precision: Precision) -> Any:
         node = far_field_nodes[k]
         if node_mass[node] <= zero:
             return
-        v, V, w = node_velocities[node], real(window_motion[1]), far_field_displacement[k]
+        v, V, w = node_velocities[node], window_motion[1], far_field_displacement[k]
         m = node_mass[node]
         if wp.static(partly):
             m = wp.max(m, two * node_least_mass[node])  # that beside full cells
@@ -323,7 +316,7 @@ def _make_moving_side(partly: bool, precision: Precision) -> Any:
         c = rate * far_field_dashpot[k]
         pulled = vec2(v[0], v[1]) - rate * wp.cw_mul(far_field_spring[k], w)
         # The dashpots are implicit.
-        new = wp.cw_div(pulled + V * wp.cw_mul(c, far_field_flow[k]), vec2(real(1.0)) + c)
+        new = wp.cw_div(pulled + V * wp.cw_mul(c, far_field_flow[k]), vec2(one) + c)
         far_field_displacement[k] = w + time_step * (new - V * far_field_drawn[k])
         node_velocities[node] = vec4(new[0], new[1], v[2], v[3])
 

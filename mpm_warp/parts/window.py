@@ -1,8 +1,7 @@
 """The window: the grid travels with the penetrometer down through the soil.
 
 Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
-device so that a recorded step can be replayed as it is, in double precision whatever that of the
-run: a step moves it by a ten-millionth of its travel. Soil enters below and leaves above.
+device so that a recorded step can be replayed as it is. Soil enters below and leaves above.
 
 Soil enters by layers. One that enters is a copy of the lowest layer as it was seeded, in all that
 particles carry, so that what a part or a material adds to the particles enters with them. Where the
@@ -21,6 +20,7 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Checked, Range, check_kind, check_number, checked
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.kernel_types import one, real, zero
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan, Run
@@ -63,7 +63,7 @@ class MovingGrid(Part):
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add the array of the motion, which stages and parts read."""
-        plan.add_zeros("window.motion", "double", 3)
+        plan.add_zeros("window.motion", "real", 3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,18 +293,17 @@ def _make_advance_window(hurried: bool) -> Any:
     Args:
         hurried: whether it falls again at the end of an approach, linearly in travel.
     """
-    zero, one = wp.constant(wp.float64(0.0)), wp.constant(wp.float64(1.0))
     key = "hurried" if hurried else "steady"
 
     @wp.kernel(module=f"mpm_warp.advance_window.{key}", enable_backward=False)
     def advance_window(
-        time_step: wp.float64,
-        speed: wp.float64,
-        ramp_time: wp.float64,
-        final_speed: wp.float64,
-        approach_travel: wp.float64,
-        slowing_travel: wp.float64,
-        window_motion: wp.array(dtype=wp.float64),
+        time_step: real,
+        speed: real,
+        ramp_time: real,
+        final_speed: real,
+        approach_travel: real,
+        slowing_travel: real,
+        window_motion: wp.array(dtype=real),
     ):
         window_motion[2] += time_step * window_motion[1]
         window_motion[0] += time_step

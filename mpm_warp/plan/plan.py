@@ -21,15 +21,15 @@ from mpm_warp.arguments import (
     check_whole,
 )
 from mpm_warp.errors import SceneError
+from mpm_warp.kernel_types import mat22, real, vector
 from mpm_warp.parameters import nearest_name
 from mpm_warp.plan.launch import OFFSET, Launch
 from mpm_warp.plan.time_step import TimeStepControl
-from mpm_warp.precision import Precision
 
 AUDIT_INTERVAL = 16
 """One of so many steps is audited, where a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
-"""Types of whole numbers, which do not depend on the precision."""
+"""Types of whole numbers."""
 
 Floats = NDArray[np.floating[Any]]
 
@@ -39,7 +39,7 @@ class Array:
     """One array on the device.
 
     Attributes:
-        kind: name of its type in the precision of the plan, "vec2" say.
+        kind: name of its type, "vec2" say.
         dtype: that type of Warp.
         shape: its lengths.
         initial: what it holds when the run starts; None: zeros.
@@ -98,7 +98,6 @@ class Plan:
     """All arrays and launches of a run.
 
     Attributes:
-        precision: floating point types.
         time_step: length of every step [s], of the first ones where there is a control.
         longest_time_step: beyond which a run is not stable [s].
         speed_limit: speed of the fastest wave, which no particle exceeds in a sound run [m/s].
@@ -117,7 +116,6 @@ class Plan:
         SceneError: the time step is not > 0, or there is no share.
     """
 
-    precision: Precision
     time_step: float
     longest_time_step: float
     speed_limit: float
@@ -154,7 +152,7 @@ class Plan:
 
         Args:
             name: of the array.
-            kind: a type of the precision: "real", "vec2", ..., or "int", "vec2i".
+            kind: its type: "real", "vec2", ..., or "int", "vec2i".
             values: its numbers; the last axes are the components of a vector.
             counts: see `Array`.
             may_be_none: see `Array`.
@@ -163,10 +161,10 @@ class Plan:
         Raises:
             SceneError: the plan has an array of that name, or of one that is the same in kernels.
         """
-        dtype = self._dtype(kind)
+        dtype = _type_of(kind)
         components = getattr(dtype, "_shape_", ())
         shape = values.shape[: values.ndim - len(components)]
-        scalar = np.int32 if kind in WHOLE else self.precision.numpy_name
+        scalar = np.int32 if kind in WHOLE else np.float64
         initial = np.array(values, dtype=scalar, order="C")
         return self._add(name, Array(kind, dtype, shape, initial, counts, may_be_none, least))
 
@@ -175,7 +173,7 @@ class Plan:
     ) -> str:
         """Add an array that starts with zeros, see `add_array`; returns its name."""
         lengths = shape if isinstance(shape, tuple) else (shape,)
-        return self._add(name, Array(kind, self._dtype(kind), lengths, None, counts))
+        return self._add(name, Array(kind, _type_of(kind), lengths, None, counts))
 
     def check_known(self, name: str) -> None:
         """Check that there is an array of that name.
@@ -266,8 +264,12 @@ class Plan:
         self.arrays[name] = array
         return name
 
-    def _dtype(self, kind: str) -> Any:
-        return WHOLE[kind] if kind in WHOLE else self.precision.type_of(kind)
+
+def _type_of(kind: str) -> Any:
+    """The type of that name: "real", "mat22", "vec" and a length, or one of `WHOLE`."""
+    if kind in WHOLE:
+        return WHOLE[kind]
+    return {"real": real, "mat22": mat22}.get(kind) or vector(int(kind.removeprefix("vec")))
 
 
 class Run(Protocol):

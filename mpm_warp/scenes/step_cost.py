@@ -15,7 +15,7 @@ from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.elasticity import Isotropic, LinearElastic
-from mpm_warp.parameters import parameter, redefined
+from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled, variable
@@ -101,7 +101,7 @@ class StepCost(CatalogueScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     runs_alone: ClassVar[bool] = True
 
     size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
@@ -112,7 +112,6 @@ class StepCost(CatalogueScene):
     )
     threads: int = parameter(1, "threads of the processor", choices=THREAD_COUNTS)
     cases: int = parameter(1, "cases that are computed together", minimum=1, maximum=10_000)
-    precision: str = redefined(ConePenetration, "precision")
     samples: int = parameter(7, "timed samples", minimum=1, maximum=1000)
     sample_time: float = parameter(0.3, "time of a sample, about", unit="s", above=0, maximum=100)
 
@@ -120,9 +119,7 @@ class StepCost(CatalogueScene):
         """The cone penetration of the size, or of the nearest found that grids can have."""
         cells_per_radius = 2.0
         for _ in range(4):
-            cone = ConePenetration(
-                cells_per_radius=cells_per_radius, precision=self.precision, approach=0.0
-            )
+            cone = ConePenetration(cells_per_radius=cells_per_radius, approach=0.0)
             count = cone.run_size().cell_count * cone.particles_per_cell
             finer = cells_per_radius * math.sqrt(self.size / count)
             cells_per_radius = min(max(1.0, finer), 100.0)

@@ -5,7 +5,7 @@ Symbols: v velocity of the nodes after the step, G_i the integrals over a cell o
 
     L       = sum over nodes (v_r G_r, v_r G_z, v_z G_r, v_z G_z, v_r G_t) / V
     div v_c = L_rr + L_zz + L_tt
-    motion  = (e, R)       strain and rotation by the spin in a step, see `make_motion`
+    motion  = (e, R)       strain and rotation by the spin in a step, see `motion_of`
 """
 
 import functools
@@ -14,10 +14,10 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.elasticity import make_motion
+from mpm_warp.kernel_types import one, real, vec3, vec4, vec5, vec7, vec10, zero
+from mpm_warp.materials.elasticity import motion_of
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
-from mpm_warp.step.mass_matrix_correction import make_mass_matrix_correction
+from mpm_warp.step.mass_matrix_correction import correction_of_cell
 
 
 def add_cell_rates(
@@ -54,7 +54,6 @@ def add_cell_rates(
             corrected is not None,
             blended is not None,
             internal_flow,
-            plan.precision,
         ),
         grid.cell_count,
         column_count=grid.column_count,
@@ -68,15 +67,8 @@ def add_cell_rates(
 
 
 @functools.cache
-def _make_cell_rates(
-    viscous: bool, corrected: bool, blended: bool, internal_flow: Any, precision: Precision
-) -> Any:
+def _make_cell_rates(viscous: bool, corrected: bool, blended: bool, internal_flow: Any) -> Any:
     """The kernel, launched over cells; `blended`: those with a PIC fraction are not corrected."""
-    real, vec3, vec4 = precision.real, precision.vec3, precision.vec4
-    vec5, vec7, vec10 = precision.vec5, precision.vec7, precision.vector(10)
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
-    motion_of = make_motion(precision)
-    correction_of_cell = make_mass_matrix_correction(precision).of_cell
     interpolated = internal_flow is not None
 
     @wp.func
@@ -85,7 +77,7 @@ def _make_cell_rates(
 
     parts = ("viscous" if viscous else "inviscid", "corrected" if corrected else "lumped")
     flow = internal_flow.key if internal_flow is not None else "bilinear"
-    key = f"{'.'.join(parts)}{'.blended' if blended else ''}.{flow}.{precision.numpy_name}"
+    key = f"{'.'.join(parts)}{'.blended' if blended else ''}.{flow}"
 
     @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
     def cell_rates(

@@ -13,9 +13,9 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.kernel_types import one, real, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 
 
 def add_cell_stress(
@@ -37,9 +37,7 @@ def add_cell_stress(
         plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
     free_surface = plan.find("cell.full_mass") is not None
     plan.add_launch(
-        _make_cell_stress(
-            plan.share_count, bulk_viscosity is not None, free_surface, plan.precision
-        ),
+        _make_cell_stress(plan.share_count, bulk_viscosity is not None, free_surface),
         grid.cell_count,
         cell_dilation_rate=plan.find("cell.dilation_rate"),
         cell_viscosity=plan.find("cell.viscosity"),
@@ -48,15 +46,10 @@ def add_cell_stress(
 
 
 @functools.cache
-def _make_cell_stress(
-    share_count: int, viscous: bool, free_surface: bool, precision: Precision
-) -> Any:
+def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> Any:
     """The kernel, launched over cells; it clears the particles' sums of all shares."""
-    real, vec4 = precision.real, precision.vec4
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
-
     key = f"{'viscous' if viscous else 'inviscid'}.{'partly' if free_surface else 'full'}"
-    key = f"{share_count}.{key}.{precision.numpy_name}"
+    key = f"{share_count}.{key}"
 
     @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
     def cell_stress(

@@ -18,6 +18,7 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
+from mpm_warp.kernel_types import real, vec2, vec3, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import make_stress_update
 from mpm_warp.materials.material import (
     Law,
@@ -26,7 +27,6 @@ from mpm_warp.materials.material import (
     make_state_of_point,
 )
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 
 
 def add_grid_to_particles(
@@ -48,7 +48,7 @@ def add_grid_to_particles(
         window_top: height [m] above which particles leave a grid that travels; None: it rests, and
             they stay in it.
     """
-    law = material.law(plan.precision)
+    law = material.law()
     plan.add_launch(
         _make_grid_to_particles(
             grid.polar,
@@ -56,7 +56,6 @@ def add_grid_to_particles(
             flow_displacement,
             window_top is not None,
             plan.find("cell.pic_fraction") is not None,
-            plan.precision,
         ),
         plan.arrays["particle.mass"].shape,
         cell_internal_flow=plan.find("cell.internal_flow"),
@@ -77,21 +76,17 @@ def _make_grid_to_particles(
     flow_displacement: Any,
     travelling: bool,
     blended: bool,
-    precision: Precision,
 ) -> Any:
     """The kernel, launched over slots of particles."""
-    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    vec5, vec7 = precision.vec5, precision.vec7
-    location = make_location(polar, precision)
+    location = make_location(polar)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
-    stress_update, remembers = make_stress_update(law, precision), law.remembers
+    stress_update, remembers = make_stress_update(law), law.remembers
     properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     properties_argument, state_type = law.properties_argument, law.state_type
     interpolated = flow_displacement is not None
     flow = flow_displacement.key if flow_displacement is not None else "bilinear"
     key = f"{'polar' if polar else 'rows'}.{law.key}.{flow}"
     key = f"{key}.{'travelling' if travelling else 'resting'}{'.blended' if blended else ''}"
-    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
     def grid_to_particles(
@@ -111,7 +106,7 @@ def _make_grid_to_particles(
         particle_stress: wp.array(dtype=vec4),
         particle_state: wp.array(dtype=state_type),
         particle_cell: wp.array(dtype=wp.vec2i),
-        window_motion: wp.array(dtype=wp.float64),
+        window_motion: wp.array(dtype=real),
         top: real,
     ):
         p = offset + wp.tid()
@@ -156,7 +151,7 @@ def _make_grid_to_particles(
         if wp.static(interpolated):
             x += flow_displacement(cell_internal_flow[c], xi, eta)
         if wp.static(travelling):
-            x += vec2(real(0.0), time_step * real(window_motion[1]))
+            x += vec2(zero, time_step * window_motion[1])
             if x[1] >= top:
                 particle_cell[p] = wp.vec2i(-1, -1)
                 return

@@ -25,61 +25,41 @@ In cells that are filled in part P may be anything: there is no S where a free s
 only far below it (`mpm_warp.parts.free_surface`).
 """
 
-import functools
-from dataclasses import dataclass
-from typing import Any
-
 import warp as wp
 
-from mpm_warp.precision import Precision
+from mpm_warp.kernel_types import one, real, vec2, vec4
 
 
-@dataclass(frozen=True)
-class MassMatrixCorrection:
-    """Device functions of S.
-
-    Attributes:
-        of_cell: (v_00, v_10, v_01, v_11, k rho V / 4) -> that times (X, Y), for `at_node`.
-        at_node: (results of `of_cell`, column and row of node, of the grid) -> (S v)_i.
-    """
-
-    of_cell: Any
-    at_node: Any
+@wp.func
+def correction_of_cell(v_00: vec4, v_10: vec4, v_01: vec4, v_11: vec4, weight: real) -> vec4:
+    """(X, Y) of a cell times its weight k rho V / 4; v_ij is (v_r, v_z, ...) of a node."""
+    rising, falling = weight * (v_11 - v_00), weight * (v_10 - v_01)
+    X, Y = rising + falling, rising - falling
+    return vec4(X[0], X[1], Y[0], Y[1])
 
 
-@functools.cache
-def make_mass_matrix_correction(precision: Precision) -> MassMatrixCorrection:
-    """The functions in one precision; of nodes they take (v_r, v_z, ...)."""
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    one = wp.constant(real(1.0))
+@wp.func
+def corner(cell: vec4, across: real, up: real) -> vec2:
+    """What a cell gives to one of its nodes; the signs say to which."""
+    return across * vec2(cell[0], cell[1]) + up * vec2(cell[2], cell[3])
 
-    @wp.func
-    def of_cell(v_00: vec4, v_10: vec4, v_01: vec4, v_11: vec4, weight: real) -> vec4:
-        rising, falling = weight * (v_11 - v_00), weight * (v_10 - v_01)
-        X, Y = rising + falling, rising - falling
-        return vec4(X[0], X[1], Y[0], Y[1])
 
-    @wp.func
-    def corner(cell: vec4, across: real, up: real) -> vec2:
-        return across * vec2(cell[0], cell[1]) + up * vec2(cell[2], cell[3])
-
-    @wp.func
-    def at_node(
-        cells: wp.array(dtype=vec4), i: int, j: int, column_count: int, row_count: int
-    ) -> vec2:
-        total = vec2()
-        cell = j * column_count + i
-        if j < row_count:
-            if i < column_count:
-                total += corner(cells[cell], -one, -one)
-            if i > 0:
-                total += corner(cells[cell - 1], one, -one)
-        if j > 0:
-            cell -= column_count
-            if i < column_count:
-                total += corner(cells[cell], -one, one)
-            if i > 0:
-                total += corner(cells[cell - 1], one, one)
-        return total
-
-    return MassMatrixCorrection(of_cell, at_node)
+@wp.func
+def correction_at_node(
+    cells: wp.array(dtype=vec4), i: int, j: int, column_count: int, row_count: int
+) -> vec2:
+    """(S v)_i of the node in column i and row j, of the results of `correction_of_cell`."""
+    total = vec2()
+    cell = j * column_count + i
+    if j < row_count:
+        if i < column_count:
+            total += corner(cells[cell], -one, -one)
+        if i > 0:
+            total += corner(cells[cell - 1], one, -one)
+    if j > 0:
+        cell -= column_count
+        if i < column_count:
+            total += corner(cells[cell], -one, one)
+        if i > 0:
+            total += corner(cells[cell - 1], one, one)
+    return total

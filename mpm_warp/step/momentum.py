@@ -19,10 +19,10 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.kernel_types import half, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
-from mpm_warp.step.mass_matrix_correction import make_mass_matrix_correction
+from mpm_warp.step.mass_matrix_correction import correction_at_node
 
 ABSURD_SPEED = 100.0
 """Speed over that of the pressure wave beyond which a node is left out of the step."""
@@ -38,7 +38,7 @@ def add_momentum(plan: Plan, grid: Grid, material: Material, *, corrected: bool)
     if corrected:
         plan.add_zeros("cell.correction", "vec4", grid.cell_count)
     plan.add_launch(
-        _make_momentum(plan.share_count, corrected, plan.precision),
+        _make_momentum(plan.share_count, corrected),
         (grid.row_count + 1, grid.column_count + 1),
         column_count=grid.column_count,
         row_count=grid.row_count,
@@ -48,14 +48,11 @@ def add_momentum(plan: Plan, grid: Grid, material: Material, *, corrected: bool)
 
 
 @functools.cache
-def _make_momentum(share_count: int, corrected: bool, precision: Precision) -> Any:
+def _make_momentum(share_count: int, corrected: bool) -> Any:
     """The kernel, launched over (rows, columns) of nodes; it clears the sums of all shares.
 
     `node_velocities` is (v_r, v_z, u_r, u_z): velocity after the step and before it.
     """
-    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    zero, half, one = (wp.constant(real(x)) for x in (0.0, 0.5, 1.0))
-    correction_at_node = make_mass_matrix_correction(precision).at_node
 
     @wp.func
     def pull(stress: vec4, G: vec3) -> vec2:
@@ -64,7 +61,7 @@ def _make_momentum(share_count: int, corrected: bool, precision: Precision) -> A
             stress[2] * G[0] + stress[1] * G[1],
         )
 
-    key = f"{share_count}.{'corrected' if corrected else 'lumped'}.{precision.numpy_name}"
+    key = f"{share_count}.{'corrected' if corrected else 'lumped'}"
 
     @wp.kernel(module=f"mpm_warp.momentum.{key}", enable_backward=False)
     def momentum(

@@ -15,9 +15,9 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
+from mpm_warp.kernel_types import one, real, vec2, vec3, vec4, vec5, zero
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
-from mpm_warp.precision import Precision
 
 
 def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:
@@ -33,7 +33,7 @@ def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> N
     plan.add_zeros("cell.mass", "real", (plan.share_count, grid.cell_count))
     plan.add_zeros("node.momentum", "vec4", (plan.share_count, grid.node_count))
     plan.add_launch(
-        _make_particles_to_grid(grid.polar, has_empty_slots, plan.precision),
+        _make_particles_to_grid(grid.polar, has_empty_slots),
         plan.arrays["particle.mass"].shape,
         fitted_radius=grid.fitted_radius,
         column_count=grid.column_count,
@@ -44,12 +44,9 @@ def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> N
 
 
 @functools.cache
-def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Precision) -> Any:
+def _make_particles_to_grid(polar: bool, has_empty_slots: bool) -> Any:
     """The kernel, launched over slots of particles."""
-    real, vec2, vec3, vec4 = precision.real, precision.vec2, precision.vec3, precision.vec4
-    vec5 = precision.vec5
-    natural = make_location(polar, precision).natural
-    zero, one = wp.constant(real(0.0)), wp.constant(real(1.0))
+    natural = make_location(polar).natural
 
     @wp.func
     def share(m: real, v: vec2) -> vec4:
@@ -57,7 +54,6 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool, precision: Preci
         return vec4(m, m * v[0], m * v[1], zero)
 
     key = f"{'polar' if polar else 'rows'}.{'slots' if has_empty_slots else 'full'}"
-    key = f"{key}.{precision.numpy_name}"
 
     @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
     def particles_to_grid(

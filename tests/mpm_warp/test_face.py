@@ -67,5 +67,5 @@ def test_a_run_is_silent() -> None:
 
 
 def test_what_the_user_has_asked_warp_to_tell_is_kept() -> None:
-    code = "import warp; warp.config.log_level = warp.LOG_DEBUG; import mpm_warp.precision; "
+    code = "import warp; warp.config.log_level = warp.LOG_DEBUG; import mpm_warp.kernel_types; "
     assert run(code + "print(warp.config.log_level == warp.LOG_DEBUG)").stdout.endswith("True\n")

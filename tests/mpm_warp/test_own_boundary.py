@@ -1,9 +1,7 @@
 """A boundary is one file: one that only this file knows, in the scene of a cone."""
 
 import dataclasses
-import functools
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,11 +10,11 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, check_number
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import one, real, vec4
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import make_plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
 
@@ -43,31 +41,24 @@ class ViscousSide(Part):
         nodes = grid.node(grid.column_count, np.arange(grid.row_count + 1))
         plan.add_array("side.nodes", "int", nodes, (grid.node_count,))
         plan.add_array("side.rate", "real", np.full(len(nodes), self.rate))
-        plan.add_launch(_make_viscous_side(plan.precision), len(nodes))
+        plan.add_launch(viscous_side, len(nodes))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         run.assign("side.rate", self.rate * (1.0 + travel))
 
 
-@functools.cache
-def _make_viscous_side(precision: Precision) -> Any:
-    real, vec4 = precision.real, precision.vec4
-    one = wp.constant(real(1.0))
-
-    @wp.kernel(module=f"tests.viscous_side.{precision.numpy_name}", enable_backward=False)
-    def viscous_side(
-        offset: int,
-        side_nodes: wp.array(dtype=int),
-        side_rate: wp.array(dtype=real),
-        time_step: real,
-        node_velocities: wp.array(dtype=vec4),
-    ):
-        k = offset + wp.tid()
-        v = node_velocities[side_nodes[k]]
-        slowed = one + time_step * side_rate[k]
-        node_velocities[side_nodes[k]] = vec4(v[0] / slowed, v[1] / slowed, v[2], v[3])
-
-    return viscous_side
+@wp.kernel(module="tests.viscous_side", enable_backward=False)
+def viscous_side(
+    offset: int,
+    side_nodes: wp.array(dtype=int),
+    side_rate: wp.array(dtype=real),
+    time_step: real,
+    node_velocities: wp.array(dtype=vec4),
+):
+    k = offset + wp.tid()
+    v = node_velocities[side_nodes[k]]
+    slowed = one + time_step * side_rate[k]
+    node_velocities[side_nodes[k]] = vec4(v[0] / slowed, v[1] / slowed, v[2], v[3])
 
 
 @pytest.fixture

@@ -43,7 +43,6 @@ def plane(rectilinear: Grid) -> Grid:
             "time_step_fraction = nan must be a finite number > 0$",
         ),
         ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0$"),
-        ({"precision": "float16"}, "precision = 'float16' must be one of float64, float32$"),
         ({"parts": (WALL, WINDOW)}, "MovingWall: not together with a MovingGrid$"),
         (
             {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},

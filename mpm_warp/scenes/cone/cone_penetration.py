@@ -67,7 +67,7 @@ class ConePenetration(ConeTest):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 11
+    version: ClassVar[int] = 12
     comparable: ClassVar[str | None] = "cone_factor"
     snapshots_over: ClassVar[str | None] = AXIS
 
@@ -110,7 +110,6 @@ class ConePenetration(ConeTest):
                 EnergyAudit(),
                 *([EnergyBalance()] if self.energy_audit == "balance" else []),
             ),
-            precision=self.precision,
         )
 
     @property

@@ -16,7 +16,6 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.window import Approach, Window
-from mpm_warp.precision import PRECISIONS
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.uncertainty.steadiness import forgetting, steady_penetration
@@ -96,9 +95,6 @@ class ConeGrid:
         minimum=2,
         maximum=500,
     )
-    precision: str = parameter(
-        "float64", "floating point numbers of the simulation", choices=tuple(PRECISIONS)
-    )
 
 
 class FittedToCone:
@@ -151,7 +147,6 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         "domain_above",
         "domain_below",
         "poissons_ratio_bound",
-        "precision",
         "uncertainty",
         "energy_audit",
     )

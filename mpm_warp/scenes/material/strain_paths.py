@@ -18,11 +18,11 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import make_motion, make_stress_update
+from mpm_warp.kernel_types import one, real, vec4, vec5
+from mpm_warp.materials.elasticity import make_stress_update, motion_of
 from mpm_warp.materials.material import Law, Material, make_state_of_point
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.precision import FLOAT64, Precision
 from mpm_warp.watch.watch import ParticleWatch, make_watch
 
 NOWHERE = np.full(2, np.nan)
@@ -62,17 +62,16 @@ class StrainPaths:
 def plan_strain_paths(
     paths: StrainPaths, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
-    """The plan of a run along strain paths, in double precision.
+    """The plan of a run along strain paths.
 
     Args:
         paths: what to run.
         share_count: into how many shares its launches are split, >= 1.
         time_step: length of a step [s], > 0; default: a second over the number of steps.
     """
-    material, law = paths.material, paths.material.law(FLOAT64)
+    material, law = paths.material, paths.material.law()
     count = len(paths.gradient)
     plan = Plan(
-        precision=FLOAT64,
         share_count=share_count,
         time_step=1.0 / paths.step_count if time_step is None else time_step,
         longest_time_step=math.inf,
@@ -89,7 +88,7 @@ def plan_strain_paths(
     if law.yield_function is not None:
         plan.add_array("particle.yield_excess", "real", np.full(count, -1.0))
     plan.add_launch(
-        _make_strain_path(law, FLOAT64),
+        _make_strain_path(law),
         count,
         properties=law.properties_type(*material.properties),
         particle_state=plan.find("particle.state"),
@@ -125,23 +124,18 @@ make_watch.register(StrainPaths, StressWatch)
 
 
 @functools.cache
-def _make_strain_path(law: Law, precision: Precision) -> Any:
+def _make_strain_path(law: Law) -> Any:
     """The kernel, launched over paths.
 
     `particle_yield_excess` is how far the stress has been beyond the yield surface at most, over
     the strength.
     """
-    real, vec4, vec5 = precision.real, precision.vec4, precision.vec5
-    one = wp.constant(real(1.0))
-    motion_of = make_motion(precision)
-    stress_update, state_of_point = make_stress_update(law, precision), make_state_of_point(law)
+    stress_update, state_of_point = make_stress_update(law), make_state_of_point(law)
     remembers, yields = law.remembers, law.yield_function is not None
     yield_function: Any = law.yield_function
     properties_type, state_type = law.properties_type, law.state_type
 
-    @wp.kernel(
-        module=f"mpm_warp.strain_path.{law.key}.{precision.numpy_name}", enable_backward=False
-    )
+    @wp.kernel(module=f"mpm_warp.strain_path.{law.key}", enable_backward=False)
     def strain_path(
         offset: int,
         time_step: real,

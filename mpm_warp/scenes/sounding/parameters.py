@@ -40,7 +40,6 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
         "domain_radius",
         "domain_above",
         "domain_below",
-        "precision",
     )
 
     profile: str | None = parameter(

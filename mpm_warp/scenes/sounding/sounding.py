@@ -51,7 +51,7 @@ class Sounding(SoundingTest):
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
 
     def __post_init__(self) -> None:
         super().__post_init__()

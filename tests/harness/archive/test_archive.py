@@ -235,9 +235,9 @@ FAULTS: list[tuple[str, Change]] = [
         lambda dataset: dataset.assign(cone_factor=dataset.status.assign_attrs(units="1")),
     ),
     (
-        "precision is no number",
+        "accuracy is no number",
         lambda dataset: dataset.assign(
-            precision=dataset.precision.assign_attrs(role="error", units="1")
+            accuracy=dataset.accuracy.assign_attrs(role="error", units="1")
         ),
     ),
     ("the role of cone_factor is unknown", with_attribute("cone_factor", "role", "guess")),

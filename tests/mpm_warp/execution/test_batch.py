@@ -116,7 +116,6 @@ def test_plans_that_differ_in_numbers_only_have_one_batch_key() -> None:
     key = batch_key(make_plan(cone().build()))
     assert key == batch_key(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()))
     assert key != batch_key(make_plan(cone(particles_per_cell=9).build()))
-    assert key != batch_key(make_plan(cone(precision="float32").build()))
     assert key != batch_key(make_plan(cone(material="von_mises").build()))
 
 

@@ -11,7 +11,7 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.location import make_location
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.precision import FLOAT64
+from mpm_warp.kernel_types import vec5
 
 ROUNDING = 1e-12
 INNER, OUTER = 1.0, 3.0
@@ -106,13 +106,10 @@ def test_stress_along_rays_of_a_uniform_stress() -> None:
     np.testing.assert_allclose(turned[:, 0, 0], along, rtol=ROUNDING)
 
 
-vec5 = FLOAT64.vec5
-
-
 @functools.cache
 def make_locate(polar: bool) -> Any:
     """The kernel that gives natural coordinates, and the position outside the surface."""
-    location = make_location(polar, FLOAT64)
+    location = make_location(polar)
     natural, outside_surface = location.natural, location.outside_surface
 
     @wp.kernel(enable_backward=False, module="unique")

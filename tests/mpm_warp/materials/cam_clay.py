@@ -14,7 +14,6 @@ eta = q / p':
     p' / p'_y = ((M^2 + eta_y^2) / (M^2 + eta^2))^Lambda,    eta_y^2 = M^2 (R - 1)
 """
 
-import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -24,8 +23,8 @@ import warp as wp
 
 from mpm_warp import Material, parameter
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.von_mises import make_j2
-from mpm_warp.precision import Precision
+from mpm_warp.kernel_types import half, one, real, two, vec2, vec3, vec4, vec5, zero
+from mpm_warp.materials.von_mises import j2
 
 WATER_RATIO = 100.0
 """Stiffness of the water in the pores, K_w / n, over G at the start."""
@@ -107,120 +106,94 @@ class CamClay(Material):
         change: Floats = before[:, 0] - after[:, 0] + properties[:, 4] * volume_strain
         return change
 
-    def update(self, precision: Precision) -> Any:
-        return _make_update(precision)
+    def update(self) -> Any:
+        return update
 
-    def moduli(self, precision: Precision) -> Any:
-        return _make_moduli(precision)
+    def moduli(self) -> Any:
+        return moduli
 
-    def yield_function(self, precision: Precision) -> Any:
-        return _make_yield_function(precision)
+    def yield_function(self) -> Any:
+        return measure_and_size
 
-    def strength_function(self, precision: Precision) -> Any:
-        return _make_strength(precision)
-
-
-@functools.cache
-def _make_moduli(precision: Precision) -> Any:
-    vec2, vec3, vec4, vec5 = (precision.vector(length) for length in (2, 3, 4, 5))
-
-    @wp.func
-    def moduli(stress: vec4, properties: vec5, state: vec3) -> vec2:
-        bulk = properties[1] * state[0]
-        return vec2(properties[3] * bulk, bulk + properties[4])
-
-    return moduli
+    def strength_function(self) -> Any:
+        return frictional
 
 
-@functools.cache
-def _make_yield_function(precision: Precision) -> Any:
-    real = precision.real
-    vec2, vec3, vec4, vec5 = (precision.vector(length) for length in (2, 3, 4, 5))
-    j2 = make_j2(precision)
-
-    @wp.func
-    def measure_and_size(stress: vec4, properties: vec5, state: vec3) -> vec2:
-        p, M = state[0], properties[0]
-        return vec2(p + real(3.0) * j2(stress) / (M * M * p), state[1])
-
-    return measure_and_size
+@wp.func
+def moduli(stress: vec4, properties: vec5, state: vec3) -> vec2:
+    bulk = properties[1] * state[0]
+    return vec2(properties[3] * bulk, bulk + properties[4])
 
 
-@functools.cache
-def _make_strength(precision: Precision) -> Any:
-    real = precision.real
-    vec3, vec4, vec5 = (precision.vector(length) for length in (3, 4, 5))
-
-    @wp.func
-    def frictional(stress: vec4, properties: vec5, state: vec3) -> real:
-        return properties[0] * state[0] / wp.sqrt(real(3.0))
-
-    return frictional
+@wp.func
+def measure_and_size(stress: vec4, properties: vec5, state: vec3) -> vec2:
+    p, M = state[0], properties[0]
+    return vec2(p + real(3.0) * j2(stress) / (M * M * p), state[1])
 
 
-@functools.cache
-def _make_update(precision: Precision) -> Any:
-    real = precision.real
-    vec3, vec4, vec5 = (precision.vector(length) for length in (3, 4, 5))
-    j2 = make_j2(precision)
-    zero, half, one, two, three = (wp.constant(real(x)) for x in (0.0, 0.5, 1.0, 2.0, 3.0))
-    rounding = wp.constant(real(1e-13))
+@wp.func
+def frictional(stress: vec4, properties: vec5, state: vec3) -> real:
+    return properties[0] * state[0] / wp.sqrt(real(3.0))
 
-    @wp.func
-    def on_surface(x: real, p0: real, pc0: real, J: real, e_v: real, properties: vec5) -> vec4:
-        """(f / p_c^2, p', p_c, share of the deviator) where the plastic volume strain is x."""
-        p = p0 * wp.exp(properties[1] * (e_v - x))
-        pc = pc0 * wp.exp(properties[2] * x)
-        M = properties[0]
-        G = properties[3] * properties[1] * half * (p0 + p)
-        # Associated flow: de_v^p = L (2 p' - p_c), deviator 3 s / M^2 L.
-        rate = two * p - pc
-        share = zero  # at the critical state
-        if wp.abs(rate) > real(1e-14) * pc:
-            share = one / (one + real(6.0) * G * (x / rate) / (M * M))
-        f = (three * J * share * share / (M * M) + p * (p - pc)) / (pc * pc)
-        return vec4(f, p, pc, share)
 
-    @wp.func
-    def update(stress: vec4, strain: vec4, time_step: real, properties: vec5, state: vec3):
-        e_v = -(strain[0] + strain[1] + strain[3])
-        M, p0, pc0 = properties[0], state[0], state[1]
-        u = state[2] + properties[4] * e_v
-        p = p0 * wp.exp(properties[1] * e_v)
-        G = properties[3] * properties[1] * half * (p0 + p)
-        mean = (stress[0] + stress[1] + stress[3]) / three
-        third = -e_v / three
-        s = vec4(
-            stress[0] - mean + two * G * (strain[0] - third),
-            stress[1] - mean + two * G * (strain[1] - third),
-            stress[2] + two * G * strain[2],
-            stress[3] - mean + two * G * (strain[3] - third),
-        )
-        pc = real(1.0) * pc0
-        share = real(1.0)
-        J = j2(s)
-        if three * J / (M * M) + p * (p - pc0) > rounding * pc0 * pc0:
-            # The surface is met between no plastic volume strain and where 2 p' = p_c.
-            low = real(0.0)
-            high = wp.log(two * p / pc0) / (properties[1] + properties[2])
-            if wp.abs(high) < real(1e-12):
-                share, pc = M * p / wp.sqrt(three * J), two * p
-            else:
-                for _k in range(50):
-                    x = half * (low + high)
-                    tried = on_surface(x, p0, pc0, J, e_v, properties)
-                    if tried[0] > zero:
-                        low = x
-                    else:
-                        high = x
-                tried = on_surface(half * (low + high), p0, pc0, J, e_v, properties)
-                p, pc, share = tried[1], tried[2], tried[3]
-                # What bisection leaves goes to the size of the surface, a rounding.
-                pc = wp.max(pc, p + three * J * share * share / (M * M * p))
-        start = p0 + state[2] + mean
-        total = start - p - u
-        return vec4(
-            share * s[0] + total, share * s[1] + total, share * s[2], share * s[3] + total
-        ), vec3(p, pc, u)
+three = wp.constant(real(3.0))
+rounding = wp.constant(real(1e-13))
 
-    return update
+
+@wp.func
+def on_surface(x: real, p0: real, pc0: real, J: real, e_v: real, properties: vec5) -> vec4:
+    """(f / p_c^2, p', p_c, share of the deviator) where the plastic volume strain is x."""
+    p = p0 * wp.exp(properties[1] * (e_v - x))
+    pc = pc0 * wp.exp(properties[2] * x)
+    M = properties[0]
+    G = properties[3] * properties[1] * half * (p0 + p)
+    # Associated flow: de_v^p = L (2 p' - p_c), deviator 3 s / M^2 L.
+    rate = two * p - pc
+    share = zero  # at the critical state
+    if wp.abs(rate) > real(1e-14) * pc:
+        share = one / (one + real(6.0) * G * (x / rate) / (M * M))
+    f = (three * J * share * share / (M * M) + p * (p - pc)) / (pc * pc)
+    return vec4(f, p, pc, share)
+
+
+@wp.func
+def update(stress: vec4, strain: vec4, time_step: real, properties: vec5, state: vec3):
+    e_v = -(strain[0] + strain[1] + strain[3])
+    M, p0, pc0 = properties[0], state[0], state[1]
+    u = state[2] + properties[4] * e_v
+    p = p0 * wp.exp(properties[1] * e_v)
+    G = properties[3] * properties[1] * half * (p0 + p)
+    mean = (stress[0] + stress[1] + stress[3]) / three
+    third = -e_v / three
+    s = vec4(
+        stress[0] - mean + two * G * (strain[0] - third),
+        stress[1] - mean + two * G * (strain[1] - third),
+        stress[2] + two * G * strain[2],
+        stress[3] - mean + two * G * (strain[3] - third),
+    )
+    pc = real(1.0) * pc0
+    share = real(1.0)
+    J = j2(s)
+    if three * J / (M * M) + p * (p - pc0) > rounding * pc0 * pc0:
+        # The surface is met between no plastic volume strain and where 2 p' = p_c.
+        low = real(0.0)
+        high = wp.log(two * p / pc0) / (properties[1] + properties[2])
+        if wp.abs(high) < real(1e-12):
+            share, pc = M * p / wp.sqrt(three * J), two * p
+        else:
+            for _k in range(50):
+                x = half * (low + high)
+                tried = on_surface(x, p0, pc0, J, e_v, properties)
+                if tried[0] > zero:
+                    low = x
+                else:
+                    high = x
+            tried = on_surface(half * (low + high), p0, pc0, J, e_v, properties)
+            p, pc, share = tried[1], tried[2], tried[3]
+            # What bisection leaves goes to the size of the surface, a rounding.
+            pc = wp.max(pc, p + three * J * share * share / (M * M * p))
+    start = p0 + state[2] + mean
+    total = start - p - u
+    return vec4(
+        share * s[0] + total, share * s[1] + total, share * s[2], share * s[3] + total
+    ), vec3(p, pc, u)

@@ -10,7 +10,6 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Law, Material
-from mpm_warp.precision import FLOAT64
 
 Function = Callable[[Material, Floats], Floats]
 
@@ -39,7 +38,7 @@ def make_apply_law(law: Law) -> Any:
 
 
 def _apply(material: Material, stress: Floats) -> tuple[Floats, Floats]:
-    law = material.law(FLOAT64)
+    law = material.law()
     on_device = wp.array(stress, dtype=wp.vec4d, device="cpu")
     measured = wp.zeros(len(stress), dtype=wp.vec2d, device="cpu")
     arguments = [law.properties_type(*material.properties), on_device, measured]

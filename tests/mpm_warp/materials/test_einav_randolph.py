@@ -13,7 +13,6 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, UndrainedClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
-from mpm_warp.precision import FLOAT64
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 
@@ -115,8 +114,8 @@ def test_points_remember_only_what_changes_their_strength() -> None:
 def test_each_kind_of_strength_law_has_a_key_of_its_own() -> None:
     kinds = [{}, SOFT, HURRIED, SOFT | HURRIED]
     clays = [clay(criterion, **kind) for criterion in CRITERIA.values() for kind in kinds]
-    assert len({it.law(FLOAT64).key for it in clays}) == len(clays)
-    assert clay(**SOFT).law(FLOAT64) == clay(**SOFT).law(FLOAT64)  # no kernel is built twice
+    assert len({it.law().key for it in clays}) == len(clays)
+    assert clay(**SOFT).law() == clay(**SOFT).law()  # no kernel is built twice
 
 
 @pytest.mark.parametrize(

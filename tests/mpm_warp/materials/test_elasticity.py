@@ -1,6 +1,5 @@
 """The stress of a step, through a kernel that does nothing but work it out."""
 
-import functools
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,16 +8,15 @@ import pytest
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import real, vec2, vec4, vec5
 from mpm_warp.materials.elasticity import (
     LinearElastic,
-    make_elastic_increment,
-    make_motion,
+    elastic_increment,
     make_stress_update,
+    motion_of,
 )
-from mpm_warp.precision import FLOAT64, Precision
 
 TIME_STEP = 1e-3
-vec5 = FLOAT64.vec5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,27 +27,19 @@ class Recording(LinearElastic):
     def state(self) -> tuple[str, ...]:
         return ("rr", "zz", "rz", "tt", "time_step")
 
-    def update(self, precision: Precision) -> Any:
-        return _make_recording(precision)
+    def update(self) -> Any:
+        return recording
 
 
-@functools.cache
-def _make_recording(precision: Precision) -> Any:
-    real, vec2, vec4, vec5 = precision.real, precision.vec2, precision.vec4, precision.vec5
-    elastic_increment = make_elastic_increment(precision)
-
-    @wp.func
-    def recording(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec5):
-        increment = elastic_increment(strain, properties[0], properties[1])
-        return stress + increment, vec5(strain[0], strain[1], strain[2], strain[3], time_step)
-
-    return recording
+@wp.func
+def recording(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec5):
+    increment = elastic_increment(strain, properties[0], properties[1])
+    return stress + increment, vec5(strain[0], strain[1], strain[2], strain[3], time_step)
 
 
 SOIL = Recording(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
-LAW = SOIL.law(FLOAT64)
-motion_of = make_motion(FLOAT64)
-stress_update = make_stress_update(LAW, FLOAT64)
+LAW = SOIL.law()
+stress_update = make_stress_update(LAW)
 
 
 @wp.kernel(enable_backward=False)

@@ -10,7 +10,6 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.precision import FLOAT64, PRECISIONS
 
 STRENGTH = 2.5
 ELASTIC = {"shear_modulus": 100.0, "poissons_ratio": 0.3, "density": 4.0}
@@ -61,21 +60,20 @@ def test_both_criteria_yield_at_the_strength_in_pure_shear(
 
 def test_a_material_that_never_yields_has_no_return(returned: Function) -> None:
     material = LinearElastic(**ELASTIC)
-    assert material.law(FLOAT64).yield_function is None
+    assert material.law().yield_function is None
     trial = trials(spread=1e6)
     np.testing.assert_array_equal(returned(material, trial), trial)
 
 
-def test_every_material_has_laws_of_its_own_and_one_a_precision() -> None:
+def test_every_material_has_one_law_of_its_own() -> None:
     materials = [
         LinearElastic(**ELASTIC),
         *(criterion(strength=STRENGTH, **ELASTIC) for criterion in CRITERIA.values()),
     ]
-    for precision in PRECISIONS.values():
-        laws = [it.law(precision) for it in materials]
-        assert len({law.key for law in laws}) == len(laws)
-        assert laws == [it.law(precision) for it in materials]  # no kernel is built twice
-        assert not any(law.remembers for law in laws)
+    laws = [it.law() for it in materials]
+    assert len({law.key for law in laws}) == len(laws)
+    assert laws == [it.law() for it in materials]  # no kernel is built twice
+    assert not any(law.remembers for law in laws)
 
 
 @pytest.mark.parametrize("changed", [{"state": ("x", "y")}, {"properties": (1.0, 2.0, 3.0)}])
@@ -86,7 +84,7 @@ def test_a_class_that_is_defined_anew_with_other_lengths_has_another_law(
 
     def defined(**attributes: object) -> str:
         named = {"__module__": __name__, "__qualname__": "Soil", **attributes}
-        return type("Soil", (LinearElastic,), named)(**ELASTIC).law(FLOAT64).key
+        return type("Soil", (LinearElastic,), named)(**ELASTIC).law().key
 
     assert defined() == defined()
     assert defined(**changed) != defined()

@@ -5,15 +5,12 @@ import pytest
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.contact import make_contact_law
-from mpm_warp.precision import FLOAT64
+from mpm_warp.parts.contact import contact_law
 
 ROUNDING = 1e-14
 NORMAL = np.array([-0.6, 0.8])
 TANGENT = np.array([0.8, 0.6])
 MASS = 2.0
-
-contact_law = make_contact_law(FLOAT64)
 
 
 @wp.kernel(enable_backward=False)

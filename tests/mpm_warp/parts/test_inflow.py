@@ -1,7 +1,6 @@
 """Soil that enters below the window: layer by layer, with all that particles carry."""
 
 import dataclasses
-import functools
 from typing import Any
 
 import numpy as np
@@ -9,14 +8,14 @@ import pytest
 import warp as wp
 
 from mpm_warp.errors import WindowOverfull
-from mpm_warp.materials.elasticity import LinearElastic, make_elastic_increment
+from mpm_warp.kernel_types import one, real, vec2, vec4
+from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.planning import make_plan
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.edges import axis_and_ends
@@ -30,21 +29,14 @@ class Ageing(LinearElastic):
     def state(self) -> tuple[str, ...]:
         return ("steps", "age")
 
-    def update(self, precision: Precision) -> Any:
-        return _make_ageing(precision)
+    def update(self) -> Any:
+        return ages
 
 
-@functools.cache
-def _make_ageing(precision: Precision) -> Any:
-    real, vec2, vec4 = precision.real, precision.vec2, precision.vec4
-    elastic_increment = make_elastic_increment(precision)
-
-    @wp.func
-    def ages(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec2):
-        trial = stress + elastic_increment(strain, properties[0], properties[1])
-        return trial, vec2(state[0] + real(1.0), state[1] + time_step)
-
-    return ages
+@wp.func
+def ages(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec2):
+    trial = stress + elastic_increment(strain, properties[0], properties[1])
+    return trial, vec2(state[0] + one, state[1] + time_step)
 
 
 @pytest.fixture

@@ -89,16 +89,6 @@ def test_a_distance_that_is_behind_is_not_travelled(hurried: Scene) -> None:
     assert simulation.step_count == steps
 
 
-def test_the_travel_is_as_exact_in_single_precision(cone: Scene) -> None:
-    """A step of some 1e-8 of the travel would be rounded to another in single precision."""
-    travels = []
-    for precision in ("float64", "float32"):
-        simulation = Simulation(dataclasses.replace(cone, precision=precision))
-        simulation.advance(500)
-        travels.append(simulation.array("window.motion"))
-    np.testing.assert_array_equal(*travels)
-
-
 def test_a_scene_without_a_window_does_not_travel(floating: Scene) -> None:
     simulation = Simulation(floating)
     with pytest.raises(ValueError, match="the scene has no window: nothing travels"):

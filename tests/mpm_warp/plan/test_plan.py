@@ -13,7 +13,6 @@ from mpm_warp.plan.launch import OFFSET
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.precision import PRECISIONS
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 
@@ -29,12 +28,11 @@ def clear(values: wp.array(dtype=float)):
     values[wp.tid()] = 0.0
 
 
-@pytest.fixture(params=PRECISIONS)
-def plan(request: pytest.FixtureRequest) -> Plan:
+@pytest.fixture
+def plan() -> Plan:
     """A plan without anything in it."""
     unbounded = np.full(2, np.inf)
     return Plan(
-        precision=PRECISIONS[request.param],
         time_step=0.1,
         longest_time_step=1.0,
         speed_limit=1.0,
@@ -45,16 +43,16 @@ def plan(request: pytest.FixtureRequest) -> Plan:
 @pytest.mark.parametrize(
     ("kind", "components", "scalar"),
     [
-        ("real", (), None),
-        ("vec2", (2,), None),
-        ("vec10", (10,), None),
-        ("mat22", (2, 2), None),
+        ("real", (), "float64"),
+        ("vec2", (2,), "float64"),
+        ("vec10", (10,), "float64"),
+        ("mat22", (2, 2), "float64"),
         ("int", (), "int32"),
         ("vec2i", (2,), "int32"),
     ],
 )
 def test_an_array_has_the_type_of_its_kind_and_the_values_that_it_is_given(
-    plan: Plan, kind: str, components: tuple[int, ...], scalar: str | None
+    plan: Plan, kind: str, components: tuple[int, ...], scalar: str
 ) -> None:
     values = np.arange(5 * np.prod(components, dtype=int)).reshape(5, *components)
     assert plan.add_array("cell.given", kind, values) == "cell.given"
@@ -63,15 +61,10 @@ def test_an_array_has_the_type_of_its_kind_and_the_values_that_it_is_given(
     assert given.shape == zeros.shape == (5,)
     assert given.dtype == zeros.dtype
     on_device = given.allocate("cpu").numpy()
-    assert on_device.dtype == (scalar or plan.precision.numpy_name)
+    assert on_device.dtype == scalar
     np.testing.assert_array_equal(on_device, values)
     np.testing.assert_array_equal(zeros.allocate("cpu").numpy(), 0 * values)
     assert given.byte_count == on_device.nbytes
-
-
-def test_what_is_double_stays_so_in_single_precision(plan: Plan) -> None:
-    plan.add_zeros("window.motion", "double", 3)
-    assert plan.arrays["window.motion"].dtype == wp.float64
 
 
 def test_only_arrays_that_were_added_are_found(plan: Plan) -> None:

@@ -4,7 +4,6 @@ Each is built by a scene that is derived from the cone test, whose parameters ke
 would have an uncertainty if their parameters were asked.
 """
 
-import functools
 import importlib.util
 import re
 import sys
@@ -19,13 +18,13 @@ import pytest
 import warp as wp
 import xarray as xr
 
-from mpm_warp.materials.elasticity import Isotropic, make_elastic_increment
+from mpm_warp.kernel_types import real, vec1, vec4, zero
+from mpm_warp.materials.elasticity import Isotropic, elastic_increment
 from mpm_warp.materials.material import built_name
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.materials.von_mises import make_j2
+from mpm_warp.materials.von_mises import j2
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.history import History
-from mpm_warp.precision import Precision
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.penetration import TBarPenetration
@@ -49,27 +48,20 @@ class DruckerPrager(Isotropic):
     def properties(self) -> tuple[float, ...]:
         return (*super().properties, self.strength, self.pressure_factor)
 
-    def update(self, precision: Precision) -> Any:
-        return _make_update(precision)
+    def update(self) -> Any:
+        return return_to_cone
 
 
-@functools.cache
-def _make_update(precision: Precision) -> Any:
-    real, vec1, vec4 = precision.real, precision.vector(1), precision.vec4
-    j2, elastic_increment = make_j2(precision), make_elastic_increment(precision)
-
-    @wp.func
-    def return_to_cone(stress: vec4, strain: vec4, time_step: real, properties: vec4, state: vec1):
-        trial = stress + elastic_increment(strain, properties[0], properties[1])
-        mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
-        centre = vec4(mean, mean, real(0.0), mean)
-        shear = wp.sqrt(j2(trial))
-        strength = wp.max(properties[2] - properties[3] * mean, real(0.0))
-        if shear <= strength:
-            return trial, state
-        return centre + strength / shear * (trial - centre), state
-
-    return return_to_cone
+@wp.func
+def return_to_cone(stress: vec4, strain: vec4, time_step: real, properties: vec4, state: vec1):
+    trial = stress + elastic_increment(strain, properties[0], properties[1])
+    mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
+    centre = vec4(mean, mean, zero, mean)
+    shear = wp.sqrt(j2(trial))
+    strength = wp.max(properties[2] - properties[3] * mean, zero)
+    if shear <= strength:
+        return trial, state
+    return centre + strength / shear * (trial - centre), state
 
 
 class InDruckerPrager:

@@ -1,6 +1,5 @@
 """Strain paths against the closed forms of their stress."""
 
-import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,8 +11,8 @@ import warp as wp
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.materials.elasticity import LinearElastic, make_elastic_increment
-from mpm_warp.precision import Precision
+from mpm_warp.kernel_types import real, vec1, vec2, vec4
+from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.scenes.material.strain_paths import StrainPaths
@@ -71,22 +70,15 @@ class Remembering(LinearElastic):
     def state(self) -> tuple[str, ...]:
         return ("largest_mean_stress",)
 
-    def update(self, precision: Precision) -> Any:
-        return _make_update(precision)
+    def update(self) -> Any:
+        return remember
 
 
-@functools.cache
-def _make_update(precision: Precision) -> Any:
-    real, vec2, vec4, vec1 = precision.real, precision.vec2, precision.vec4, precision.vector(1)
-    elastic_increment = make_elastic_increment(precision)
-
-    @wp.func
-    def remember(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
-        trial = stress + elastic_increment(strain, properties[0], properties[1])
-        mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
-        return trial, vec1(wp.max(state[0], mean))
-
-    return remember
+@wp.func
+def remember(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+    trial = stress + elastic_increment(strain, properties[0], properties[1])
+    mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
+    return trial, vec1(wp.max(state[0], mean))
 
 
 def test_points_on_strain_paths_remember() -> None:

@@ -1,10 +1,12 @@
-"""The floating point types of a run, chosen once and captured by every kernel."""
+"""The numbers of all kernels: double precision. Importing them starts Warp.
+
+A kernel takes every number in the type that it computes with, so constants have names here too.
+"""
 
 import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -54,44 +56,16 @@ with kernels_kept():
     _start_warp_in_silence()  # whatever is simulated needs the types below: all come by here
 
 
-@dataclass(frozen=True)
-class Precision:
-    """Scalar, vector and matrix types of one width.
-
-    Attributes:
-        numpy_name: name of the scalar in numpy.
-        real: the scalar.
-        mat22: matrices of 2 x 2.
-        double: 64 bits in every precision: for what a step adds so little to that it would be
-            rounded away.
-    """
-
-    numpy_name: str
-    real: Any
-    mat22: Any
-    vec2: Any
-    vec3: Any
-    vec4: Any
-    vec5: Any
-    vec7: Any
-    double: Any = wp.float64
-
-    def vector(self, length: int) -> Any:
-        """The type of vectors of that length."""
-        return wp.types.vector(length, self.real)
-
-    def type_of(self, kind: str) -> Any:
-        """The type of that name: "real", "double", "mat22", or "vec" and a length."""
-        if kind.startswith("vec"):
-            return self.vector(int(kind.removeprefix("vec")))
-        return getattr(self, kind)
+def vector(length: int) -> Any:
+    """The type of vectors of that length."""
+    return wp.types.vector(length, real)
 
 
-def _precision(numpy_name: str, real: Any) -> Precision:
-    vectors = (wp.types.vector(length, real) for length in (2, 3, 4, 5, 7))
-    return Precision(numpy_name, real, wp.types.matrix((2, 2), real), *vectors)
-
-
-FLOAT64 = _precision("float64", wp.float64)
-PRECISIONS = {"float64": FLOAT64, "float32": _precision("float32", wp.float32)}
-"""By the name of the scalar."""
+real = wp.float64
+vec1, vec2, vec3, vec4, vec5, vec7, vec8, vec10 = (
+    vector(length) for length in (1, 2, 3, 4, 5, 7, 8, 10)
+)
+mat22 = wp.types.matrix((2, 2), real)
+zero, quarter, third, half, one, two = (
+    wp.constant(real(number)) for number in (0.0, 0.25, 1.0 / 3.0, 0.5, 1.0, 2.0)
+)
