@@ -9,6 +9,7 @@ import functools
 import operator
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import warp as wp
@@ -46,42 +47,6 @@ def make_next_step() -> Any:
     return next_step
 
 
-class RecordedLoop:
-    """A recorded loop over any number of steps: what one thread does of them.
-
-    Args:
-        step: launches what the thread does of a step.
-        audited_step: the same of an audited step; None where no step is audited.
-        device: the processor.
-    """
-
-    def __init__(
-        self,
-        step: Callable[[], None],
-        audited_step: Callable[[], None] | None,
-        device: wp.Device,
-    ) -> None:
-        self._device_state: Any = wp.zeros(4, dtype=wp.int32, device=device)
-        self._state = self._device_state.numpy()
-        goes_on, audited = (self._device_state[k : k + 1] for k in (GOES_ON, AUDITED))
-
-        def take_step() -> None:
-            if audited_step is None:
-                step()
-            else:
-                wp.capture_if(audited, on_true=audited_step, on_false=step)
-            wp.launch(make_next_step(), 1, [self._device_state], device=device)
-
-        with wp.ScopedCapture(device=device) as capture:
-            wp.capture_while(goes_on, take_step)
-        self._graph = capture.graph
-
-    def replay(self, steps: range) -> None:
-        """Take the steps of these numbers, at least one."""
-        self._state[...] = steps.start, steps.stop, True, steps.start % AUDIT_INTERVAL == 0
-        wp.capture_launch(self._graph)
-
-
 class RecordedSteps:
     """The steps of a plan, recorded for a number of threads.
 
@@ -111,7 +76,11 @@ class RecordedSteps:
         self._claimed: list[Any] = [
             wp.zeros(1, dtype=wp.int32, device=device) for _ in range(threads)
         ]
-        self._loops = [self._record(plan, thread, command) for thread in range(threads)]
+        self._states: list[Any] = [
+            wp.zeros(4, dtype=wp.int32, device=device) for _ in range(threads)
+        ]
+        self._written = [state.numpy() for state in self._states]
+        self._graphs = [self._recorded_loop(plan, thread, command) for thread in range(threads)]
 
     def replay(self, steps: range) -> None:
         """Take the steps of these numbers, which decide which steps are audited.
@@ -125,7 +94,9 @@ class RecordedSteps:
 
         def replay_part(thread: int) -> None:
             for call in calls:
-                self._loops[thread].replay(call)
+                audited = call.start % AUDIT_INTERVAL == 0
+                self._written[thread][...] = call.start, call.stop, True, audited
+                wp.capture_launch(self._graphs[thread])
 
         def leave(thread: int) -> None:
             self._arrivals.numpy()[thread] = LEFT
@@ -136,23 +107,30 @@ class RecordedSteps:
         else:
             worker_threads(self._threads).run(replay_part, leave)
 
-    def _record(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> RecordedLoop:
-        """Record what a thread does of a step, with barriers before and after shared launches."""
+    def _recorded_loop(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> Any:
+        """Record a loop over any number of steps: what a thread does of them."""
+        state = self._states[thread]
+        goes_on, audited = (state[place : place + 1] for place in (GOES_ON, AUDITED))
 
-        def part_of(launches: Sequence[Launch]) -> Callable[[], None]:
+        def take(launches: Sequence[Launch]) -> None:
+            """Launch the thread's share of each, with barriers before and after shared ones."""
             shared_next = [*(launch.is_shared for launch in launches[1:]), True]
+            for launch, is_shared_next in zip(launches, shared_next, strict=True):
+                self._launch_share(launch, thread, command)
+                if self._threads > 1 and (launch.is_shared or is_shared_next):
+                    wp.launch(make_barrier(), 1, [self._arrivals, thread], device=self._device)
 
-            def launch_all() -> None:
-                for launch, is_shared_next in zip(launches, shared_next, strict=True):
-                    self._launch_share(launch, thread, command)
-                    if self._threads > 1 and (launch.is_shared or is_shared_next):
-                        arguments = [self._arrivals, thread]
-                        wp.launch(make_barrier(), 1, arguments, device=self._device)
+        def take_step() -> None:
+            plain, with_audit = partial(take, plan.step), partial(take, plan.audited_step)
+            if plan.audited_step:
+                wp.capture_if(audited, on_true=with_audit, on_false=plain)
+            else:
+                plain()
+            wp.launch(make_next_step(), 1, [state], device=self._device)
 
-            return launch_all
-
-        audited_step = part_of(plan.audited_step) if plan.audited_step else None
-        return RecordedLoop(part_of(plan.step), audited_step, self._device)
+        with wp.ScopedCapture(device=self._device) as capture:
+            wp.capture_while(goes_on, take_step)
+        return capture.graph
 
     def _launch_share(self, launch: Launch, thread: int, command: Callable[[Launch], Any]) -> None:
         claimed = self._claimed[thread]

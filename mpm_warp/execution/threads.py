@@ -12,8 +12,8 @@ itself; they work on arrays that the threads have in common.
 import functools
 import threading
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
-from queue import SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
 import warp as wp
@@ -202,14 +202,13 @@ class WorkerThreads:
     """The caller's thread and others, which are idle between two works and end with the process.
 
     Args:
-        count: number of threads, the caller's included, >= 1.
+        count: number of threads, the caller's included, >= 2.
     """
 
     def __init__(self, count: int) -> None:
         self._lock = threading.Lock()
-        self._queues = [SimpleQueue[Callable[[], None]]() for _ in range(count - 1)]
-        for queue in self._queues:
-            threading.Thread(target=_serve, args=(queue,), daemon=True).start()
+        self._others = range(1, count)
+        self._pool = ThreadPoolExecutor(count - 1)
 
     def run(self, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
         """Do a work: every thread calls ``part(number)``, the caller's with 0; wait for all.
@@ -222,41 +221,26 @@ class WorkerThreads:
             BaseException: the first that a part raised, or one that reached the caller, as by
                 Ctrl-C.
         """
-        ended: SimpleQueue[Exception | None] = SimpleQueue()
 
         def attempt(number: int) -> None:
             try:
                 part(number)
-            except Exception as error:
+            except BaseException:
                 leave(number)
-                ended.put(error)
-            else:
-                ended.put(None)
+                raise
 
         # Parts may wait for each other, so the parts of two works must not mix.
         with self._lock:
-            begun = 0
+            others = [self._pool.submit(attempt, number) for number in self._others]
             try:
-                for number, queue in enumerate(self._queues, start=1):
-                    queue.put(functools.partial(attempt, number))
-                    begun += 1
-                part(0)
-            except BaseException:
-                leave(0)
-                raise
+                attempt(0)
             finally:
-                errors = [ended.get() for _ in range(begun)]
-        for error in errors:
-            if error is not None:
-                raise error
+                wait(others)
+        for other in others:
+            other.result()
 
 
 @functools.cache
 def worker_threads(count: int) -> WorkerThreads:
     """The process's worker threads of this number, started once."""
     return WorkerThreads(count)
-
-
-def _serve(queue: SimpleQueue[Callable[[], None]]) -> None:
-    while True:
-        queue.get()()

@@ -1,7 +1,6 @@
 """Curves of a sliding block, its balances of momentum and energy, and the exact motion beside."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -13,41 +12,6 @@ from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, SlidingMotion
 from mpm_warp.simulation import Simulation
 
 Variables = dict[str, xr.Variable]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recorded:
-    """What the block has done, over the samples; changes are those since the first.
-
-    Attributes:
-        time: simulated time [s], shape [sample_count].
-        velocity: mean velocity of the block [m/s], shape [sample_count, 2].
-        displacement: its mean displacement [m], shape [sample_count, 2].
-        contact_force: mean force on the base between samples [N], shape [sample_count - 1, 2].
-        kinetic_energy: of the block [J], shape [sample_count]; so are those that follow.
-        elastic_energy: change of that of all bodies.
-        slip_work: dissipated by slip at the interface.
-        viscous_work: dissipated by damping in all bodies.
-        load_work: of the loads.
-        impulse: of the loads [N s], shape [sample_count, 2].
-        momentum_lack: what the momentum balance lacks [N s], shape [sample_count]. In axisymmetry
-            it is that along the axis alone: hoop stresses change the other.
-        energy_lack: what the energy balance lacks [J]: dissipated in the transfers between
-            particles and grid.
-    """
-
-    time: Floats
-    velocity: Floats
-    displacement: Floats
-    contact_force: Floats
-    kinetic_energy: Floats
-    elastic_energy: Floats
-    slip_work: Floats
-    viscous_work: Floats
-    load_work: Floats
-    impulse: Floats
-    momentum_lack: Floats
-    energy_lack: Floats
 
 
 class SlidingCurves:
@@ -94,7 +58,13 @@ class SlidingCurves:
         )
 
     @property
-    def _recorded(self) -> Recorded:
+    def _recorded(self) -> dict[str, Floats]:
+        """What the block has done, by name, over the samples; energies are changes but the kinetic.
+
+        The contact force is the mean one on the base between two samples. What a balance lacks: of
+        momentum [N s], in axisymmetry along the axis alone, because hoop stresses change the other;
+        of energy [J], dissipated in the transfers between particles and grid.
+        """
         mass = self._block.mass
         values = {
             name: np.array([sample[name] for sample in self._samples]) for name in self._samples[0]
@@ -113,20 +83,21 @@ class SlidingCurves:
         balanced = slice(1 if self._axisymmetric else 0, 2)
         stored = change["kinetic_energy"] + change["elastic_energy"]
         taken = change["slip_work"] + change["viscous_work"]
-        return Recorded(
-            time=time,
-            velocity=values["momentum"] / float(mass.sum()),
-            displacement=np.einsum("p,tpi->ti", mass, change["position"]) / mass.sum(),
-            contact_force=np.diff(values["contact_impulse"], axis=0) / np.diff(time)[:, None],
-            kinetic_energy=values["kinetic_energy"],
-            elastic_energy=change["elastic_energy"],
-            slip_work=change["slip_work"],
-            viscous_work=change["viscous_work"],
-            load_work=load_work,
-            impulse=given,
-            momentum_lack=np.linalg.norm(lack[:, balanced], axis=1),
-            energy_lack=load_work - stored - taken,
-        )
+        return {
+            **change,
+            "velocity": values["momentum"] / float(mass.sum()) @ self._along,
+            "displacement": np.einsum("p,tpi->ti", mass, change["position"])
+            / mass.sum()
+            @ self._along,
+            "shear_force": np.diff(values["contact_impulse"], axis=0)
+            / np.diff(time)[:, None]
+            @ self._along,
+            "kinetic_energy": values["kinetic_energy"],
+            "load_work": load_work,
+            "impulse": given,
+            "momentum_lack": np.linalg.norm(lack[:, balanced], axis=1),
+            "energy_lack": load_work - stored - taken,
+        }
 
     @property
     def _since(self) -> Floats:
@@ -135,23 +106,23 @@ class SlidingCurves:
 
     def dataset(self) -> xr.Dataset:
         """The computed curves so far."""
-        run, along = self._recorded, self._along
+        run, since = self._recorded, self._since
+
+        def curve(name: str, unit: str, meaning: str) -> tuple[Floats, str, str]:
+            return run[name][1:], unit, meaning
+
         return curves(
             "progress",
-            (np.arange(1, len(run.time)) / SAMPLE_COUNT, "1", "time over duration"),
-            time=(self._since[1:], "s", "time since the driving force began"),
-            velocity=(run.velocity[1:] @ along, "m s-1", "velocity of the block"),
-            displacement=(run.displacement[1:] @ along, "m", "displacement of the block"),
-            shear_force=(
-                run.contact_force @ along,
-                "N",
-                "base shear, mean since the sample before",
-            ),
-            kinetic_energy=(run.kinetic_energy[1:], "J", "kinetic energy"),
-            elastic_energy=(run.elastic_energy[1:], "J", "change of the elastic energy"),
-            load_work=(run.load_work[1:], "J", "work of the loads"),
-            slip_work=(run.slip_work[1:], "J", "work taken by slip"),
-            viscous_work=(run.viscous_work[1:], "J", "work taken by damping"),
+            (np.arange(1, len(since)) / SAMPLE_COUNT, "1", "time over duration"),
+            time=(since[1:], "s", "time since the driving force began"),
+            velocity=curve("velocity", "m s-1", "velocity of the block"),
+            displacement=curve("displacement", "m", "displacement of the block"),
+            shear_force=(run["shear_force"], "N", "base shear, mean since the sample before"),
+            kinetic_energy=curve("kinetic_energy", "J", "kinetic energy"),
+            elastic_energy=curve("elastic_energy", "J", "change of the elastic energy"),
+            load_work=curve("load_work", "J", "work of the loads"),
+            slip_work=curve("slip_work", "J", "work taken by slip"),
+            viscous_work=curve("viscous_work", "J", "work taken by damping"),
         )
 
     def balances(self) -> Variables:
@@ -160,8 +131,8 @@ class SlidingCurves:
         They are over the loads' impulse at the end, and over their greatest work.
         """
         run = self._recorded
-        momentum = run.momentum_lack / np.linalg.norm(run.impulse[-1])
-        energy = run.energy_lack / float(np.abs(run.load_work).max())
+        momentum = run["momentum_lack"] / np.linalg.norm(run["impulse"][-1])
+        energy = run["energy_lack"] / float(np.abs(run["load_work"]).max())
         return labelled(
             dims=("progress",),
             momentum_balance=(momentum[1:], "1", "error of the momentum balance"),
@@ -187,16 +158,16 @@ class SlidingCurves:
         half = len(exact_shear) // 2
         acceleration, exact_acceleration = (
             float(v[-1] - v[half]) / float(since[-1] - since[half])
-            for v in (run.velocity @ self._along, exact_velocity)
+            for v in (run["velocity"], exact_velocity)
         )
         base_shear, exact_base_shear = (
-            float(force[half:].mean()) for force in (run.contact_force @ self._along, exact_shear)
+            float(force[half:].mean()) for force in (run["shear_force"], exact_shear)
         )
         creep, acceleration_error, shear_error = math.nan, math.nan, math.nan
         if motion.slides:
             acceleration_error = abs(acceleration / exact_acceleration - 1.0)
         else:
-            moved = run.displacement @ self._along
+            moved = run["displacement"]
             settled = np.flatnonzero(since >= settled_time)[0]
             creep = float(abs(moved[-1] - moved[settled])) / length
         if exact_base_shear > 0.0:
