@@ -138,7 +138,7 @@ def built_of(simulation: Simulation) -> Mapping[str, xr.Variable]:
     }
 
 
-def cost(simulation: Simulation) -> Mapping[str, xr.Variable]:
+def cost(simulation: Simulation) -> dict[str, xr.Variable]:
     """Time and work of a simulation from its first step until now."""
     return labelled(
         role="measured",

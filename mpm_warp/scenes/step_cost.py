@@ -18,7 +18,7 @@ from mpm_warp.materials.elasticity import Isotropic, LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.window import Window
-from mpm_warp.results import labelled, variable
+from mpm_warp.results import labelled
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
@@ -191,15 +191,11 @@ class StepCost(CatalogueScene):
             progress((number + 1) / self.samples)
         simulation.check()
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
-        result = xr.Dataset(
+        rate, of_samples = float(np.median(rates)), "of all cases together; median of the samples"
+        result = (
             labelled(
                 role="headline",
-                update_rate=(
-                    float(np.median(rates)),
-                    "s-1",
-                    "particle updates per second",
-                    "of all cases together; median of the samples",
-                ),
+                update_rate=(rate, "s-1", "particle updates per second", of_samples),
             )
             | labelled(
                 role="measured",
@@ -213,24 +209,20 @@ class StepCost(CatalogueScene):
                     "arrays on the device per material point",
                 )
             )
-        ).assign(cost(simulation))
+            | cost(simulation)
+        )
         if gains:
-            result["thread_gain"] = variable(
-                float(np.median(gains)),
-                meaning="times as fast as on one thread",
-                description="each sample beside one of one thread right after it; median",
-            )
+            beside = "each sample beside one of one thread right after it; median"
+            gain = float(np.median(gains)), "1", "times as fast as on one thread", beside
+            result |= labelled(thread_gain=gain)
         elif self.cases == 1:
             times = stage_times(simulation, CLOCKED_STEPS)
-            result = result.assign_coords(stage=list(times)).assign(
-                stage_time=variable(
-                    1e9 * np.array(list(times.values())) / simulation.particle_count,
-                    unit="ns",
-                    meaning="time of a stage per material point",
-                    dims=("stage",),
-                )
+            result["stage"] = xr.Variable("stage", list(times))
+            taken = 1e9 * np.array(list(times.values())) / simulation.particle_count
+            result |= labelled(
+                dims=("stage",), stage_time=(taken, "ns", "time of a stage per material point")
             )
-        return result
+        return xr.Dataset(result)
 
     def _stirred(self, execution: Execution) -> TimedRun:
         """A run whose soil has random stresses, and whose window has its speed."""
