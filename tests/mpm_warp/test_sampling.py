@@ -32,25 +32,11 @@ class Steps:
 def test_every_sampler_takes_a_sample_at_every_moment(floating: Scene) -> None:
     simulation = Simulation(floating)
     samplers = [Steps(simulation, name) for name in ("first", "second")]
-    result = follow(simulation, [5, 7, 7, 20], simulation.advance_to_step, samplers)
+    told = list[float]()
+    result = follow(simulation, [5, 7, 7, 20], simulation.advance_to_step, samplers, told.append)
+    assert told == [0.25, 0.5, 0.75, 1.0]
     assert result.first.values.tolist() == result.second.values.tolist() == [5, 7, 7, 20]
     assert result.first.attrs == {"units": "1", "long_name": "steps taken"}
-
-
-@pytest.mark.parametrize(
-    ("reach", "moments"), [("advance_to", [0.05, 0.1]), ("travel_to", [0.01, 0.3])]
-)
-def test_moments_are_times_or_travels_as_they_are_reached(
-    cone: Scene, reach: str, moments: list[float]
-) -> None:
-    simulation, other = Simulation(cone), Simulation(cone)
-    sampler = Steps(simulation)
-    follow(simulation, moments, getattr(simulation, reach), [sampler])
-    expected = []
-    for moment in moments:
-        getattr(other, reach)(moment)
-        expected.append(other.step_count)
-    assert sampler.taken == expected
 
 
 def test_the_dataset_holds_what_the_run_has_cost(floating: Scene) -> None:
@@ -63,12 +49,6 @@ def test_the_dataset_holds_what_the_run_has_cost(floating: Scene) -> None:
     assert float(result.run_time) > 0.0
     assert float(result.setup_time) == simulation.setup_time
     assert float(result.compile_time) == simulation.compile_time
-
-
-def test_progress_rises_to_one_which_it_is_told_once(floating: Scene) -> None:
-    simulation, told = Simulation(floating), list[float]()
-    follow(simulation, [5, 10, 15, 20], simulation.advance_to_step, [], told.append)
-    assert told == [0.25, 0.5, 0.75, 1.0]
 
 
 def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None:

@@ -15,7 +15,7 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, Replay, ThreadChoice
 from mpm_warp.execution.threads import has_dynamic_chunks
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.window import MovingGrid
+from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
@@ -38,6 +38,16 @@ def wait_until(happened: Callable[[], bool]) -> None:
         time.sleep(0.001)
 
 
+def arrays_of(simulation: Simulation) -> dict[str, Floats]:
+    """All arrays of a run as they are now."""
+    return {name: simulation.array(name).copy() for name in simulation.arrays}
+
+
+def assert_same_bits(one: dict[str, Floats], other: dict[str, Floats]) -> None:
+    for name, values in one.items():
+        np.testing.assert_array_equal(other[name], values, err_msg=name)
+
+
 def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str, Floats]:
     """All arrays after a radius of penetration, whose threads change on the way."""
     simulation = Simulation(CONE.build(), execution)
@@ -45,15 +55,13 @@ def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str
         execution.threads = threads
         simulation.travel_to(CONE.cone_radius * fraction / len(switches or (1,)))
     assert any(map(has_dynamic_chunks, simulation.plan.step))
-    return {name: simulation.array(name).copy() for name in simulation.arrays}
+    return arrays_of(simulation)
 
 
 @pytest.mark.usefixtures("all_take_part")
 @pytest.mark.parametrize("threads", [2, 4])
 def test_threads_do_not_change_a_bit(threads: int) -> None:
-    alone, together = penetrated(Execution()), penetrated(Execution(threads=threads))
-    for name, values in alone.items():
-        np.testing.assert_array_equal(together[name], values, err_msg=name)
+    assert_same_bits(penetrated(Execution()), penetrated(Execution(threads=threads)))
 
 
 @pytest.mark.usefixtures("all_take_part")
@@ -83,15 +91,7 @@ def test_simulations_in_threads_of_one_process_take_turns() -> None:
 def test_threads_may_come_and_go_during_a_run() -> None:
     # The same stops, because a run takes whole steps up to each.
     steady = penetrated(Execution(), (1, 1, 1, 1))
-    changing = penetrated(Execution(), (1, 4, 2, 1))
-    for name, values in steady.items():
-        np.testing.assert_array_equal(changing[name], values, err_msg=name)
-
-
-def test_a_scene_whose_launches_are_not_shared_runs_with_any_number_of_threads() -> None:
-    block = SlidingBlock(friction=0.0)
-    alone, together = block.run(), block.run(execution=Execution(threads=2))
-    np.testing.assert_array_equal(alone.displacement, together.displacement)
+    assert_same_bits(steady, penetrated(Execution(), (1, 4, 2, 1)))
 
 
 @pytest.mark.usefixtures("all_take_part")
@@ -130,27 +130,20 @@ def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPat
     replay = Replay._replay_one_by_one
     monkeypatch.setattr(Replay, "replay", lambda self, steps, threads: replay(self, steps))
     one_by_one.advance(100)
-    for name in at_once.arrays:
-        np.testing.assert_array_equal(one_by_one.array(name), at_once.array(name), err_msg=name)
+    assert_same_bits(arrays_of(at_once), arrays_of(one_by_one))
 
 
 @pytest.mark.parametrize("scene", [CONE, GravityColumn(cell_count=3)])
 def test_steps_are_the_same_however_they_are_parted(
-    scene: ConePenetration | GravityColumn, monkeypatch: pytest.MonkeyPatch
+    scene: CatalogueScene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    soil = scene.build()
-    assert soil is not None
-    whole, parted = Simulation(soil), Simulation(soil)
+    whole, parted = Simulation(scene.build()), Simulation(scene.build())
     whole.advance(100)
     updates = 7 * parted.plan.particle_count
     monkeypatch.setattr(mpm_warp.execution.replay, "UPDATES_PER_CALL", updates)
     for count in (1, 15, 16, 17, 3, 48):
         parted.advance(count)
-    for name in whole.arrays:
-        np.testing.assert_array_equal(parted.array(name), whole.array(name), err_msg=name)
-    if soil.find(MovingGrid):
-        time = float(whole.array("window.motion")[0])
-        assert time == pytest.approx(100 * whole.plan.time_step, rel=1e-12)
+    assert_same_bits(arrays_of(whole), arrays_of(parted))
 
 
 def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
@@ -173,13 +166,12 @@ def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
 
 
 @pytest.mark.usefixtures("all_take_part")
-def test_fewer_rows_than_threads_give_the_same_bits() -> None:
-    runs = [Simulation(FEW_ROWS.build(), Execution(threads=count)) for count in (1, 4)]
-    for simulation in runs:
+@pytest.mark.parametrize("scene", [FEW_ROWS, SlidingBlock(friction=0.0)], ids=["rows", "block"])
+def test_scenes_with_fewer_shares_than_threads_give_the_same_bits(scene: CatalogueScene) -> None:
+    alone, together = (Simulation(scene.build(), Execution(threads=count)) for count in (1, 4))
+    for simulation in (alone, together):
         simulation.advance(40)
-    alone, together = runs
-    for name in alone.arrays:
-        np.testing.assert_array_equal(together.array(name), alone.array(name), err_msg=name)
+    assert_same_bits(arrays_of(alone), arrays_of(together))
 
 
 @pytest.mark.usefixtures("all_take_part")

@@ -134,11 +134,6 @@ def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
     assert "Warp" not in shown
 
 
-def test_nothing_is_shown_unasked(capfd: pytest.CaptureFixture[str]) -> None:
-    GravityColumn(cell_count=2).run()
-    assert capfd.readouterr() == ("", "")
-
-
 def test_an_unknown_scene_is_refused_by_name() -> None:
     with pytest.raises(UnknownSceneError, match="did you mean 'cone_penetration'"):
         scene_class("cone_penetraton")
