@@ -139,25 +139,21 @@ def cavity() -> Scene:
     )
 
 
-@pytest.fixture(scope="session")
-def tried_alone() -> Callable[[str], str]:
-    """Run a file of tests as a script, in a process of its own whose end no other test shares.
+@pytest.fixture(scope="module")
+def crash(request: pytest.FixtureRequest) -> str:
+    """What ends a file of tests before its end, run as a script, in a process of its own.
 
-    What it gives tells what has ended the process before its end; "" where nothing has.
+    No other test shares its end; "" where nothing ends it.
     """
-
-    def run(file: str) -> str:
-        tried = subprocess.run(
-            [sys.executable, "-X", "faulthandler", file],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=300,
-        )
-        last = tried.stdout.splitlines()[-1:]
-        return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
-
-    return run
+    tried = subprocess.run(
+        [sys.executable, "-X", "faulthandler", str(request.path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    last = tried.stdout.splitlines()[-1:]
+    return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
 
 
 @pytest.fixture(scope="session")

@@ -157,11 +157,6 @@ TAKES_ONE: Mapping[str, Callable[[Any], object]] = {
 """Calls, by the word that a refusal tells."""
 
 
-@pytest.fixture(scope="module")
-def crash(tried_alone: Callable[[str], str]) -> str:
-    return tried_alone(__file__)
-
-
 @pytest.mark.parametrize("name", MISUSES)
 def test_a_misuse_ends_in_one_line_that_names_the_argument(
     name: str, crash: str, refused: Refused

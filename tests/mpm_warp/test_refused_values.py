@@ -281,11 +281,6 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
 MISUSES = dict(misuses())
 
 
-@pytest.fixture(scope="module")
-def crash(tried_alone: Callable[[str], str]) -> str:
-    return tried_alone(__file__)
-
-
 @pytest.mark.parametrize("name", MISUSES)
 def test_a_value_is_refused_in_one_line_that_names_the_argument(
     name: str, crash: str, refused: Refused
