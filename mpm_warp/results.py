@@ -1,6 +1,6 @@
 """Labelled variables: what a run leaves behind as a dataset, and the part that each plays in it."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 
 import numpy as np
 import xarray as xr
@@ -96,17 +96,6 @@ def labelled(
 
     What is called ``x_exact`` is the exact value of ``x`` and has that role.
     """
-    return _labelled(quantities, dims, role)
-
-
-def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
-    """Curves over one axis, which is called `axis` and has the `places`."""
-    return xr.Dataset(_labelled(quantities, (axis,)), coords=_labelled({axis: places}, (axis,)))
-
-
-def _labelled(
-    quantities: Mapping[str, Quantity], dims: tuple[str, ...], role: str | None = None
-) -> dict[str, xr.Variable]:
     return {
         name: variable(
             value,
@@ -119,6 +108,12 @@ def _labelled(
         )
         for name, (value, unit, meaning, *description) in quantities.items()
     }
+
+
+def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
+    """Curves over one axis, which is called `axis` and has the `places`."""
+    coords = labelled(dims=(axis,), role=None, **{axis: places})
+    return xr.Dataset(labelled(dims=(axis,), role=None, **quantities), coords=coords)
 
 
 def stored_name(parameter: str, results: Collection[object]) -> str:

@@ -39,6 +39,11 @@ class Simulation:
         particle_updates: particles times steps.
         setup_time: wall-clock time to plan the run and to fill its arrays [s].
         compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
+
+    Raises:
+        SimulationDiverged: by whatever takes steps: noticed by the watch, which looks every
+            `CHECK_INTERVAL` steps; the message names what, where, when and what may help.
+        WindowOverfull: likewise: more soil has stayed in the window than it has slots for.
     """
 
     @in_turn
@@ -136,9 +141,6 @@ class Simulation:
 
         Raises:
             ValueError: `step_count` is not an integer of 0 to 10**12.
-            SimulationDiverged: noticed by the watch, which looks every `CHECK_INTERVAL` steps; the
-                message names what, where, when and what may help.
-            WindowOverfull: more soil has stayed in the window than it has slots for.
         """
         check_whole("step_count", step_count, STEP_COUNTS, error=ValueError)
         if self._first_step_at is None:
@@ -164,8 +166,6 @@ class Simulation:
 
         Raises:
             ValueError: `step` is not finite.
-            SimulationDiverged: the run became unstable.
-            WindowOverfull: more soil has stayed in the window than it has slots for.
         """
         check_number("step", step, error=ValueError)
         self.advance(max(0, int(step) - self.step_count))
@@ -175,8 +175,6 @@ class Simulation:
 
         Raises:
             ValueError: `time` is not finite.
-            SimulationDiverged: the run became unstable.
-            WindowOverfull: more soil has stayed in the window than it has slots for.
         """
         check_number("time", time, unit="s", error=ValueError)
         while (left := self._steps_until(time)) > 0:
@@ -188,8 +186,6 @@ class Simulation:
 
         Raises:
             ValueError: `travel` is not finite, or the scene has no window, or a cyclic one.
-            SimulationDiverged: the run became unstable.
-            WindowOverfull: more soil has stayed in the window than it has slots for.
         """
         check_number("travel", travel, unit="m", error=ValueError)
         inflow = self._window_inflow
