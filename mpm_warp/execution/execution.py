@@ -53,8 +53,7 @@ class Execution:
 
         Args:
             plan: the plan of the run.
-            arrays: the arrays of the plan on the device, by name. A batch replaces some of them by
-                arrays of its own.
+            arrays: the arrays of the plan on the device, by name.
         """
         return Replay(plan, arrays, self.device)
 
@@ -73,7 +72,7 @@ class DeviceRun:
 
     Attributes:
         plan: its arrays and launches.
-        arrays: on the device, by the names of the plan; a batch may replace them.
+        arrays: on the device, by the names of the plan.
         compile_time: wall-clock time to compile the kernels or to load them from the cache [s].
     """
 
@@ -84,7 +83,7 @@ class DeviceRun:
         }
         self._execution = execution
         self._host = wp.get_device("cpu")
-        self._seen: dict[str, tuple[Any, NDArray[Any]]] = {}
+        self._seen: dict[str, NDArray[Any]] = {}
         start = time.perf_counter()
         with kernels_kept():
             self._steps = execution.steps(plan, self.arrays)
@@ -96,12 +95,11 @@ class DeviceRun:
         Raises:
             KeyError: the run has no array of that name.
         """
-        array = self.arrays[name]
-        seen, values = self._seen.get(name, (None, np.empty(0)))
-        if seen is not array:
-            values = array.numpy()
-            if array.device == self._host:
-                self._seen[name] = array, values  # asked for often where particles are few
+        if name in self._seen:
+            return self._seen[name]
+        values: NDArray[Any] = self.arrays[name].numpy()
+        if self.arrays[name].device == self._host:
+            self._seen[name] = values  # asked for often where particles are few
         return values
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:

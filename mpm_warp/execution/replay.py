@@ -6,7 +6,6 @@ each step is one launch of a captured graph.
 """
 
 import functools
-import operator
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -158,31 +157,35 @@ class Replay:
         plan: the plan; its kernels are compiled here.
         arrays: the arrays of the plan on the device, by name.
         device: name of the device.
+        stream: of a GPU, on which steps are taken; default: that of the device.
     """
 
     @in_turn
-    def __init__(self, plan: Plan, arrays: Mapping[str, Any], device: str) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        arrays: Mapping[str, Any],
+        device: str,
+        stream: wp.Stream | None = None,
+    ) -> None:
         self._plan = plan
         self._arrays = arrays
         self._device = wp.get_device(device)
+        self._stream = stream
         self._choice = ThreadChoice()
         kernels = [*(launch.kernel for launch in plan.launches), make_next_step()]
         wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
         self._recorded: dict[int, RecordedSteps] = {}  # by number of threads
         self._graphs: dict[bool, Any] = {}  # on a GPU: of a step, audited or not
-        self._commands: dict[Launch, tuple[list[Any], list[Any]]] = {}
+        self._commands: dict[Launch, list[Any]] = {}
 
     @in_turn
     def launch(self, launch: Launch) -> None:
         """Launch one kernel of the plan, all of it, now."""
-        # A batch may have replaced arrays since the last time.
-        arrays = [self._arrays[name] for name in launch.arrays]
-        recorded_with, commands = self._commands.get(launch, ([], []))
-        if not commands or any(map(operator.is_not, recorded_with, arrays)):
+        if launch not in self._commands:
             shares = share_of(launch, 0, 1, self._plan.share_count).static
-            commands = [self._command(share) for share in shares]
-            self._commands[launch] = arrays, commands
-        for command in commands:
+            self._commands[launch] = [self._command(share) for share in shares]
+        for command in self._commands[launch]:
             command.launch()
 
     @in_turn
@@ -213,7 +216,7 @@ class Replay:
     def _replay_one_by_one(self, steps: range) -> None:
         """Launch the graph of a step for each step, as on a GPU."""
         for step in steps:
-            wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0))
+            wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0), self._stream)
 
     def _graph(self, audited: bool) -> Any:
         if audited not in self._graphs:

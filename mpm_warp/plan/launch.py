@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,8 +52,6 @@ class Launch:
         arguments: those of the kernel, in its order.
     """
 
-    share_axis: ClassVar[int] = 0
-    """Axis of a `ShareRow` array along which the rows of the shares lie."""
     kernel: Any
     dim: tuple[int, ...]
     arguments: tuple[Any, ...]
@@ -105,7 +103,7 @@ class Launch:
 
         def on_device(item: Any) -> Any:
             if isinstance(item, ShareRow):
-                return arrays[item.name][(slice(None),) * self.share_axis + (item.number,)]
+                return arrays[item.name][item.number]
             return arrays[item] if isinstance(item, str) else item
 
         return self.dim, [on_device(item) for item in self.arguments]

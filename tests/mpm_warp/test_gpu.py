@@ -10,7 +10,6 @@ import pytest
 import warp as wp
 
 import mpm_warp
-from mpm_warp.execution.batched import make_batched_kernel
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan
@@ -70,12 +69,8 @@ def test_of_every_kernel_some_variant_is_compiled(kernels: set[wp.Kernel]) -> No
 
 
 @pytest.mark.skipif(sys.platform == "darwin", reason="Warp compiles for no GPU there")
-def test_every_kernel_compiles_for_a_gpu_alone_and_over_cases(
-    kernels: set[wp.Kernel], tmp_path: Path
-) -> None:
-    modules = {kernel.module for kernel in kernels}
-    modules |= {make_batched_kernel(kernel).module for kernel in kernels}
-    for module in modules:
+def test_every_kernel_compiles_for_a_gpu(kernels: set[wp.Kernel], tmp_path: Path) -> None:
+    for module in {kernel.module for kernel in kernels}:
         (compiled,) = wp.compile_aot_module(
             module, arch=HOPPER, module_dir=tmp_path / module.name, use_ptx=True
         )

@@ -7,16 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-import warp as wp
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.batched import batch_key, make_batched_kernel, real_arguments
 from mpm_warp.execution.execution import Execution
-from mpm_warp.execution.replay import Replay
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.planning import make_plan
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -32,7 +28,6 @@ SMALL = {
     "domain_below": 4,
     "steady_tolerance": 0,
 }
-VECTOR_1 = wp.types.vector(1, wp.float64)
 
 
 def cone(**parameters: Any) -> ConePenetration:
@@ -46,21 +41,6 @@ DIFFERENT = [
     cone(particles_per_cell=9, penetration=1),
 ]
 """Cones of their own materials, contact, time steps and lengths; the last on other points."""
-
-
-@pytest.fixture
-def together(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Runs take their steps by common launches, as on a GPU; how many is noted where it changes."""
-    monkeypatch.setattr(Batch, "_is_on_gpu", True)
-    counts: list[int] = []
-    replay_of = Batch._replay_of
-
-    def counted(batch: Batch, runs: tuple[Any, ...]) -> Replay:
-        counts.append(len(runs))
-        return replay_of(batch, runs)
-
-    monkeypatch.setattr(Batch, "_replay_of", counted)
-    return counts
 
 
 def run_together(scenes: list[CatalogueScene], execution: Batch) -> list[xr.Dataset]:
@@ -80,14 +60,6 @@ def test_a_batch_does_not_change_a_bit(threads: int) -> None:
         assert_same(scene.run(), result)
 
 
-def test_common_launches_do_not_change_a_bit(together: list[int]) -> None:
-    results = run_together(list(DIFFERENT), Batch())
-    assert together[:2] == [3, 1]
-    for scene, result in zip(DIFFERENT, results, strict=True):
-        assert_same(scene.run(), result)
-
-
-@pytest.mark.usefixtures("together")
 def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
     first, second, long = cone(adhesion_factor=0.1), cone(penetration=1.3), cone(penetration=4)
     results: dict[ConePenetration, xr.Dataset] = {}
@@ -104,19 +76,11 @@ def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
         assert_same(scene.run(), result)
 
 
-@pytest.mark.usefixtures("together")
 @pytest.mark.parametrize("make", [GravityColumn, SlidingBlock])
 def test_any_scene_can_be_run_in_a_batch(make: Callable[[], CatalogueScene]) -> None:
     alone = make().run()
     for result in run_together([make(), make()], Batch()):
         assert_same(alone, result)
-
-
-def test_plans_that_differ_in_numbers_only_have_one_batch_key() -> None:
-    key = batch_key(make_plan(cone().build()))
-    assert key == batch_key(make_plan(cone(rigidity_index=3, time_step_fraction=0.1).build()))
-    assert key != batch_key(make_plan(cone(particles_per_cell=9).build()))
-    assert key != batch_key(make_plan(cone(material="von_mises").build()))
 
 
 def test_one_that_diverges_does_not_disturb_the_others() -> None:
@@ -180,27 +144,3 @@ def test_the_time_of_others_is_idle_time() -> None:
     assert 0 < sum(spent) <= time.perf_counter() - begin
     assert execution.case_count == 3
     assert (Execution().case_count, Execution().idle_time) == (1, 0.0)
-
-
-def test_a_kernel_is_batched_however_its_arrays_are_annotated() -> None:
-    @wp.kernel(module="tests.scaled", enable_backward=False)
-    def scaled(
-        first: int,
-        factor: wp.float64,
-        one: VECTOR_1,
-        x: wp.array[wp.vec2d],
-        y: wp.array2d[wp.float64],
-        z: wp.array(dtype=wp.float64, ndim=2),
-    ) -> None:
-        i = first + wp.tid()
-        y[i, 0] = factor * x[i][0]
-        z[0, i] = one[0] * x[i][1]
-
-    assert real_arguments(scaled) == {1: wp.float64, 2: VECTOR_1}
-    x = wp.array([[(1.0, 2.0), (3.0, 4.0)], [(5.0, 6.0), (7.0, 8.0)]], dtype=wp.vec2d)
-    y, z = wp.zeros((2, 2, 1), dtype=wp.float64), wp.zeros((2, 1, 2), dtype=wp.float64)
-    factor = wp.array([10.0, 100.0], dtype=wp.float64)
-    one = wp.array([(0.5,), (0.25,)], dtype=VECTOR_1)
-    wp.launch(make_batched_kernel(scaled), (2, 2), [0, factor, one, x, y, z])
-    np.testing.assert_array_equal(y.numpy()[:, :, 0], [[10.0, 30.0], [500.0, 700.0]])
-    np.testing.assert_array_equal(z.numpy()[:, 0], [[1.0, 2.0], [1.5, 2.0]])
