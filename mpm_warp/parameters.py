@@ -10,6 +10,7 @@ inherit; :func:`redefined` changes what differs in one of them.
 import dataclasses
 import difflib
 import functools
+import math
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -17,7 +18,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpm_warp.aliases import what_to_give
-from mpm_warp.arguments import Range
 from mpm_warp.errors import ParameterError
 
 Value = float | int | str | bool
@@ -67,8 +67,18 @@ class Parameter:
         """What values are allowed, in words."""
         if self.choices is not None:
             return "one of " + ", ".join(repr(choice) for choice in self.choices)
+        bounds = [
+            f"{sign} {bound:g}"
+            for sign, bound in (
+                (">=", self.minimum),
+                (">", self.above),
+                ("<=", self.maximum),
+                ("<", self.below),
+            )
+            if bound is not None
+        ]
         kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
-        return f"{kind[self.kind]} {self._range.allowed}".strip()
+        return " ".join([kind[self.kind], " and ".join(bounds)]).strip()
 
     @property
     def explanation(self) -> str:
@@ -107,12 +117,15 @@ class Parameter:
     def _contains(self, value: Value) -> bool:
         if self.choices is not None:
             return value in self.choices
-        return isinstance(value, str) or self._range.holds(value, value)
-
-    @property
-    def _range(self) -> Range:
-        bounds = {it: getattr(self, it) for it in ("above", "below", "minimum", "maximum")}
-        return Range(**{name: bound for name, bound in bounds.items() if bound is not None})
+        if isinstance(value, str):
+            return True
+        return (
+            math.isfinite(value)
+            and (self.minimum is None or value >= self.minimum)
+            and (self.maximum is None or value <= self.maximum)
+            and (self.above is None or value > self.above)
+            and (self.below is None or value < self.below)
+        )
 
 
 def parameter(
