@@ -161,7 +161,7 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
                 ),
             )
         )
-    shape = (scene.grid.row_count + 1, scene.grid.column_count + 1)
+    shape = (2, scene.grid.row_count + 1, scene.grid.column_count + 1)
     excess = "that over the vertical in-situ stress, tension positive"
     ground = "relative to soil at rest far away"
     of_soil = _single(
@@ -186,21 +186,12 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
             ),
         )
     )
+    radial, upward = node_velocity[:, :2].T.reshape(shape)
     of_grid = _single(
         labelled(
             dims=("row", "column"),
-            node_velocity_r=(
-                node_velocity[:, 0].reshape(shape),
-                "m s-1",
-                "radial velocity",
-                ground,
-            ),
-            node_velocity_z=(
-                node_velocity[:, 1].reshape(shape),
-                "m s-1",
-                "upward velocity",
-                ground,
-            ),
+            node_velocity_r=(radial, "m s-1", "radial velocity", ground),
+            node_velocity_z=(upward, "m s-1", "upward velocity", ground),
         )
     )
     return of_soil | over_strength | of_grid

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 
@@ -164,15 +165,16 @@ class BlockOnBase(CatalogueScene):
                 "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
             )
         if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
-            raise ParameterError(
-                "height_ratio",
-                f"height_ratio = {self.height_ratio:g} with cells_per_length = "
-                f"{self.cells_per_length} is not allowed: the block must be 3 cells high or more",
-            )
+            with_cells = f"with cells_per_length = {self.cells_per_length} "
+            self._refuse("height_ratio", with_cells, ": the block must be 3 cells high or more")
         if self.interface_radius is None:
             self._check_pressed()
         else:
-            self._check_ring()
+            self._check_ring(self.interface_radius)
+
+    def _refuse(self, name: str, beside: str, why: str) -> NoReturn:
+        value = getattr(self, name)
+        raise ParameterError(name, f"{name} = {value:g} {beside}is not allowed{why}")
 
     def derived(self) -> Mapping[str, float]:
         """The time to watch a block that sticks: in it the block would slide its length freely."""
@@ -187,28 +189,19 @@ class BlockOnBase(CatalogueScene):
         shear = min(self.motion.resistance, self.driving_force)
         highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
         if self.height > highest:
-            raise ParameterError(
-                "height_ratio",
-                f"height_ratio = {self.height_ratio:g} is not allowed: the block would lift off at "
-                f"its rear; at most {highest / self.length:.3g} with these forces",
-            )
+            at_most = f"at most {highest / self.length:.3g} with these forces"
+            self._refuse("height_ratio", "", f": the block would lift off at its rear; {at_most}")
 
-    def _check_ring(self) -> None:
+    def _check_ring(self, radius: float) -> None:
         if self.friction > 0.0:
-            raise ParameterError(
-                "friction",
-                f"friction = {self.friction:g} with an interface_radius is not allowed: the hoop "
-                "stress of the ring bears part of the normal force; set friction = 0",
-            )
+            why = "the hoop stress of the ring bears part of the normal force; set friction = 0"
+            self._refuse("friction", "with an interface_radius ", f": {why}")
         if self.grid_angle != 0.0:
-            raise ParameterError("grid_angle", "grid_angle must be 0 with an interface_radius")
+            self._refuse("grid_angle", "with an interface_radius ", ": must be 0")
         least = self.height + 4.0 * self.cell_size
-        if self.interface_radius is not None and self.interface_radius < least:
-            raise ParameterError(
-                "interface_radius",
-                f"interface_radius = {self.interface_radius:g} must be at least {least:g} m: the "
-                "height of the block and four cells",
-            )
+        if radius < least:
+            why = f"must be at least {least:g} m: the height of the block and four cells"
+            self._refuse("interface_radius", "", f": {why}")
 
     def run_size(self) -> RunSize:
         """Cells of a square around block and base, and their material points, at most about."""

@@ -14,7 +14,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import Samples, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
@@ -70,8 +70,8 @@ class FlyingBlock(CatalogueScene):
             cell_count=columns * rows,
             particle_count=count,
             step_count=self.step_count,
-            # Distances of all points from all: kept, stacked, less the first, without sign.
-            curve_bytes=4.0 * 8.0 * (SAMPLE_COUNT + 1) * count**2,
+            # Distances of all points from all along both axes: the first, the present, changes.
+            curve_bytes=6.0 * 8.0 * count**2,
         )
 
     @property
@@ -100,7 +100,7 @@ class FlyingBlock(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Set the block off and let it fly."""
         self._set_off(simulation)
-        sampler = FreeFlight(simulation, self.cell_size)
+        sampler = free_flight(simulation, self.cell_size)
         steps = [
             round(self.step_count * sample / SAMPLE_COUNT) for sample in range(1, SAMPLE_COUNT + 1)
         ]
@@ -109,12 +109,12 @@ class FlyingBlock(CatalogueScene):
             name: variable(
                 float(recorded[curve].max()),
                 meaning=f"{recorded[curve].attrs['long_name']}, at most",
-                role="headline" if name == "error" else "error",
+                role=role,
             )
-            for name, curve in (
-                ("error", "shape_change"),
-                ("momentum_error", "momentum_change"),
-                ("spin_error", "spin_change"),
+            for name, curve, role in (
+                ("error", "shape_change", "headline"),
+                ("momentum_error", "momentum_change", "error"),
+                ("spin_error", "spin_change", "error"),
             )
         }
         turns = variable(
@@ -135,50 +135,45 @@ class FlyingBlock(CatalogueScene):
         simulation.assign("particle.affine", np.broadcast_to(turn, (len(velocity), 2, 2)))
 
 
-class FreeFlight:
-    """Samples momentum, spin and shape of a body; their changes are those since it was made.
+def free_flight(simulation: Simulation, cell_size: float) -> Samples:
+    """Samples how shape, momentum and spin of a body have changed since now.
 
     Args:
         simulation: a run of one body, set off.
         cell_size: side of a cell [m].
     """
 
-    def __init__(self, simulation: Simulation, cell_size: float) -> None:
-        self._simulation = simulation
-        self._cell_size = cell_size
-        self._samples: list[tuple[Floats, float, Floats]] = []
-        self.sample()
-
-    def sample(self) -> None:
-        """Add linear momentum, angular momentum about the middle, distances of all from all."""
-        array = self._simulation.array
+    def state() -> tuple[Floats, Floats, float]:
+        """Distances of all points from all, linear momentum, angular momentum about the middle."""
+        array = simulation.array
         mass, affine = array("particle.mass"), array("particle.affine")
         position, velocity = array("particle.position"), array("particle.velocity")
-        momentum = mass @ velocity
         arm = position - mass @ position / mass.sum()
         orbital = arm[:, 0] * velocity[:, 1] - arm[:, 1] * velocity[:, 0]
         # A point's own: that of its affine velocity, with the inertia m h^2 / 4 along each axis.
-        own = 0.25 * self._cell_size**2 * (affine[:, 1, 0] - affine[:, 0, 1])
+        own = 0.25 * cell_size**2 * (affine[:, 1, 0] - affine[:, 0, 1])
         distance = np.linalg.norm(position[:, None] - position, axis=-1)
-        self._samples.append((momentum, float(mass @ (orbital + own)), distance))
+        return distance, mass @ velocity, float(mass @ (orbital + own))
 
-    def dataset(self) -> xr.Dataset:
-        """The changes so far, over the time as a share of the duration."""
-        momentum, spin, distance = map(np.array, zip(*self._samples, strict=True))
-        shape = np.abs(distance - distance[0]).max(axis=(1, 2)) / distance[0].max()
-        drift = np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0])
+    first_distance, first_momentum, first_spin = state()
+
+    def changes() -> tuple[float, float, float]:
+        distance, momentum, spin = state()
+        return (
+            np.abs(distance - first_distance).max() / first_distance.max(),
+            np.linalg.norm([momentum - first_momentum], axis=1)[0] / np.linalg.norm(first_momentum),
+            abs(spin / first_spin - 1.0),
+        )
+
+    def over_time(shape: Floats, momentum: Floats, spin: Floats) -> xr.Dataset:
+        share = np.arange(1, len(shape) + 1) / SAMPLE_COUNT
+        of_shape = "greatest change of a distance in the block, over its diagonal"
         return curves(
             "progress",
-            (np.arange(1, len(self._samples)) / SAMPLE_COUNT, "1", "time over duration"),
-            shape_change=(
-                shape[1:],
-                "1",
-                "greatest change of a distance in the block, over its diagonal",
-            ),
-            momentum_change=(drift[1:], "1", "change of linear momentum"),
-            spin_change=(
-                np.abs(spin / spin[0] - 1.0)[1:],
-                "1",
-                "change of angular momentum about the middle",
-            ),
+            (share, "1", "time over duration"),
+            shape_change=(shape, "1", of_shape),
+            momentum_change=(momentum, "1", "change of linear momentum"),
+            spin_change=(spin, "1", "change of angular momentum about the middle"),
         )
+
+    return Samples(changes, over_time)
