@@ -6,7 +6,7 @@ their own first: ``python tests/mpm_warp/test_refused_values.py`` tells which on
 """
 
 import functools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any
 
@@ -102,146 +102,132 @@ NUMBERS = [0.0, -1.0, NAN, INF, "1", None]
 """What no number > 0 may be."""
 MISFITS = [ONES[:3], changed(ONES, 2, NAN), changed(ONES, 2, -1.0)]
 
-MADE: list[tuple[Callable[..., object], Values, Mapping[str, list[Any]]]] = [
-    (
+
+def made(
+    make: Callable[..., object], given: Values, **wrong: list[Any]
+) -> tuple[Callable[..., object], Values, Values]:
+    """What makes a value, what it takes, and what each argument must not be."""
+    return make, given, wrong
+
+
+MADE = [
+    made(
         Grid,
         GRID,
-        {
-            "columns": [
-                np.array([0.0]),
-                np.array([0.0, 0.6, 0.4, 1.0]),
-                np.array([0.0, 0.5, 2.0]),
-                np.array([0.0, NAN, 1.0]),
-                [0.0, 1.0],
-            ],
-            "rows": [np.zeros(4), np.array([0.0, 1.0, INF, 2.0]), np.array([2.0, 1.0, 0.0, -1.0])],
-            "surface_radius": [np.zeros(3), np.full(4, 2.0), np.full(4, -0.1), np.full(4, NAN)],
-            "fitted_radius": NUMBERS,
-            "planar": ["no"],
-        },
+        columns=[
+            np.array([0.0]),
+            np.array([0.0, 0.6, 0.4, 1.0]),
+            np.array([0.0, 0.5, 2.0]),
+            np.array([0.0, NAN, 1.0]),
+            [0.0, 1.0],
+        ],
+        rows=[np.zeros(4), np.array([0.0, 1.0, INF, 2.0]), np.array([2.0, 1.0, 0.0, -1.0])],
+        surface_radius=[np.zeros(3), np.full(4, 2.0), np.full(4, -0.1), np.full(4, NAN)],
+        fitted_radius=NUMBERS,
+        planar=["no"],
     ),
-    (GroundGrid, GRID | {"ground_level": 1.0}, {"ground_level": [NAN, -1.0]}),
-    (
+    made(GroundGrid, GRID | {"ground_level": 1.0}, ground_level=[NAN, -1.0]),
+    made(
         PolarGrid,
         GRID | {"surface_radius": ONES},
-        {"rows": [GRID["rows"] + 3.0], "surface_radius": [np.linspace(0.5, 1.0, 4)]},
+        rows=[GRID["rows"] + 3.0],
+        surface_radius=[np.linspace(0.5, 1.0, 4)],
     ),
-    (
+    made(
         graded,
         {"first": 0.1, "length": 1.0, "growth": 1.2},
-        {"first": [0.0, NAN], "length": [0.05], "growth": [1.0]},
+        first=[0.0, NAN],
+        length=[0.05],
+        growth=[1.0],
     ),
-    (
+    made(
         LinearElastic,
         ELASTIC,
-        {
-            "shear_modulus": NUMBERS,
-            "poissons_ratio": [-0.1, 0.5, 0.7, NAN],
-            "density": [0.0, -1.0, INF],
-        },
+        shear_modulus=NUMBERS,
+        poissons_ratio=[-0.1, 0.5, 0.7, NAN],
+        density=[0.0, -1.0, INF],
     ),
-    (Tresca, CLAY, {"strength": NUMBERS, "density": [-1.0]}),
-    (VonMises, CLAY, {"strength": [0.0, INF]}),
-    (
+    made(Tresca, CLAY, strength=NUMBERS, density=[-1.0]),
+    made(VonMises, CLAY, strength=[0.0, INF]),
+    made(
         SurfaceContact,
         CONTACT,
-        {
-            "normals": [2.0 * DOWN, 0.0 * DOWN, DOWN[:3], changed(DOWN, (1, 1), NAN)],
-            "normal_areas": [*MISFITS, 0.0 * ONES],
-            "adhesion_forces": MISFITS,
-            "friction": [-0.1, NAN],
-            "in_situ_stress": [-1.0, INF],
-            "speed": [NAN],
-        },
+        normals=[2.0 * DOWN, 0.0 * DOWN, DOWN[:3], changed(DOWN, (1, 1), NAN)],
+        normal_areas=[*MISFITS, 0.0 * ONES],
+        adhesion_forces=MISFITS,
+        friction=[-0.1, NAN],
+        in_situ_stress=[-1.0, INF],
+        speed=[NAN],
     ),
-    (FarField, FAR, {"spring": MISFITS, "dashpot": [ONES, np.full((4, 2), -1.0)]}),
-    (Fixed, {"nodes": SIDE}, {"free": [np.full((4, 2), 0.5), np.full((4, 2), 2.0), ONES]}),
-    (NodalLoad, {"nodes": SIDE}, {"forces": [np.ones((3, 2)), np.full((4, 2), NAN)]}),
-    (Gravity, {}, {"acceleration": [INF, NAN, -9.81]}),
-    (Damping, {}, {"rate": [INF, 0.0]}),
-    (MovingWall, {"speed": 1.0, "ramp_travel": 1.0}, {"speed": NUMBERS, "ramp_travel": [0.0, NAN]}),
-    (
-        Approach,
-        APPROACH,
-        {"speed": [0.0, INF], "travel": [1.0, NAN], "slowing_travel": [0.0, -1.0]},
-    ),
-    (
+    made(FarField, FAR, spring=MISFITS, dashpot=[ONES, np.full((4, 2), -1.0)]),
+    made(Fixed, {"nodes": SIDE}, free=[np.full((4, 2), 0.5), np.full((4, 2), 2.0), ONES]),
+    made(NodalLoad, {"nodes": SIDE}, forces=[np.ones((3, 2)), np.full((4, 2), NAN)]),
+    made(Gravity, {}, acceleration=[INF, NAN, -9.81]),
+    made(Damping, {}, rate=[INF, 0.0]),
+    made(MovingWall, {"speed": 1.0, "ramp_travel": 1.0}, speed=NUMBERS, ramp_travel=[0.0, NAN]),
+    made(Approach, APPROACH, speed=[0.0, INF], travel=[1.0, NAN], slowing_travel=[0.0, -1.0]),
+    made(
         Window,
         WINDOW,
-        {
-            "speed": NUMBERS,
-            "ramp_travel": [0.0, INF],
-            "spare_fraction": [-0.5, NAN],
-            "approach": [Approach(**APPROACH | {"speed": 0.5}), 3.0],
-        },
+        speed=NUMBERS,
+        ramp_travel=[0.0, INF],
+        spare_fraction=[-0.5, NAN],
+        approach=[Approach(**APPROACH | {"speed": 0.5}), 3.0],
     ),
-    (
+    made(
         PassingSurface,
         {"level": 0.0, "layer": 1.0, "pic_fraction": 0.02},
-        {"level": [NAN], "layer": [0.0, INF], "pic_fraction": [0.0, 1.5, NAN]},
+        level=[NAN],
+        layer=[0.0, INF],
+        pic_fraction=[0.0, 1.5, NAN],
     ),
-    (
+    made(
         Scene,
         SCENE,
-        {
-            "grid": [None, GRID],
-            "material": [None, "tresca"],
-            "particles_per_side": [0, -2, 2.0, 1.5, True, NAN],
-            "time_step_fraction": [0.0, INF],
-            "stress_at_rest": [np.zeros(3), np.array([0.0, NAN, 0.0, 0.0])],
-            "parts": [[Gravity(9.81)], (9.81,), Gravity(9.81)],
-        },
+        grid=[None, GRID],
+        material=[None, "tresca"],
+        particles_per_side=[0, -2, 2.0, 1.5, True, NAN],
+        time_step_fraction=[0.0, INF],
+        stress_at_rest=[np.zeros(3), np.array([0.0, NAN, 0.0, 0.0])],
+        parts=[[Gravity(9.81)], (9.81,), Gravity(9.81)],
     ),
-    (
+    made(
         StrainPaths,
         PATHS,
-        {
-            "material": ["tresca"],
-            "gradient": [np.zeros((3, 4)), np.full((3, 5), NAN)],
-            "stress": [np.zeros((2, 4)), np.zeros(12)],
-            "step_count": [0, 2.5],
-        },
+        material=["tresca"],
+        gradient=[np.zeros((3, 4)), np.full((3, 5), NAN)],
+        stress=[np.zeros((2, 4)), np.zeros(12)],
+        step_count=[0, 2.5],
     ),
-    (
+    made(
         Body,
         BODY,
-        {
-            "position": [BODY["position"][:3], np.full((4, 2), NAN)],
-            "volume": [np.array([1.0, 1.0, NAN, 1.0]), -ONES, np.ones(0)],
-            "spacing": [0.0, NAN],
-            "material": [Tresca(**CLAY)],
-            "held": [ONES, np.ones(3, dtype=bool)],
-            "retardation_time": [0.0, NAN],
-            "loads": [(Load(**LOAD | {"forces": np.ones((3, 2))}),), Load(**LOAD)],
-        },
+        position=[BODY["position"][:3], np.full((4, 2), NAN)],
+        volume=[np.array([1.0, 1.0, NAN, 1.0]), -ONES, np.ones(0)],
+        spacing=[0.0, NAN],
+        material=[Tresca(**CLAY)],
+        held=[ONES, np.ones(3, dtype=bool)],
+        retardation_time=[0.0, NAN],
+        loads=[(Load(**LOAD | {"forces": np.ones((3, 2))}),), Load(**LOAD)],
     ),
-    (Load, LOAD, {"forces": [ONES], "start": [-1.0, NAN], "rise_time": [0.0, INF]}),
-    (
-        BodyContact,
-        {},
-        {"friction": [-1.0, NAN], "adhesion": [INF]},
-    ),
-    (
+    made(Load, LOAD, forces=[ONES], start=[-1.0, NAN], rise_time=[0.0, INF]),
+    made(BodyContact, {}, friction=[-1.0, NAN], adhesion=[INF]),
+    made(
         UniformGrid,
         CELLS,
-        {
-            "lower": [(NAN, 0.0), (0.0, INF), (0.0, 0.0, 0.0)],
-            "cell_size": NUMBERS,
-            "cell_counts": [(8, 2), (8.0, 8), 8],
-        },
+        lower=[(NAN, 0.0), (0.0, INF), (0.0, 0.0, 0.0)],
+        cell_size=NUMBERS,
+        cell_counts=[(8, 2), (8.0, 8), 8],
     ),
-    (
+    made(
         BodyScene,
         BODIES,
-        {
-            "grid": [None],
-            "bodies": [(), [Body(**BODY)], ("one",)],
-            "time_step_fraction": [NAN, 0.0],
-            "contact": [BodyContact(), "rough"],
-        },
+        grid=[None],
+        bodies=[(), [Body(**BODY)], ("one",)],
+        time_step_fraction=[NAN, 0.0],
+        contact=[BodyContact(), "rough"],
     ),
 ]
-"""What makes a value, what it takes, and what each argument must not be."""
 IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
     ("SurfaceContact", SurfaceContact, CONTACT),
     ("FarField", FarField, FAR),

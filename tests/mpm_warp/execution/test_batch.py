@@ -12,7 +12,6 @@ import xarray as xr
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
-from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -34,13 +33,15 @@ def cone(**parameters: Any) -> ConePenetration:
     return ConePenetration(**SMALL, **{"penetration": 2, **parameters})
 
 
-DIFFERENT = [
+DIFFERENT: list[CatalogueScene] = [
+    GravityColumn(),
+    SlidingBlock(),
     cone(adhesion_factor=0.2, rigidity_index=50, friction_coefficient=0.1),
     cone(adhesion_factor=0.8, rigidity_index=300, friction_coefficient=0.2, penetration=1),
     cone(time_step_fraction=0.4, friction_coefficient=0.3, undrained_shear_strength=5e3),
     cone(particles_per_cell=9, penetration=1),
 ]
-"""Cones of their own materials, contact, time steps and lengths; the last on other points."""
+"""Several kinds of scenes; cones of their own materials, contact, time steps and lengths."""
 
 
 def run_together(scenes: list[CatalogueScene], execution: Batch) -> list[xr.Dataset]:
@@ -55,32 +56,9 @@ def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_batch_does_not_change_a_bit(threads: int) -> None:
-    results = run_together(list(DIFFERENT), Batch(threads=threads))
+    results = run_together(DIFFERENT, Batch(threads=threads))
     for scene, result in zip(DIFFERENT, results, strict=True):
         assert_same(scene.run(), result)
-
-
-def test_runs_that_begin_later_go_on_beside_those_before_them() -> None:
-    first, second, long = cone(adhesion_factor=0.1), cone(penetration=1.3), cone(penetration=4)
-    results: dict[ConePenetration, xr.Dataset] = {}
-    execution = Batch()
-
-    def one_after_the_other(*cones: ConePenetration) -> None:
-        for scene in cones:
-            results[scene] = scene.run(execution=execution)
-
-    execution.run([partial(one_after_the_other, first, second), partial(one_after_the_other, long)])
-    # Else the steps that are audited would be the same by chance.
-    assert int(results[first].step_count) % AUDIT_INTERVAL
-    for scene, result in results.items():
-        assert_same(scene.run(), result)
-
-
-@pytest.mark.parametrize("make", [GravityColumn, SlidingBlock])
-def test_any_scene_can_be_run_in_a_batch(make: Callable[[], CatalogueScene]) -> None:
-    alone = make().run()
-    for result in run_together([make(), make()], Batch()):
-        assert_same(alone, result)
 
 
 def test_one_that_diverges_does_not_disturb_the_others() -> None:
