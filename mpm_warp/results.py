@@ -46,7 +46,7 @@ CHANGING_STRENGTH = "einav_randolph"
 def variable(
     value: ArrayLike,
     *,
-    unit: str = "1",
+    unit: str | None = "1",
     meaning: str,
     description: str | None = None,
     dims: tuple[str, ...] = (),
@@ -58,7 +58,7 @@ def variable(
 
     Args:
         value: a number or a text, or numbers over `dims`.
-        unit: SI unit; "1" for a dimensionless number.
+        unit: SI unit; "1" for a dimensionless number; None for a text.
         meaning: a few words, fit for the axis of a picture.
         description: how the value came about, where that needs saying.
         dims: names of the dimensions.
@@ -66,7 +66,8 @@ def variable(
         exact_of: name of the variable that this is the exact value of; its role is then "exact".
         limit: what the size of the value must not exceed, > 0; beyond it the run is inaccurate.
     """
-    labels: dict[str, str | float] = {"units": unit, "long_name": meaning}
+    labels: dict[str, str | float] = {} if unit is None else {"units": unit}
+    labels["long_name"] = meaning
     if description is not None:
         labels["description"] = description
     if exact_of is not None:
@@ -77,12 +78,6 @@ def variable(
     if limit is not None:
         labels["limit"] = limit
     return xr.Variable(dims, np.asarray(value), labels)
-
-
-def text_variable(text: str, *, meaning: str, role: str) -> xr.Variable:
-    """A text as a labelled variable; it has no unit."""
-    assert role in ROLES, role
-    return xr.Variable((), np.asarray(text), {"long_name": meaning, "role": role})
 
 
 Quantity = tuple[ArrayLike, str, str] | tuple[ArrayLike, str, str, str]

@@ -12,7 +12,7 @@ from mpm_warp.materials.material import built_name
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.results import labelled, text_variable
+from mpm_warp.results import labelled, variable
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
@@ -132,7 +132,9 @@ def built_of(simulation: Simulation) -> Mapping[str, xr.Variable]:
         return {}
     built = {"law": simulation.scene.material, "contact": simulation.scene.find(SurfaceContact)}
     return {
-        f"built_{name}": text_variable(built_name(it), meaning=f"{name} as built", role="built")
+        f"built_{name}": variable(
+            built_name(it), unit=None, meaning=f"{name} as built", role="built"
+        )
         for name, it in built.items()
         if it is not None
     }

@@ -2,13 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from mpm_warp.grid.fitted import Grid
-
-BODY_CELL_BYTES, BODY_PARTICLE_BYTES = 80.0, 450.0
-"""Memory of cells and material points of bodies [byte], from peaks of up to 380,000 and 55,000."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,18 +70,8 @@ def size_in_grid(
     )
 
 
-def size_of_bodies(
-    *, cell_count: int, particle_count: int, step_count: float = 0.0, curve_bytes: float = 0.0
-) -> RunSize:
-    """The size of a run of bodies in contact; the arguments are those of `RunSize`."""
-    return RunSize(
-        cell_count=cell_count,
-        particle_count=particle_count,
-        step_count=step_count,
-        curve_bytes=curve_bytes,
-        bytes_per_cell=BODY_CELL_BYTES,
-        bytes_per_particle=BODY_PARTICLE_BYTES,
-    )
+size_of_bodies = partial(RunSize, bytes_per_cell=80.0, bytes_per_particle=450.0)
+"""The size of a run of bodies: memory from peaks of up to 380,000 cells and 55,000 points."""
 
 
 def of_several(sizes: Sequence[RunSize]) -> RunSize:

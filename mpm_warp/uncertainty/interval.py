@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
-from mpm_warp.results import text_variable, variable
+from mpm_warp.results import variable
 
 REASON = "why_no_uncertainty"
 """Name of the text that says why a result has no uncertainty; "" where it has one."""
@@ -68,7 +68,7 @@ def reason(text: str) -> xr.Variable:
     Args:
         text: "word: sentence", one or more, parted by semicolons; "" where the error is known.
     """
-    return text_variable(text, meaning="why there is no uncertainty", role="reason")
+    return variable(text, unit=None, meaning="why there is no uncertainty", role="reason")
 
 
 def those_that_hold(conditions: Mapping[str, object]) -> list[str]:

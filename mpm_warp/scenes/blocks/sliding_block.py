@@ -11,6 +11,7 @@ from mpm_warp.bodies.body import Body, InterfaceFrame, Load
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp.parameters import Value
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, BlockOnBase
 from mpm_warp.scenes.blocks.curves import SlidingCurves
@@ -19,6 +20,21 @@ from mpm_warp.simulation import Simulation
 
 BASE_CELLS = 3
 """Thickness of the base in cells."""
+
+
+def _compared(bound: float, **settings: Value) -> Verification:
+    return Verification(
+        resolution="cells_per_length",
+        resolutions=(10, 20),
+        bounds={"error": bound},
+        settings=settings,
+    )
+
+
+def _extreme(bound: float, **settings: Value) -> Verification:
+    """On a coarse grid, in a long run or a violent one."""
+    compared = _compared(bound, height_ratio=0.5, **settings)
+    return replace(compared, resolutions=(6,), extreme=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,49 +53,11 @@ class SlidingBlock(BlockOnBase):
         "damping_ratio",
     )
     verifications: ClassVar[tuple[Verification, ...]] = (
-        Verification(resolution="cells_per_length", resolutions=(10, 20), bounds={"error": 0.01}),
-        Verification(
-            resolution="cells_per_length",
-            resolutions=(10, 20),
-            bounds={"error": 0.03},
-            settings={"grid_angle": 20.0, "grid_offset": 0.3, "stiffness_ratio": 1.0},
-        ),
-        Verification(
-            resolution="cells_per_length",
-            resolutions=(10, 20),
-            bounds={"error": 1e-4},
-            settings={"friction": 0.8},
-        ),
-        *(
-            Verification(
-                resolution="cells_per_length",
-                resolutions=(6,),
-                bounds={"error": 0.01},
-                settings={
-                    "stiffness_ratio": ratio,
-                    "height_ratio": 0.5,
-                    "drive": 2e4,
-                    "travel": 0.01,
-                },
-                extreme=True,
-            )
-            for ratio in (1e-6, 1e6)
-        ),
-        *(
-            Verification(
-                resolution="cells_per_length",
-                resolutions=(6,),
-                bounds={"error": 1e-4},
-                settings={
-                    "friction": 0.8,
-                    "height_ratio": 0.5,
-                    "grid_angle": angle,
-                    "rest_time": 860.0,
-                },
-                extreme=True,
-            )
-            for angle in (0.0, 20.0)
-        ),
+        _compared(0.01),
+        _compared(0.03, grid_angle=20.0, grid_offset=0.3, stiffness_ratio=1.0),
+        _compared(1e-4, friction=0.8),
+        *(_extreme(0.01, stiffness_ratio=ratio, drive=2e4, travel=0.01) for ratio in (1e-6, 1e6)),
+        *(_extreme(1e-4, friction=0.8, grid_angle=angle, rest_time=860.0) for angle in (0.0, 20.0)),
     )
 
     def build(self) -> BodyScene:

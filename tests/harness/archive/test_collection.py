@@ -20,7 +20,7 @@ from harness.run.rerun import read_for_rerun, verdict
 from harness.run.worker import compute, run_case
 from harness.study.study import Study, load_study
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.results import curves, text_variable, variable
+from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty.interval import stated_value
 
@@ -229,7 +229,7 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
             "cone_factor", 10.0, correction=0.1, parts=parts, reasons=reasons, description="Nc"
         )
         shear = variable(0.0, unit="1", meaning="shear part")
-        built = text_variable(law, meaning="law as built", role="built")
+        built = variable(law, unit=None, meaning="law as built", role="built")
         result = xr.Dataset(known | {"cone_factor_shear": shear, "built_law": built})
         write_case(folder, case, result, COMPLETED)
     write_study(tmp_path / "s.nc", collect(made, folder))
