@@ -17,7 +17,7 @@ from typing import Any
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
-from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING
+from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING, Role
 from harness.archive.netcdf_files import (
     check_version,
     opened_result,
@@ -44,6 +44,7 @@ class Outcome:
             without the snapshots.
         message: why it did not complete, one line.
         headline: name and value of the scalar that the scene is run for.
+        reason: why it has no half width; see `conventions.reasons_of`.
         seconds: time that the case took in all.
         start_seconds: of it, the time before the first step: imports, set-up; 0 where not known.
         compile_seconds: of it, the time to compile kernels or to load them.
@@ -57,6 +58,7 @@ class Outcome:
     seconds: float = 0.0
     repeats: int = 0
     sources: str = ""
+    reason: str = ""
     start_seconds: float = 0.0
     compile_seconds: float = 0.0
 
@@ -163,6 +165,8 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
             attributes, forms = found.attributes, found.forms
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
             repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
+            told = [it for it in forms if forms[it].attributes.get("role") == Role.REASON]
+            reason = "; ".join(str(found.values(it)) for it in told)
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
@@ -172,6 +176,7 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
         seconds=seconds,
         repeats=repeats,
         sources=str(attributes.get(SOURCES, "")),
+        reason=reason,
     )
 
 

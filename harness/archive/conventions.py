@@ -29,7 +29,7 @@ exact solution. Only a table or a picture that is meant for one kind of scene kn
 """
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from enum import StrEnum
 
 import numpy as np
@@ -65,6 +65,9 @@ PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
+NUMERICAL = "numerical error only, of this clay, not of your soil"
+HALF_WIDTH = f"half width of 95 %: {NUMERICAL}"
+"""What +- means."""
 TRACEBACK = "traceback"
 """Attribute of the file of a failed case that says where in the program it failed."""
 
@@ -134,12 +137,29 @@ def known_digits(value: float, half_width: float) -> str:
     return f"{value:.{decimals}f}"
 
 
-def stated(value: float, half_width: float) -> str:
-    """A number with its half width: 10.49 +- 0.08; 10.5 where no error is known."""
+def stated(value: float, half_width: float, reason: str = "") -> str:
+    """A number with its half width: 10.49 +- 0.08; where it has none, with the word for why.
+
+    Args:
+        value: the number.
+        half_width: of 95 %; not a number where none is known.
+        reason: why there is none, see `reasons_of`; 10.5, no U: Delta.
+    """
     told = known_digits(value, half_width)
     if not math.isfinite(half_width) or half_width <= 0.0:
-        return told
+        return ", ".join(filter(None, (told, without_half_width(reason))))
     return f"{told} +- {known_digits(half_width, half_width)}"
+
+
+def without_half_width(reason: str) -> str:
+    """What stands in the place of a half width: no U: Delta, speed; "" without a reason."""
+    return f"no U: {words_of([reason])}" if reason else ""
+
+
+def words_of(reasons: Iterable[str]) -> str:
+    """The words of some reasons, each once: Delta, speed."""
+    parts = (it for reason in reasons for it in reason.split("; ") if it)
+    return ", ".join(dict.fromkeys(it.partition(":")[0] for it in parts))
 
 
 def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import xarray as xr
 from harness.archive.conventions import (
     CASE,
     COMPLETED,
+    HALF_WIDTH,
     Role,
     labels_of,
     limits_of,
@@ -98,9 +99,11 @@ def number(value: float, form: str) -> str:
     return format(value, form) if np.isfinite(value) else MISSING
 
 
-def with_half_width(value: float, half_width: float) -> str:
-    """A number and its half width, where that is known; a dash where there is no number."""
-    return stated(value, half_width) if np.isfinite(value) else MISSING
+def half_width_column(dataset: xr.Dataset, name: str, heading: tuple[str, str]) -> Column:
+    """A number with its half width, or why it has none; a dash where there is no number."""
+    told = zip(over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset), strict=True)
+    texts = [stated(it, *known) if np.isfinite(it) else MISSING for it, *known in told]
+    return Column(heading, texts)
 
 
 def _text(value: object) -> str:
@@ -140,9 +143,8 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
 
 
 def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
-    factors = zip(over_cases(dataset, "cone_factor"), uncertainty_of(dataset), strict=True)
     parts = [
-        Column(("cone", "factor"), [with_half_width(value, half) for value, half in factors]),
+        half_width_column(dataset, "cone_factor", ("cone", "factor")),
         *(
             Column(heading, [number(value, "#.3g") for value in over_cases(dataset, name)])
             for name, heading in (
@@ -229,7 +231,7 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
-        "cone factor: +- half width of 95 %; without it nothing is known of the error",
+        f"cone factor: +- {HALF_WIDTH}; without it nothing is known of the error",
         "computed: su is the strength in pure shear, for von_mises too (sqrt(J2) = su)",
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
@@ -312,6 +314,8 @@ def _exact_table(dataset: xr.Dataset) -> str:
             columns.append(_column(dataset, name, ".2%"))
             notes.append(f"{_note(dataset, name)}; at most {limit:g}")
     lines = table_lines([*columns, *run_columns(dataset)])
+    if with_role(dataset, Role.UNCERTAINTY):
+        notes.append(f"+-: {HALF_WIDTH}")
     return "\n".join([*lines, "", *notes, *reason_notes(dataset)])
 
 
@@ -324,11 +328,9 @@ def _column(dataset: xr.Dataset, name: str, form: str) -> Column:
 
 
 def _headline_column(dataset: xr.Dataset, name: str) -> Column:
-    half_width = f"{name}_uncertainty"
-    if half_width not in with_role(dataset, Role.UNCERTAINTY):
+    if f"{name}_uncertainty" not in with_role(dataset, Role.UNCERTAINTY):
         return _column(dataset, name, ".4g")
-    pairs = zip(over_cases(dataset, name), over_cases(dataset, half_width), strict=True)
-    return Column(heading(name), [with_half_width(value, half) for value, half in pairs])
+    return half_width_column(dataset, name, heading(name))
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:

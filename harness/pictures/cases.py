@@ -22,7 +22,7 @@ from harness.archive.conventions import (
     varied_names,
     with_role,
 )
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import of_half_widths, write_caption
 from harness.pictures.drawing.plot_parts import (
     INK,
     MARKERS,
@@ -159,7 +159,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure:
     unit = unit_of(dataset, soils.headlines[0]) or "-"
     axes.set_xlabel(f"{', '.join(named(dataset, name) for name in soils.headlines)} [{unit}]")
     legend_above(figure, axes)
-    bars = BARS if np.isfinite(half_width).any() else ""
+    bars = of_half_widths(dataset, BARS, are_shown=bool(np.isfinite(half_width).any()))
     write_caption(figure, dataset, bars, _lost(int(np.isnan(values).sum()), values.size))
     return figure
 

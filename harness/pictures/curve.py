@@ -197,14 +197,13 @@ def map_figure(dataset: xr.Dataset) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))
     _draw_contours(figure, left, studied)
     _draw_curves(right, studied)
-    bars = "; error bars hold the value with 95 %" if studied.half_width is not None else ""
     sound = np.isfinite(studied.computed).all()
     crosses = "" if sound else ", crosses did not complete"
     write_caption(
         figure,
         dataset,
-        f"Left: contours; dots are computed cases{crosses}. "
-        f"Right: the same over one parameter{bars}.",
+        f"Left: contours; dots are computed cases{crosses}. Right: the same over one parameter.",
+        studied.bars,
     )
     return figure
 

@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import case_dims, reasons_of
-from harness.pictures.drawing.caption import write_caption
+from harness.archive.conventions import case_dims
+from harness.pictures.drawing.caption import of_half_widths, write_caption
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
     STYLED,
@@ -132,18 +132,10 @@ def sounding_figure(dataset: xr.Dataset) -> Figure:
     write_caption(
         figure,
         dataset,
-        "Bands hold the resistance with 95 %." if has_band else "",
-        _without_band(dataset),
+        of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
         f"{count - len(shown)} more soundings are not shown." if count > len(shown) else "",
     )
     return figure
-
-
-def _without_band(dataset: xr.Dataset) -> str:
-    """Why there is no band at some depths, by the word of each reason; "" where there is one."""
-    reasons = (it for told in reasons_of(dataset) for it in told.split("; ") if it)
-    words = dict.fromkeys(it.partition(":")[0] for it in reasons)
-    return f"Where there is no band the error is not known: {', '.join(words)}." if words else ""
 
 
 def _draw(

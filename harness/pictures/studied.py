@@ -19,12 +19,13 @@ from harness.archive.conventions import (
     varied_names,
     with_role,
 )
+from harness.pictures.drawing.caption import of_half_widths
 from harness.pictures.drawing.quantities import Floats, Texts, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names
 
-BARS = "Error bars hold the value with 95 %."
+BARS = "Error bars hold the value"
 
 
 @dataclass(frozen=True)
@@ -115,8 +116,8 @@ class Studied:
 
     @property
     def bars(self) -> str:
-        """What error bars are, in a sentence; empty where there are none."""
-        return "" if self.half_width is None else BARS
+        """What error bars are, and why cases have none; see `of_half_widths`."""
+        return of_half_widths(self.dataset, BARS, are_shown=self.half_width is not None)
 
     def label(self, case: int, names: Iterable[str] | None = None) -> str:
         """What a case is called: its values of these varied parameters, by default of all."""

@@ -10,7 +10,14 @@ import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import COMPLETED, over_cases, uncertainty_of
+from harness.archive.conventions import (
+    COMPLETED,
+    HALF_WIDTH,
+    Role,
+    over_cases,
+    uncertainty_of,
+    with_role,
+)
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
@@ -57,6 +64,7 @@ class StudySection:
         missed: tolerances that it misses.
         stability: the stability map in words, its heading first; empty where there is none.
         table: its cases.
+        half_width: what its uncertainties mean, "" where it has none.
         references: what its results were compared with.
         provenance: where it comes from: names and values.
     """
@@ -72,6 +80,7 @@ class StudySection:
     missed: list[str]
     stability: list[tuple[str, ...]]
     table: CaseTable
+    half_width: str
     references: tuple[ConeFactor, ...]
     provenance: list[tuple[str, str]]
 
@@ -116,6 +125,7 @@ def _section(dataset: xr.Dataset, place: int) -> StudySection:
         missed=misses(dataset),
         stability=stability_rows(dataset) if shows_stability(dataset) else [],
         table=case_table(dataset),
+        half_width=HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
         references=stored_references(dataset),
         provenance=list(_provenance(dataset)),
     )

@@ -20,6 +20,7 @@ from harness.archive.conventions import (
     uncertainty_of,
     varied_names,
     with_role,
+    without_half_width,
 )
 from harness.compare.finest_error import error_name
 from harness.pictures.studied import Studied
@@ -139,7 +140,11 @@ def _names(dataset: xr.Dataset) -> list[str]:
 
 def _column(dataset: xr.Dataset, name: str) -> Column:
     values = [words.in_unit(dataset, name, value) for value in over_cases(dataset, name).tolist()]
-    texts = map(_texts_of(dataset, name), values, uncertainty_of(dataset).tolist())
+    texts = [*map(_texts_of(dataset, name), values, uncertainty_of(dataset).tolist())]
+    if name in with_role(dataset, Role.UNCERTAINTY):
+        told = map(without_half_width, reasons_of(dataset))
+        why_missing = zip(texts, told, strict=True)
+        texts = [why if why and text == words.MISSING else text for text, why in why_missing]
     cells = [Cell(text, _sortable(value)) for text, value in zip(texts, values, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
     return Column(title, words.symbol(name), words.unit(dataset, name), cells)

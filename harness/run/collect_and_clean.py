@@ -24,10 +24,13 @@ from harness.archive.collection import collect
 from harness.archive.conventions import (
     COMPLETED,
     DAMAGED,
+    HALF_WIDTH,
     NO_FIELDS,
     TRACEBACK,
     UNTIMED,
     over_cases,
+    reasons_of,
+    without_half_width,
 )
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
@@ -108,12 +111,13 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
     sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
     return [
-        Outcome(str(status), str(message), seconds=time, sources=str(digest))
-        for status, message, time, digest in zip(
+        Outcome(str(status), str(message), seconds=time, sources=str(digest), reason=reason)
+        for status, message, time, digest, reason in zip(
             over_cases(dataset, "status"),
             over_cases(dataset, "message"),
             seconds,
             sources,
+            reasons_of(dataset),
             strict=True,
         )
     ]
@@ -149,10 +153,12 @@ def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -
     rows = [f"{'case':16}  {'status':10}  {'time':>9}  parameters"]
     for (key, label), outcome in zip(cases, outcomes, strict=True):
         time = f"{outcome.seconds:.1f} s" if outcome.seconds else ""
-        why = f": {outcome.message}" if outcome.message else ""
+        message = outcome.message or without_half_width(outcome.reason)
+        why = f": {message}" if message else ""
         status = coloured(f"{outcome.status:10}", is_good=outcome.status == COMPLETED)
         rows.append(f"{key}  {status}  {time:>9}  {label}{why}")
-    return [*rows, summary(outcomes)]
+    meant = [f"U: {HALF_WIDTH}"] if any(it.reason for it in outcomes) else []
+    return [*rows, summary(outcomes), *meant]
 
 
 def tracebacks(study: Study, out: Path) -> list[str]:

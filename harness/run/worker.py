@@ -97,7 +97,7 @@ def compute(
             status = FAILED
             dataset = dataset.assign_attrs({TRACEBACK: traceback.format_exc()})
     headline = ", ".join(
-        f"{spoken(name)} {stated(dataset[name].item(), _half_width(dataset))}"
+        f"{spoken(name)} {stated(dataset[name].item(), _half_width(dataset), _reason(dataset))}"
         for name in _headlines(dataset)
         if status == COMPLETED
     )
@@ -188,6 +188,10 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
 
 def _half_width(dataset: xr.Dataset) -> float:
     return next((dataset[it].item() for it in with_role(dataset, Role.UNCERTAINTY)), math.nan)
+
+
+def _reason(dataset: xr.Dataset) -> str:
+    return next((str(dataset[it].item()) for it in with_role(dataset, Role.REASON)), "")
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:

@@ -9,7 +9,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import is_there, over_cases, parameter_names
+from harness.archive.conventions import (
+    NUMERICAL,
+    is_there,
+    over_cases,
+    parameter_names,
+    reasons_of,
+    words_of,
+)
 from harness.pictures.drawing.quantities import assigned, plain
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping, parameters_of
@@ -39,6 +46,20 @@ def write_caption(figure: Figure, dataset: xr.Dataset, *sentences: str) -> None:
     parts = [f"{title}." if title else "", *sentences, fixed(dataset)]
     text = _wrapped(" ".join(filter(None, parts)))
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
+
+
+def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
+    """What bars or bands are, and why there is none of some cases, in sentences.
+
+    Args:
+        dataset: what is shown.
+        holds: which they are, and of what: "Bands hold the resistance".
+        are_shown: whether there are any.
+    """
+    meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
+    why = words_of(reasons_of(dataset))
+    without = f"Where there is none the error is not known: {why}." if why else ""
+    return " ".join(filter(None, [meant, without]))
 
 
 def fixed(dataset: xr.Dataset) -> str:

@@ -10,7 +10,7 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
 from harness.archive.collection import collect
-from harness.archive.conventions import COMPLETED, reasons_of, without_incomplete_curves
+from harness.archive.conventions import COMPLETED, HALF_WIDTH, reasons_of, without_incomplete_curves
 from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.compare.result_table import cone_factor_table
@@ -239,7 +239,10 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
     assert dataset.material.values.tolist() == list(laws)
     line = f"no uncertainty of adhesion_factor=1.0: law: nobody has measured {laws[1]}"
     assert line in cone_factor_table(dataset).splitlines()
-    assert page([dataset])[0].count(f"law: nobody has measured {laws[1]}") == 1
+    written = page([dataset])[0]
+    assert written.count(f"law: nobody has measured {laws[1]}") == 1
+    assert "no U: law" in written
+    assert HALF_WIDTH in written
 
 
 def test_texts_that_only_one_scene_gives_are_empty_for_the_others(tmp_path: Path) -> None:

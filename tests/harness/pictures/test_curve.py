@@ -133,7 +133,7 @@ def test_uncertainty_is_drawn_as_error_bars() -> None:
     bars = drawn.lines[2][0]
     lengths = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
     assert lengths == pytest.approx([0.6] * 6)
-    assert "Error bars hold the value with 95 %." in figure.get_supxlabel()
+    assert "Error bars hold the value with 95 %: numerical error only" in figure.get_supxlabel()
 
 
 def test_single_case_is_a_point_over_the_adhesion_factor() -> None:

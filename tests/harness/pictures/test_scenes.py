@@ -50,7 +50,8 @@ def test_each_soil_is_a_row_with_the_result_of_each_scene() -> None:
 def test_a_case_that_did_not_complete_is_told_of() -> None:
     dataset = cones_and_bars([0.0, 0.5])
     dataset["status"] = CASE, ["completed", "completed", "completed", "diverged"]
-    assert "1 of 4 cases did not complete." in scenes_figure(dataset).get_supxlabel()
+    told = " ".join(scenes_figure(dataset).get_supxlabel().split())
+    assert "1 of 4 cases did not complete." in told
     assert "scenes" in figures(dataset)
 
 

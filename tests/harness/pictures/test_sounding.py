@@ -40,7 +40,7 @@ def test_where_there_is_no_band_the_caption_says_why() -> None:
     reasons = np.full((2, 2), "Delta: it is beyond 0.5, from 2 to 3 m; speed: it is too high")
     dims = ("adhesion_factor", "stretch_number")
     told = result().assign(why_no_uncertainty=(dims, reasons, {"role": "reason"}))
-    said = "Where there is no band the error is not known: Delta, speed."
+    said = "Where there is none the error is not known: Delta, speed."
     captions = [sounding_figure(it).get_supxlabel() for it in (told, result())]
     assert said in " ".join(captions[0].split())
-    assert "no band" not in captions[1]
+    assert "not known" not in captions[1]

@@ -11,7 +11,7 @@ import xarray as xr
 
 from harness.archive import case_files, study_files
 from harness.archive.atomic_files import partial_ending, prepare
-from harness.archive.conventions import COMPLETED, CRASHED
+from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
 from harness.cli.main import main
 from harness.run.measuring import case_time
 from harness.study.cases import Case
@@ -53,6 +53,21 @@ def test_status_lists_every_case_and_counts_them(
     assert crashed.endswith("adhesion_factor=0.5: worker killed by SIGKILL")
     assert missing.split() == [keys[2], "missing", "adhesion_factor=1.0"]
     assert summary == "3 cases: 1 completed, 1 crashed, 1 missing; 12.2 s in all"
+
+
+def test_status_says_why_a_case_has_no_half_width_and_what_one_means(
+    folder: Path, small: Study, small_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = ((), "Delta: it is beyond 0.95; speed: it is too high", {"role": "reason"})
+    case_files.write_case(folder, small.cases[0], DONE.assign(why_no_uncertainty=told), COMPLETED)
+    main(command("collect", small_file))
+    capsys.readouterr()
+    collected = ["status", str(small_file.parent / "out" / f"{small.name}.nc")]
+    for which in (command("status", small_file), collected):
+        main(which)
+        lines = capsys.readouterr().out.splitlines()
+        assert lines[1].endswith("adhesion_factor=0.0: no U: Delta, speed")
+        assert lines[-1] == f"U: {HALF_WIDTH}"
 
 
 def test_status_of_a_damaged_case_names_the_reason(
