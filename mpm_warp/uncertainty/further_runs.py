@@ -33,6 +33,9 @@ class Test(Protocol):
     def run_size(self) -> Any:
         """Of its run; `particle_updates` are material points times steps."""
 
+    def further_tests(self) -> "Mapping[str, Self]":
+        """Its further tests, by the effect that each measures."""
+
     def error_of(self, recorded: xr.Dataset) -> "TestRun":
         """A run of it, as far as its error goes."""
 
@@ -94,21 +97,6 @@ class TestRun:
         )
 
 
-@dataclass(frozen=True)
-class WithoutErrors:
-    """A value less the errors that follow from the laws.
-
-    Attributes:
-        value: v.
-        left: size of the error that the best run still has, by choice.
-        weights: what each simulated value counts for in v, shape [runs].
-    """
-
-    value: float
-    left: dict[str, float]
-    weights: Floats
-
-
 def further_tests(
     test: TestT, changes: Mapping[str, Mapping[str, Any]], differences: Mapping[str, str]
 ) -> dict[str, TestT]:
@@ -135,16 +123,12 @@ def further_tests(
 
 
 def with_measured_error(
-    case: TestT,
-    further: Mapping[str, TestT],
-    run: Callable[[TestT, Progress], xr.Dataset],
-    progress: Progress,
+    case: TestT, run: Callable[[TestT, Progress], xr.Dataset], progress: Progress
 ) -> xr.Dataset:
     """Run a test and its further tests, one after the other.
 
     Args:
         case: the test whose error is measured.
-        further: its further tests, by effect.
         run: runs one test.
         progress: receives the fraction done of all.
 
@@ -152,6 +136,7 @@ def with_measured_error(
         The results of the test with its measured error, and what the further runs took, in
         `run_time` and `particle_updates` too.
     """
+    further = case.further_tests()
     updates = [it.run_size().particle_updates for it in (case, *further.values())]
     done = np.cumsum([0.0, *updates]) / sum(updates)
 
@@ -197,14 +182,19 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
     if reasons:
         parts |= case.own_parts(ALONE, [case])
     else:
-        found = without_errors([run.factor for run in runs], [run.measures(case) for run in runs])
-        correction = found.value - case.factor
-        if abs(correction) > case.largest_correction * found.value:
-            off = f"their laws would take off {abs(correction) / found.value:.0%}"
+        measures = [run.measures(case) for run in runs]
+        system = np.array([[1.0, *(of_run[it] for it in parts)] for of_run in measures])
+        inverse = np.linalg.inv(system)
+        value, *slopes = inverse @ np.array([run.factor for run in runs])
+        correction = float(value) - case.factor
+        if abs(correction) > case.largest_correction * value:
+            off = f"their laws would take off {abs(correction) / value:.0%}"
             reasons = [f"further runs: {off}, and hold up to {case.largest_correction:.0%}"]
-        parts = {effect: case.left_open[effect] * error for effect, error in found.left.items()}
+        of_best_run = np.abs(slopes) * system[:, 1:].min(axis=0)
+        left = zip(parts, of_best_run.tolist(), strict=True)
+        parts = {effect: case.left_open[effect] * error for effect, error in left}
         parts["speed"] += case.approach * case.factor
-        parts |= case.own_parts(found.weights, runs)
+        parts |= case.own_parts(inverse[0], runs)
     spoken = case.name.replace("_", " ")
     return case.stated(correction, parts, reasons) | {
         f"{case.name}_further_{effect}": variable(
@@ -227,25 +217,4 @@ def _with_cost(case: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
             role="measured",
             uncertainty_run_time=(took, "s", "run time of the runs that measure the uncertainty"),
         )
-    )
-
-
-def without_errors(
-    values: Sequence[float], measures: Sequence[Mapping[str, float]]
-) -> WithoutErrors:
-    """Solve for the value without errors.
-
-    Args:
-        values: as simulated by the case and by its further runs.
-        measures: m of each run by choice of the method; one choice less than there are runs.
-    """
-    choices = list(measures[0])
-    system = np.array([[1.0, *(of_run[it] for it in choices)] for of_run in measures])
-    inverse = np.linalg.inv(system)
-    value, *slopes = inverse @ np.array(values)
-    left = np.abs(slopes) * system[:, 1:].min(axis=0)
-    return WithoutErrors(
-        value=float(value),
-        left=dict(zip(choices, left.tolist(), strict=True)),
-        weights=inverse[0],
     )

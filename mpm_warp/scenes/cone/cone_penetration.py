@@ -1,7 +1,6 @@
 """The cone penetration test in undrained clay, to steady state."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -172,19 +171,14 @@ class ConePenetration(ConeTest):
         """Time to the greatest penetration [s]."""
         return self.window.time_to(self.penetration * self.cone_radius)
 
-    def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
+    def compute(
+        self,
+        progress: Progress,
+        execution: Execution | None,
+        snapshots: Snapshots | None = None,
+    ) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
-        return self._compute(progress, execution, None)
 
-    def compute_with_snapshots(
-        self, progress: Progress, execution: Execution | None, snapshots: Snapshots
-    ) -> xr.Dataset:
-        """What a run gives, with snapshots of the soil on the way."""
-        return self._compute(progress, execution, snapshots)
-
-    def _compute(
-        self, progress: Progress, execution: Execution | None, snapshots: Snapshots | None
-    ) -> xr.Dataset:
         def run(test: "ConePenetration", report: Progress) -> xr.Dataset:
             shown = snapshots if test is self else None
             scene = test.build() if shown is None else test.build().with_parts(History())
@@ -194,7 +188,9 @@ class ConePenetration(ConeTest):
 
         if self.uncertainty == "known" or why_not_as_measured(self.build(), self._expected):
             return run(self, progress)
-        return self.with_measured_error(run, progress)
+        return further_runs.with_measured_error(self, run, progress)
+
+    compute_with_snapshots = compute
 
     def further_tests(self) -> dict[str, Self]:
         """The tests that measure the error of this one, by the effect that each measures.
@@ -215,12 +211,6 @@ class ConePenetration(ConeTest):
         }
         alone = replace(self, uncertainty="known")
         return further_runs.further_tests(alone, changes, cone.DIFFERENCES)
-
-    def with_measured_error(
-        self, run: "Callable[[ConePenetration, Progress], xr.Dataset]", progress: Progress
-    ) -> xr.Dataset:
-        """Run the test and its further tests; see `further_runs.with_measured_error`."""
-        return further_runs.with_measured_error(self, self.further_tests(), run, progress)
 
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """A run of the test, as far as its error goes."""

@@ -1,7 +1,6 @@
 """Ball and T-bar that are pushed down until soil flows round them."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -17,7 +16,6 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSourc
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow, soil_scene, transferred_energy
-from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.cone.penetration import penetration_axis
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
@@ -102,12 +100,13 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
         if self.uncertainty == "none":
             return self.with_exact_value(run(self, progress))
-        reasons = why_not_as_measured(self.build(), self._expected)
+        reasons = why_not_as_measured(self.build(), expected_scene(self._alone))
         if reasons:
             alone = run(self._alone, progress)
             stated = self.error_of(alone).stated(0.0, {}, reasons)
             return self.with_exact_value(alone.assign(stated))
-        return self.with_exact_value(self.with_measured_error(run, progress))
+        measured = further_runs.with_measured_error(self._alone, run, progress)
+        return self.with_exact_value(measured)
 
     def further_tests(self) -> dict[str, Self]:
         """The tests that measure the error of this one, by the choice whose error each measures.
@@ -126,13 +125,6 @@ class FullFlowPenetration(FullFlowPenetrometer):
         }
         return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
 
-    def with_measured_error(
-        self, run: "Callable[[FullFlowPenetration, Progress], xr.Dataset]", progress: Progress
-    ) -> xr.Dataset:
-        """Run the test and its further tests; see `further_runs.with_measured_error`."""
-        tests = self.further_tests()
-        return further_runs.with_measured_error(self._alone, tests, run, progress)
-
     def error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
         """A run of the test, as far as its error goes."""
         few = self.particles_per_cell == full_flow.FEWEST_POINTS
@@ -143,11 +135,6 @@ class FullFlowPenetration(FullFlowPenetrometer):
             has_few_points=self.body.planar and few,
             recorded=recorded,
         )
-
-    @property
-    def _expected(self) -> Scene | None:
-        """What the catalogue builds of these parameters."""
-        return expected_scene(self._alone)
 
     def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
         """The results beside the exact resistance factor, where there is one."""

@@ -12,6 +12,7 @@ from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty.cone import DIFFERENCES, NOISE
+from mpm_warp.uncertainty.further_runs import with_measured_error
 
 pytestmark = pytest.mark.slow
 
@@ -59,14 +60,14 @@ def run(test: ConePenetration, progress: Progress) -> xr.Dataset:
 
 
 def test_effects_that_follow_the_laws_are_taken_off_exactly() -> None:
-    results = TEST.with_measured_error(run, lambda fraction: None)
+    results = with_measured_error(TEST, run, lambda fraction: None)
     assert float(results.cone_factor) == pytest.approx(FACTOR, rel=1e-12)
     correction = FACTOR - simulated(TEST)
     assert float(results.cone_factor_correction) == pytest.approx(correction, abs=1e-10)
 
 
 def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
-    results = TEST.with_measured_error(run, lambda fraction: None)
+    results = with_measured_error(TEST, run, lambda fraction: None)
     finest = cell_size(TEST.further_tests()["mesh"])
     assert float(results.cone_factor_uncertainty_mesh) == pytest.approx(-0.5 * MESH * finest)
     assert float(results.cone_factor_uncertainty_domain) == pytest.approx(0.5 * DOMAIN / 1.4**2)
@@ -82,7 +83,7 @@ def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
         made["cone_factor_simulated"] -= 4.0 * cell_size(test)
         return made
 
-    results = TEST.with_measured_error(coarse, lambda fraction: None)
+    results = with_measured_error(TEST, coarse, lambda fraction: None)
     reason = str(results.why_no_uncertainty.values)
     left = simulated(TEST) - 4.0 * cell_size(TEST)
     assert reason == (
@@ -102,7 +103,7 @@ def test_the_noise_of_all_runs_counts() -> None:
                 made["cone_factor_simulated"] += NOISE
             return made
 
-        results = TEST.with_measured_error(noisy, lambda fraction: None)
+        results = with_measured_error(TEST, noisy, lambda fraction: None)
         shifts.append(float(results.cone_factor) - FACTOR)
     noise = float(results.cone_factor_uncertainty_noise)
     assert noise == pytest.approx(math.hypot(*shifts), rel=1e-9)
@@ -110,7 +111,7 @@ def test_the_noise_of_all_runs_counts() -> None:
 
 def test_what_the_runs_took_is_told() -> None:
     fractions: list[float] = []
-    results = TEST.with_measured_error(run, fractions.append)
+    results = with_measured_error(TEST, run, fractions.append)
     assert float(results.uncertainty_run_time) == 8.0
     assert float(results.run_time) == 10.0
     assert results.run_time.attrs == {"role": "measured"}
@@ -125,7 +126,7 @@ def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
             raise UnfinishedRun("the resistance still changes", xr.Dataset())
         return run(test, progress)
 
-    results = TEST.with_measured_error(failing, lambda fraction: None)
+    results = with_measured_error(TEST, failing, lambda fraction: None)
     reason = "further runs: the run with more growth: the resistance still changes"
     assert results.why_no_uncertainty == reason
     assert np.isnan(results.cone_factor_uncertainty)

@@ -11,6 +11,7 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
 from mpm_warp.uncertainty.full_flow import DIFFERENCES
+from mpm_warp.uncertainty.further_runs import with_measured_error
 
 pytestmark = pytest.mark.slow
 
@@ -48,7 +49,7 @@ def run(test: BallPenetration, progress: Progress) -> xr.Dataset:
 
 
 def test_errors_that_follow_the_laws_are_taken_off_exactly() -> None:
-    results = TEST.with_measured_error(run, lambda fraction: None)
+    results = with_measured_error(TEST, run, lambda fraction: None)
     assert float(results.resistance_factor) == pytest.approx(FACTOR, rel=1e-12)
     correction = FACTOR - simulated(TEST)
     assert float(results.resistance_factor_correction) == pytest.approx(correction, abs=1e-10)
@@ -57,7 +58,7 @@ def test_errors_that_follow_the_laws_are_taken_off_exactly() -> None:
 
 
 def test_of_what_the_best_run_still_has_the_mesh_leaves_all_open_and_the_rest_half() -> None:
-    results = TEST.with_measured_error(run, lambda fraction: None)
+    results = with_measured_error(TEST, run, lambda fraction: None)
     finest = TEST.further_tests()["mesh"].cells_per_radius
     left = float(results.resistance_factor_uncertainty_mesh)
     assert left == pytest.approx(-MESH / finest**2)
@@ -71,7 +72,7 @@ def test_of_what_the_best_run_still_has_the_mesh_leaves_all_open_and_the_rest_ha
 
 def test_what_the_runs_took_is_told() -> None:
     fractions: list[float] = []
-    results = TEST.with_measured_error(run, fractions.append)
+    results = with_measured_error(TEST, run, fractions.append)
     assert float(results.uncertainty_run_time) == 8.0
     assert float(results.run_time) == 10.0
     assert float(results.particle_updates) == 5e6
@@ -85,7 +86,7 @@ def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
             raise UnfinishedRun("the resistance still changes", xr.Dataset())
         return run(test, progress)
 
-    results = TEST.with_measured_error(failing, lambda fraction: None)
+    results = with_measured_error(TEST, failing, lambda fraction: None)
     reason = "further runs: the run with a wider window: the resistance still changes"
     assert results.why_no_uncertainty == reason
     assert np.isnan(results.resistance_factor_uncertainty)
@@ -108,7 +109,7 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
         is_finer = test.cells_per_radius > TEST.cells_per_radius
         return run(test, progress).assign(empty_cells=float(is_finer))
 
-    results = TEST.with_measured_error(leaving_a_hole, lambda fraction: None)
+    results = with_measured_error(TEST, leaving_a_hole, lambda fraction: None)
     reason = "hole: soil leaves one behind the body"
     assert results.why_no_uncertainty == reason
 
