@@ -17,7 +17,7 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSourc
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
-from mpm_warp.sampling import follow, soil_scene, transferred_energy
+from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.parameters import (
@@ -39,7 +39,7 @@ from mpm_warp.scenes.cone.soundness import (
     check_bound,
     check_energy,
     check_levelled,
-    energy_error,
+    with_energy_error,
 )
 from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -289,13 +289,12 @@ class ConePenetration(ConeTest):
             view.finish()
         strength = self.undrained_shear_strength
         steady = steady_values(recorded, strength) | pore_pressure_factors(recorded, strength)
-        results = recorded.assign(steady).assign(
-            energy_error=energy_error(transferred_energy(simulation) / curves.work),
-            step_count_bound=variable(
-                self.step_count_bound(simulation.plan),
-                meaning="time steps to the greatest penetration",
-            ),
+        bound = variable(
+            self.step_count_bound(simulation.plan),
+            meaning="time steps to the greatest penetration",
         )
+        results = recorded.assign(steady).assign(step_count_bound=bound)
+        results = with_energy_error(results, simulation, curves.work)
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
         check_energy(results)
         if balances:

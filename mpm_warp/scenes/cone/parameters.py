@@ -247,11 +247,12 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         above = extents["domain_above"] if self.domain_above is None else self.domain_above
         # Soil that the cone has never passed has then left the window.
         approach = above + 1.0 if self.approach is None else self.approach
+        by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
         return extents | {
             "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
             "speed_ratio": SPEED_RATIO[self.accuracy],
             "shaft_adhesion_factor": self.adhesion_factor,
-            "approach_speed_ratio": approach_speed_ratio(self.rigidity_index),
+            "approach_speed_ratio": min(SPEED_RATIO_OF_APPROACH, by_inertia),
             "approach": approach,
             "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }
@@ -303,32 +304,17 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         )
 
 
-def approach_speed_ratio(rigidity_index: float) -> float:
-    """Speed of the approach by default, over that of shear waves."""
-    return min(SPEED_RATIO_OF_APPROACH, math.sqrt(INERTIA_OF_APPROACH / rigidity_index))
-
-
 def unsteady_penetration(window: Window, radius: float, rigidity_index: float) -> float:
-    """Penetration before which no mean of the resistance is taken, over the radius.
-
-    Args:
-        window: of the test.
-        radius: of the penetrometer [m].
-        rigidity_index: G/su.
-    """
+    """Penetration before which no mean of the resistance is taken, over the radius [m]."""
     if window.approach is None:
         return FROM_REST
     return window.approach.travel / radius + forgetting(rigidity_index)
 
 
 def slowing_penetration(window: Window, radius: float) -> tuple[float, float] | None:
-    """Penetrations between which the soil is slowed down, over the radius; or none.
+    """Penetrations between which the soil is slowed down, over the radius [m]; or none.
 
     Its inertia then takes from the resistance up to 1.3 su.
-
-    Args:
-        window: of the test.
-        radius: of the penetrometer [m].
     """
     approach = window.approach
     if approach is None:

@@ -57,6 +57,8 @@ class PenetrationCurves:
 
     Attributes:
         radius: radius of the penetrometer [m].
+        forces: mean forces over each sample so far.
+        nodal_forces: mean forces at the nodes over the last sample [N], shape [node_count, 2].
     """
 
     def __init__(
@@ -68,17 +70,19 @@ class PenetrationCurves:
         tolerance: float,
         slowing: Slowing | None = None,
     ) -> None:
-        contact = soil_scene(simulation)[PenetrometerContact]
+        scene = soil_scene(simulation)
         self._simulation = simulation
-        self._contact = contact
+        self._contact = scene[PenetrometerContact]
+        heights = scene.grid.node_positions[self._contact.nodes, 1]
+        self._above_shoulder = heights / radius - 1.0 / math.tan(self._contact.half_angle)
         self.radius = radius
         self._unsteady = unsteady
         self._slowing = slowing
         self._tolerance = tolerance
         self._contact_forces = ContactForces(simulation)
-        self._nodal_forces: list[Floats] = []  # by sample
         self._moved: list[float] = []  # in each sample [m]
-        self._forces: list[PenetrometerForces] = []
+        self._sleeve: list[float] = []  # shear stress in each sample [Pa]
+        self.forces: list[PenetrometerForces] = []
         self._sampled_at = 0.0
 
     @property
@@ -89,26 +93,13 @@ class PenetrationCurves:
     def sample(self) -> None:
         """Record the mean forces since the sample before."""
         reached = self._simulation.travel
-        if reached > self._sampled_at:
-            nodal_forces = self._contact_forces.take()
-        else:  # one step may go past several samples
-            nodal_forces = self._nodal_forces[-1]
-        self._nodal_forces.append(nodal_forces)
+        if reached > self._sampled_at:  # one step may go past several samples
+            self.nodal_forces = self._contact_forces.take()
+        self.forces.append(self._contact.forces(self.nodal_forces))
+        shaft_stress = self._contact.shaft_shear_stress(self.nodal_forces)
+        self._sleeve.append(sleeve_mean(self._above_shoulder, shaft_stress))
         self._moved.append(reached - self._sampled_at)
         self._sampled_at = reached
-
-    @property
-    def nodal_forces(self) -> Floats:
-        """Mean forces at the nodes over the last sample [N], shape [node_count, 2]."""
-        return self._nodal_forces[-1]
-
-    @property
-    def forces(self) -> list[PenetrometerForces]:
-        """Mean forces over each sample so far."""
-        # Few ask before the end, and all together they take a fraction of the time.
-        new = self._nodal_forces[len(self._forces) :]
-        self._forces.extend(map(self._contact.forces, new))
-        return self._forces
 
     @property
     def work(self) -> float:
@@ -128,16 +119,10 @@ class PenetrationCurves:
         """Resistance, its shear part, friction of shaft and sleeve, and contact."""
         base_area = 0.5 * self.radius**2
         normal, shear, shaft, share = (
-            np.array(
-                [
-                    (it.face_normal, it.face_shear, it.shaft_shear, it.contact_share)
-                    for it in self.forces
-                ]
-            )
-            .reshape(-1, 4)
-            .T
+            np.array([getattr(it, name) for it in self.forces])
+            for name in ("face_normal", "face_shear", "shaft_shear", "contact_share")
         )
-        sleeve = self._sleeve_friction
+        sleeve = np.array(self._sleeve)
         sleeve_area = 2.0 * math.pi * SLEEVE_LENGTH * self.radius**2
         return curves(
             "penetration",
@@ -168,22 +153,9 @@ class PenetrationCurves:
             contact_share=(share, "1", "share of cone and shaft in contact"),
         )
 
-    @property
-    def _sleeve_friction(self) -> Floats:
-        """Mean shear stress on the sleeve in each sample [Pa], shape [sample_count]."""
-        heights = soil_scene(self._simulation).grid.node_positions[self._contact.nodes, 1]
-        above_shoulder = heights / self.radius - 1.0 / math.tan(self._contact.half_angle)
-        stresses = map(self._contact.shaft_shear_stress, self._nodal_forces)
-        return np.array([sleeve_mean(above_shoulder, it) for it in stresses])
-
 
 def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
-    """The axis of curves of so many samples, each of which stands in its middle.
-
-    Args:
-        count: of samples.
-        over: the length that penetration is counted in.
-    """
+    """The axis of `count` samples, each of which stands in its middle, over a length."""
     middles = (np.arange(count) + 0.5) * SAMPLE_SPACING
     return middles, "1", f"penetration over {over}"
 
@@ -199,12 +171,7 @@ def without_slowing(values: Floats, slowing: Slowing | None) -> Floats:
 
 
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """What the curves come to at the end, each as a `steady_mean`.
-
-    Args:
-        recorded: the curves of `PenetrationCurves`.
-        strength: undrained shear strength su [Pa].
-    """
+    """What `PenetrationCurves` come to at the end over su [Pa], each as a `steady_mean`."""
     resistance, over = steady_mean(recorded.penetration_resistance)
     shear, _ = steady_mean(recorded.penetration_resistance_shear)
     sleeve, _ = steady_mean(recorded.sleeve_friction)
@@ -262,11 +229,8 @@ class PorePressureCurves:
         self._simulation = simulation
         self._slowing = slowing
         self._middles = 0.5 * (rows[:-1] + rows[1:])
-        self._heights = [
-            0.5 * shoulder,
-            shoulder + SHOULDER_FILTER * radius,
-            shoulder + SHAFT_FILTER * radius,
-        ]
+        filters = shoulder + radius * np.array([SHOULDER_FILTER, SHAFT_FILTER])
+        self._heights = [0.5 * shoulder, *filters]
         self._pressures: list[Floats] = [np.zeros(len(PLACES))]  # at the start, then by sample
 
     def sample(self) -> None:
@@ -294,12 +258,7 @@ class PorePressureCurves:
 
 
 def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """Excess pore pressure over strength at each place, at the end.
-
-    Args:
-        recorded: the curves of `PorePressureCurves`.
-        strength: undrained shear strength su [Pa].
-    """
+    """What `PorePressureCurves` come to at the end over su [Pa], at each place."""
     factors = {}
     for name, place in PLACES.items():
         pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])

@@ -8,7 +8,6 @@ penetrometer has its places in proportion.
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -209,12 +208,14 @@ class PenetrometerContact(SurfaceContact):
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
-        limits = self._limits(normal)
+        limits = self._shear_limits(normal)
         on_face = _shear_on_face(shear, limits)
         face_shear = float(on_face.sum())
         tip_shear = float(limits[0, 0] * on_face[1] / limits[0, 1]) if limits[0, 1] > 0.0 else 0.0
         upward_from_tip = tip_shear * math.cos(self.half_angle)
-        upward_from_normals = float(normal @ self._face_part) * math.sin(self.half_angle)
+        # A node's normal force acts on its area; the part of it on the face pushes upward.
+        on_face_part = float(normal @ (self.face_areas / self.normal_areas))
+        upward_from_normals = on_face_part * math.sin(self.half_angle)
         return PenetrometerForces(
             face_normal=upward_from_normals - upward_from_tip,
             face_shear=face_shear * math.cos(self.half_angle) + upward_from_tip,
@@ -223,19 +224,11 @@ class PenetrometerContact(SurfaceContact):
         )
 
     def shear_on_face(self, nodal: Floats) -> Floats:
-        """The face's part of the shear forces at the nodes [N], shape [node_count].
-
-        Args:
-            nodal: as in `forces`.
-        """
-        return _shear_on_face(nodal[:, 1], self._limits(nodal[:, 0]))
+        """The face's part of the shear forces at the nodes [N], shape [node_count]."""
+        return _shear_on_face(nodal[:, 1], self._shear_limits(nodal[:, 0]))
 
     def shaft_shear_stress(self, nodal: Floats) -> Floats:
-        """Shear stress on the shaft at its nodes, from below, 0 on the face [Pa], [node_count].
-
-        Args:
-            nodal: as in `forces`.
-        """
+        """Shear stress on the shaft at its nodes, from below, 0 on the face [Pa], [node_count]."""
         shear = nodal[:, 1]
         on_shaft = shear - self.shear_on_face(nodal)
         stress: Floats = np.divide(
@@ -243,26 +236,8 @@ class PenetrometerContact(SurfaceContact):
         )
         return stress
 
-    def _limits(self, normal: Floats) -> Floats:
-        return self._adhesive_limits if self.friction == 0.0 else self._shear_limits(normal)
-
-    @cached_property
-    def _face_part(self) -> Floats:
-        """Area on the face over that on which the normal force of a node acts, [node_count]."""
-        part: Floats = self.face_areas / self.normal_areas
-        return part
-
-    @cached_property
-    def _adhesive_limits(self) -> Floats:
-        """`_shear_limits` where there is no friction."""
-        return self._shear_limits(np.zeros(len(self.nodes)))
-
     def _shear_limits(self, normal: Floats) -> Floats:
-        """Greatest shear force on the face and on the shaft of each node [N], [2, node_count].
-
-        Args:
-            normal: normal forces on the nodes [N], [node_count].
-        """
+        """Greatest shear force on face and shaft of each node, by its normal one [N], [2, n]."""
         rubbing = self.friction * (normal / self.normal_areas + self.in_situ_stress)
         on_face = (self.face_adhesion + rubbing) * self.face_areas
         on_shaft = (self.shaft_adhesion + rubbing) * self.shaft_areas

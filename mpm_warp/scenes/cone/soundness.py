@@ -52,19 +52,16 @@ MEANING = {
 RESIDUAL = "work of the penetrometer that is not found again, over all of it"
 
 
-def energy_error(share: float) -> xr.Variable:
-    """The energy error of a run as a variable of its results.
-
-    Args:
-        share: kinetic energy that the transfers created, over the work of the penetrometer.
-    """
-    return variable(
-        share,
+def with_energy_error(results: xr.Dataset, simulation: Simulation, work: float) -> xr.Dataset:
+    """Results with what the transfers of the run made of the penetrometer's work [J]."""
+    error = variable(
+        transferred_energy(simulation) / work,
         meaning="energy error",
         description="kinetic energy that the transfers between material points and grid "
         "created, dissipated if < 0, over the work of the penetrometer",
         limit=LARGEST_ENERGY_ERROR,
     )
+    return results.assign(energy_error=error)
 
 
 def check_energy(results: xr.Dataset) -> None:
@@ -99,19 +96,10 @@ def check_levelled(results: xr.Dataset) -> None:
         )
 
 
-def cone_factor_estimate(*, cavity_pressure: float, face_shear: float, apex_angle: float) -> float:
-    """Limit pressure of a spherical cavity and shear on the face, over su, as a cone factor.
-
-    Args:
-        cavity_pressure: the limit pressure over su.
-        face_shear: over su; with friction 1, for soil bears no more shear than su.
-        apex_angle: full angle of the cone [rad].
-    """
-    return cavity_pressure + face_shear / math.tan(0.5 * apex_angle)
-
-
 def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
-    """Refuse a cone factor that is far above all that soil can give; see `cone_factor_estimate`.
+    """Refuse a cone factor that is far above all that soil can give.
+
+    The estimate of that is the limit pressure of a spherical cavity and the shear on the face.
 
     Args:
         results: of the run.
@@ -122,11 +110,9 @@ def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
         InaccurateRun: it is more than `LARGEST_OVER_CAVITY` times the estimate.
     """
     contact = built[PenetrometerContact]
-    estimate = cone_factor_estimate(
-        cavity_pressure=_cavity_pressure(built) / strength,
-        face_shear=1.0 if contact.friction > 0.0 else contact.face_adhesion / strength,
-        apex_angle=2.0 * contact.half_angle,
-    )
+    # With friction soil still bears no more shear than su.
+    face_shear = 1.0 if contact.friction > 0.0 else contact.face_adhesion / strength
+    estimate = _cavity_pressure(built) / strength + face_shear / math.tan(contact.half_angle)
     factor, bound = float(results.cone_factor), LARGEST_OVER_CAVITY * estimate
     if factor > bound:
         raise InaccurateRun(
@@ -160,9 +146,6 @@ class EnergyBalanceCurves:
     """Samples the works of a scene with an energy balance, and gives their shares.
 
     The work is that on face and shaft within the window, of the excess over the in-situ stress.
-
-    Args:
-        simulation: of the scene.
     """
 
     def __init__(self, simulation: Simulation) -> None:

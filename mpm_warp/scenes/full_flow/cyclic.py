@@ -28,9 +28,9 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
-from mpm_warp.sampling import follow, transferred_energy
+from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import Progress, Verification
-from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
@@ -121,9 +121,8 @@ class CyclicPenetration(FullFlowPenetrometer):
         )
         moments = [self.window.time_to(way) for way in loops.ways]
         recorded = follow(simulation, moments, simulation.advance_to, [loops], progress)
-        results = recorded.assign(self._ratio(recorded)).assign(
-            energy_error=energy_error(transferred_energy(simulation) / loops.work)
-        )
+        results = recorded.assign(self._ratio(recorded))
+        results = with_energy_error(results, simulation, loops.work)
         check_energy(results)
         return results
 

@@ -15,10 +15,10 @@ from mpm_warp.parameters import parameter
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import follow, soil_scene, transferred_energy
+from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.cone.penetration import penetration_axis
-from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
@@ -159,9 +159,8 @@ class FullFlowPenetration(FullFlowPenetrometer):
                 f"within {NEAR:g} radii at the end; none, but where soil leaves a hole behind",
             )
         )
-        results = recorded.assign(
-            self._steady_values(recorded.penetration_resistance) | empty_cells
-        ).assign(energy_error=energy_error(transferred_energy(simulation) / curve.work))
+        steady = self._steady_values(recorded.penetration_resistance) | empty_cells
+        results = with_energy_error(recorded.assign(steady), simulation, curve.work)
         check_energy(results)
         change = float(results.resistance_factor_change)
         if not abs(change) <= LARGEST_CHANGE:

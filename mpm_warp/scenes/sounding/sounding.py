@@ -16,12 +16,12 @@ from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
-from mpm_warp.sampling import follow, soil_scene, transferred_energy
+from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves, PorePressureCurves
-from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
@@ -157,9 +157,7 @@ class Sounding(SoundingTest):
         layer = layer_values(self, over_depth, is_known=not why_none)
         is_thin = "layer_share" in layer  # then that is what it was run for
         values = layer if is_thin else last_factor(over_depth) | layer
-        results = over_depth.assign(values).assign(
-            energy_error=energy_error(transferred_energy(simulation) / curves.work)
-        )
+        results = with_energy_error(over_depth.assign(values), simulation, curves.work)
         if self.is_past_surface(self.travel):
             check_energy(results)
         return results

@@ -17,7 +17,6 @@ from mpm_warp.scenes.cone.soundness import (
     check_balance,
     check_bound,
     check_levelled,
-    cone_factor_estimate,
 )
 
 pytestmark = pytest.mark.slow
@@ -50,16 +49,11 @@ def test_the_resistance_may_still_change_by_a_twentieth(variation: float, is_res
         check_levelled(results)
 
 
-def test_the_estimate_is_the_limit_pressure_of_a_cavity_and_the_shear_on_the_face() -> None:
-    angle = math.radians(60.0)
-    rough = cone_factor_estimate(cavity_pressure=7.5, face_shear=1.0, apex_angle=angle)
-    assert rough == pytest.approx(7.5 + math.sqrt(3), rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("changed", "share"),
     [
         ({}, 1.0),
+        ({"adhesion_factor": 0.5}, 1.0),
         ({"material": "von_mises"}, 2 / math.sqrt(3)),
         # 20 mm/s over 17.85 mm is 1.12 1/s: 2.05 log cycles.
         ({"rate_factor": 0.1, "reference_strain_rate": 0.01}, 1.205),
@@ -67,7 +61,9 @@ def test_the_estimate_is_the_limit_pressure_of_a_cavity_and_the_shear_on_the_fac
 )
 def test_no_cone_factor_is_twice_the_estimate(changed: dict[str, Any], share: float) -> None:
     test = dataclasses.replace(SHORT, **changed)
+    # The shear on the face of 60 degrees: the adhesion over tan(30 degrees).
     estimate = 4 / 3 * share * (1 + math.log(100 / share))
+    estimate += test.adhesion_factor * math.sqrt(3)
     for factor in (1.99, 2.01):
         results = xr.Dataset({"cone_factor": factor * estimate})
         with nullcontext() if factor < 2 else pytest.raises(InaccurateRun, match=r"is above"):
