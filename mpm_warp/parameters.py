@@ -206,17 +206,29 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
         ParameterError: a value is not allowed.
     """
     definitions = parameters_of(type(scene))
-
-    def store(name: str, value: object) -> None:
-        object.__setattr__(scene, name, definitions[name].checked(value))
-
-    for name in definitions:
+    for name, definition in definitions.items():
         given = getattr(scene, name)
-        store(name, None if isinstance(given, Derived) else given)
-    for name, value in derived().items():
-        if getattr(scene, name) is None:
-            store(name, value)
-            object.__setattr__(scene, name, Derived(getattr(scene, name)))
+        value = definition.checked(definition.default if isinstance(given, Derived) else given)
+        object.__setattr__(scene, name, value)
+    fill_in(scene, derived())
+
+
+def fill_in(scene: object, derived: Mapping[str, float]) -> None:
+    """Give parameters values that are worked out from others, where none was given.
+
+    Args:
+        scene: an instance of a dataclass whose fields are parameters.
+        derived: values, by name.
+
+    Raises:
+        ParameterError: a value is not allowed.
+    """
+    definitions = parameters_of(type(scene))
+    for name, value in derived.items():
+        if isinstance(getattr(scene, name), Derived | None):
+            checked = definitions[name].checked(value)
+            assert isinstance(checked, float | int)
+            object.__setattr__(scene, name, Derived(checked))
 
 
 def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:

@@ -8,7 +8,7 @@ import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.material import built_name
+from mpm_warp.materials.material import PORE_PRESSURE, built_name
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import AUDIT_INTERVAL
@@ -17,7 +17,8 @@ from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
 PORE_PRESSURE_IS = (
-    "change of mean total stress: an elastic, perfectly plastic undrained clay has no other part"
+    "of the law, or change of mean total stress: an elastic, perfectly plastic undrained clay has "
+    "no other part"
 )
 """What the excess pore pressure of results is."""
 
@@ -197,16 +198,40 @@ def transferred_energy(simulation: Simulation) -> float:
 def excess_pore_pressure(simulation: Simulation) -> Floats:
     """Excess pore pressure in the cells of a scene [Pa], compression positive, shape [cell_count].
 
-    It is the change of mean total stress, here in the last step. The effective mean stress of an
-    elastic, perfectly plastic undrained clay stays.
+    Of a law with effective stress it is the mean of the points in a cell, not a number where it has
+    none. Otherwise it is the change of mean total stress, here in the last step: the effective mean
+    stress of an elastic, perfectly plastic undrained clay stays.
     """
     scene = soil_scene(simulation)
+    names = scene.material.state
+    if PORE_PRESSURE in names:
+        of_points = simulation.array("particle.state")[:, names.index(PORE_PRESSURE)]
+        return mean_of_points(simulation, of_points)
     travel = simulation.travel if scene.find(MovingGrid) else 0.0
     middle = scene.grid.node_positions[scene.grid.cell_nodes].mean(axis=1)
     before = scene.stress_at_rest_at(middle - np.array([0.0, travel]))
     change = simulation.array("cell.stress") - before
     pressure: Floats = -change[:, [0, 1, 3]].mean(axis=1)
     return pressure
+
+
+def mean_of_points(simulation: Simulation, values: Floats) -> Floats:
+    """Means over the points of each cell by mass, not a number in an empty cell, [cell_count].
+
+    Args:
+        simulation: of soil in a grid.
+        values: of all slots of points, shape [slot_count].
+    """
+    grid = soil_scene(simulation).grid
+    cell = simulation.array("particle.cell")
+    present = cell[:, 0] >= 0
+    number = cell[present] @ np.array([1, grid.column_count])
+    mass = simulation.array("particle.mass")[present]
+    count = grid.column_count * grid.row_count
+    in_cells = np.bincount(number, mass, count)
+    sums = np.bincount(number, mass * values[present], count)
+    mean: Floats = np.divide(sums, in_cells, out=np.full(count, np.nan), where=in_cells > 0.0)
+    return mean
 
 
 def _merged(samplers: Sequence[Sampler]) -> xr.Dataset:

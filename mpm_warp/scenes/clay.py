@@ -11,7 +11,7 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import loaded_laws, other_law, other_laws
-from mpm_warp.parameters import Parameter, parameter
+from mpm_warp.parameters import Derived, Parameter, fill_in, parameter, parameters_of
 from mpm_warp.scenes.catalogue import CatalogueScene
 
 BOUNDS = ("minimum", "maximum", "above", "below", "choices")
@@ -104,6 +104,37 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             raise ParameterError(
                 "material" if self.material in other_laws() else "ductility", str(refusal)
             ) from None
+        if self.own_strength is not None:
+            self._follow(self.own_strength)
+
+    @property
+    def own_strength(self) -> float | None:
+        """Strength in simple shear [Pa] of a law that has its own; None where the scene gives it.
+
+        It is su of the scene, where none is given, and the rigidity index is the law's too.
+        """
+        if self.material not in other_laws():
+            return None
+        given = {field.name for field in fields(other_law(self.material).kind)}
+        return None if "strength" in given else self._own_clay.undrained_strength("simple_shear")
+
+    @property
+    def _own_clay(self) -> Material:
+        """The clay of a law that has a strength of its own."""
+        return self.clay_with(strength=1.0, density=1.0, speed_up=1.0)
+
+    def _follow(self, strength: float) -> None:
+        """Let su and rigidity index be those of the law, and what is derived from them."""
+        definitions, name = parameters_of(type(self)), "undrained_shear_strength"
+        if name in definitions and getattr(self, name) != definitions[name].default:
+            strength = getattr(self, name)
+        elif name in definitions:
+            object.__setattr__(self, name, Derived(strength))
+        if self.rigidity_index == definitions["rigidity_index"].default:
+            index = self._own_clay.ground_shear_modulus / strength
+            object.__setattr__(self, "rigidity_index", Derived(index))
+            fill_in(self, {"rigidity_index": index})
+        fill_in(self, self.derived())
 
     def _check_other_laws(self) -> None:
         """Check the parameters of laws of other packages, and fill in their defaults."""

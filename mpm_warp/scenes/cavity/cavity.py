@@ -99,6 +99,11 @@ class Cavity(ClayScene):
         return columns / span
 
     @property
+    def strength(self) -> float:
+        """Strength su of the clay [Pa]: that of the law where it has its own."""
+        return STRENGTH if self.own_strength is None else self.own_strength
+
+    @property
     def clay(self) -> Material:
         """The clay around the cavity; strain rates are those of the real expansion."""
         return self.clay_with(
@@ -110,7 +115,7 @@ class Cavity(ClayScene):
     @property
     def wall(self) -> MovingWall:
         """The wall, which reaches its speed after 0.3 of the radius at the start."""
-        speed = self.speed_ratio * math.sqrt(STRENGTH / DENSITY)
+        speed = self.speed_ratio * math.sqrt(self.strength / DENSITY)
         return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
 
     def duration(self, wall: MovingWall) -> float:
@@ -164,7 +169,9 @@ class Cavity(ClayScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one, where that is known."""
         grid, exact, wall_area = soil_scene(simulation).grid, self.exact, self.wall_area
-        curve = PressureCurve(simulation, exact, lambda radius: wall_area(grid, radius))
+        curve = PressureCurve(
+            simulation, exact, lambda radius: wall_area(grid, radius) * self.strength
+        )
         duration = self.duration(self.wall)
         moments = [duration * number / SAMPLE_COUNT for number in range(1, SAMPLE_COUNT + 1)]
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
@@ -204,18 +211,21 @@ class PressureCurve:
     Args:
         simulation: a run of a cavity.
         exact: its exact pressures, or none.
-        wall_area: area of the wall per radian [m2] when the cavity has a radius [m].
+        unit_force: force on the wall per radian [N] of a pressure su, when it has a radius [m].
 
     Attributes:
         on_rows: normal forces on the wall by row of nodes in the last sample [N].
     """
 
     def __init__(
-        self, simulation: Simulation, exact: ExactCavity | None, wall_area: Callable[[float], float]
+        self,
+        simulation: Simulation,
+        exact: ExactCavity | None,
+        unit_force: Callable[[float], float],
     ) -> None:
         self._simulation = simulation
         self._exact = exact
-        self._wall_area = wall_area
+        self._unit_force = unit_force
         self._radius = RADIUS
         self._sampled_at = simulation.time
         self._expansion: list[float] = []
@@ -232,7 +242,7 @@ class PressureCurve:
         simulation.assign("wall.impulse", 0.0)
         middle = 0.5 * (self._radius + radius)
         self._expansion.append(middle / RADIUS)
-        self._pressure.append(self.on_rows.sum() / self._wall_area(middle) / STRENGTH)
+        self._pressure.append(self.on_rows.sum() / self._unit_force(middle))
         self._radius, self._sampled_at = radius, simulation.time
 
     def dataset(self) -> xr.Dataset:

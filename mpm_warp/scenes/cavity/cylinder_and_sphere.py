@@ -12,13 +12,14 @@ import xarray as xr
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Value, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.results import variable
 from mpm_warp.scene import Part
 from mpm_warp.scenes.catalogue import Verification
-from mpm_warp.scenes.cavity.cavity import RADIUS, STRENGTH, Cavity
+from mpm_warp.scenes.cavity.cavity import RADIUS, Cavity
 from mpm_warp.scenes.cone.parameters import ConeInGround
 
 LARGEST_PORE_PRESSURE_ERROR = 0.02
@@ -84,7 +85,7 @@ class CavityCylinder(Cavity):
         ConeInGround,
         "stress_anisotropy",
         meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
-        "over 2 su; of Tresca soil alone",
+        "over 2 su; not of von Mises soil",
         above=None,
         below=None,
         minimum=-0.5,
@@ -94,7 +95,7 @@ class CavityCylinder(Cavity):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, value, known in (
-            ("material", self.material, "tresca"),
+            ("material", self.material, "tresca" if self.material in CRITERIA else self.material),
             ("remoulded_strength_ratio", self.remoulded_strength_ratio, 1.0),
         ):
             if self.stress_anisotropy != 0.0 and value != known:
@@ -107,7 +108,7 @@ class CavityCylinder(Cavity):
     @property
     def stress_at_rest(self) -> Floats:
         """See `Cavity`: the vertical stress differs from the horizontal one."""
-        over_horizontal = 2.0 * self.stress_anisotropy * STRENGTH
+        over_horizontal = 2.0 * self.stress_anisotropy * self.strength
         return np.array([0.0, -over_horizontal, 0.0, 0.0])
 
     def grid(self) -> Grid:
