@@ -24,6 +24,7 @@ from harness.pictures.effects import (
     shows_tornado,
     tornado_figure,
 )
+from harness.pictures.element_tests import element_tests_figure, shows_element_tests
 from harness.pictures.resistance import resistance_figure, shows_resistance
 from harness.pictures.sounding import shows_sounding, sounding_figure
 from harness.pictures.stability import shows_stability
@@ -36,6 +37,7 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "tornado": (shows_tornado, tornado_figure),
     "convergence": (shows_convergence, convergence_figure),
     "cycles": (shows_cycles, cycles_figure),
+    "element_tests": (shows_element_tests, element_tests_figure),
     "effects": (shows_effects, effects_figure),
     "cases": (shows_cases, cases_figure),
     "scenes": (shows_scenes, scenes_figure),

@@ -36,13 +36,14 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import (
     half,
     one,
+    quarter,
     real,
     third,
     two,
     vec2,
     vec3,
     vec4,
-    vec8,
+    vector,
     zero,
 )
 from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Law, Material
@@ -62,9 +63,14 @@ AT_CRITICAL_STATE = 1e-10
 """Distance to the critical state in the logarithm of 2 p / p_c, at which it is reached."""
 CIRCLE, MATSUOKA_NAKAI = "circle", "matsuoka_nakai"
 
+WATER = 5
+"""Place of K_w / n among the properties."""
+
+vec9 = vector(9)
 three, six = wp.constant(real(3.0)), wp.constant(real(6.0))
 of_angle = wp.constant(real(-1.5 * math.sqrt(3.0)))  # tension is positive in s
-rounding, tolerance = wp.constant(real(1e-13)), wp.constant(real(1e-12))
+rounding, tolerance = wp.constant(real(1e-13)), wp.constant(real(1e-10))
+small = wp.constant(real(1e-3))
 near, longest = wp.constant(real(AT_CRITICAL_STATE)), wp.constant(real(PART))
 
 
@@ -131,7 +137,7 @@ class ModifiedCamClay(Material):
 
     def state_at(self, stress: Floats, place: Floats) -> Floats:
         """Undisturbed: what the stress has over that of the ground is shear."""
-        start = self.mean_effective_stress * np.array([1.0, self._ratio, 0.0])
+        start = self.mean_effective_stress * np.array([1.0, self.size_ratio, 0.0])
         return np.tile(start, (*place.shape[:-1], 1))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
@@ -140,21 +146,20 @@ class ModifiedCamClay(Material):
         q = math.sqrt(1.5 * float(normal @ normal) + 3.0 * float(stress[2]) ** 2)
         M = self._least_slope if stress[1] > stress[0] else self.critical_state_ratio
         least = 1.0 + (q / self.mean_effective_stress / M) ** 2
-        if self._ratio < least * (1.0 - 1e-9):
+        if self.size_ratio < least * (1.0 - 1e-9):
             raise SceneError(
-                f"ModifiedCamClay: isotropic_overconsolidation_ratio = {self._ratio:g} must be >= "
-                f"{least:.4g}: the stress of the ground is outside the yield surface"
+                f"ModifiedCamClay: isotropic_overconsolidation_ratio = {self.size_ratio:g} must be "
+                f">= {least:.4g}: the stress of the ground is outside the yield surface"
             )
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(M, a, b, r or G, K_w / n, least p, A, B)."""
-        own = self.effective_shear_modulus
+        """(M, a, b, r, G where it is constant, K_w / n, least p, A, B)."""
         return (
             self.critical_state_ratio,
             self._a,
             self.specific_volume / (self.compression_slope - self.swelling_slope),
-            self._shear_over_bulk if own is None else own,
+            *self._stiffness,
             self.water_modulus,
             FLOOR * self.mean_effective_stress,
             *self._shape,
@@ -197,11 +202,12 @@ class ModifiedCamClay(Material):
         """By the skeleton, as its state says, and by the water, as the volume says."""
         assert state is not None
         before, after = state
-        change: Floats = before[:, 0] - after[:, 0] + properties[:, 4] * volume_strain
+        change: Floats = before[:, 0] - after[:, 0] + properties[:, WATER] * volume_strain
         return change
 
     @property
-    def _ratio(self) -> float:
+    def size_ratio(self) -> float:
+        """R, the size of the yield surface over p' in the ground before."""
         return self.isotropic_overconsolidation_ratio
 
     @property
@@ -209,15 +215,18 @@ class ModifiedCamClay(Material):
         return self.specific_volume / self.swelling_slope
 
     @property
-    def _shear_over_bulk(self) -> float:
+    def _stiffness(self) -> tuple[float, float]:
+        """(r, G): what G is over K', and what it is where it is given [Pa]; one is 0."""
+        if self.effective_shear_modulus is not None:
+            return 0.0, self.effective_shear_modulus
         nu = self.effective_poissons_ratio
-        return 1.5 * (1.0 - 2.0 * nu) / (1.0 + nu)
+        return 1.5 * (1.0 - 2.0 * nu) / (1.0 + nu), 0.0
 
     @property
     def _last_stress(self) -> float:
         """Effective mean stress at the critical state, p0' (R / 2)^Lam [Pa]."""
         share = 1.0 - self.swelling_slope / self.compression_slope
-        return float(self.mean_effective_stress * (0.5 * self._ratio) ** share)
+        return float(self.mean_effective_stress * (0.5 * self.size_ratio) ** share)
 
     @property
     def _stiffest_stress(self) -> float:
@@ -225,9 +234,8 @@ class ModifiedCamClay(Material):
 
     def _moduli_at(self, stress: float) -> tuple[float, float]:
         """(G, K') of the skeleton at an effective mean stress [Pa]."""
-        own = self.effective_shear_modulus
-        bulk = self._a * stress
-        return self._shear_over_bulk * bulk if own is None else own, bulk
+        bulk, (ratio, constant) = self._a * stress, self._stiffness
+        return ratio * bulk + constant, bulk
 
     @property
     def _shape(self) -> tuple[float, float]:
@@ -252,32 +260,28 @@ class ModifiedCamClay(Material):
 
     def update(self) -> Any:
         """Elastic, or back to the surface, in as many parts as the step needs."""
-        return _make_update(*self._kind)
+        return _make_update(self._by_angle)
 
     def moduli(self) -> Any:
         """G and K with the water, at the effective stress."""
-        return _make_moduli(self._kind[1])
+        return moduli
 
     def yield_function(self) -> Any:
-        """(p + q^2 / (M^2 p), p_c)."""
-        return _make_yield_function(self._kind[0])
+        """(Distance of (q / M, p) from the middle of the ellipse, p_c / 2)."""
+        return _make_yield_function(self._by_angle)
 
     def strength_function(self) -> Any:
         """M p / sqrt(3) at the critical state: what shear leaves as it is."""
         return strength_at_critical_state
 
     def law(self) -> Law:
-        """See `Material`; the key has the shape too, and whether G is given."""
+        """See `Material`; the key has the shape too."""
         law = super().law()
-        by_angle, constant = self._kind
-        kind = f"{'angle' if by_angle else 'circle'}.{'constant' if constant else 'by_stress'}"
-        return replace(law, key=f"{law.key}.{kind}")
+        return replace(law, key=f"{law.key}.{self.critical_state_shape}")
 
     @property
-    def _kind(self) -> tuple[bool, bool]:
-        """Whether M follows the Lode angle, and whether G is given."""
-        by_angle = self.critical_state_shape == MATSUOKA_NAKAI
-        return by_angle, self.effective_shear_modulus is not None
+    def _by_angle(self) -> bool:
+        return self.critical_state_shape == MATSUOKA_NAKAI
 
 
 @functools.cache
@@ -285,13 +289,13 @@ def _make_slope(by_angle: bool) -> Any:
     """The function (deviator, its J2, properties) -> M in its direction."""
 
     @wp.func
-    def slope(s: vec4, J2: real, properties: vec8) -> real:
+    def slope(s: vec4, J2: real, properties: vec9) -> real:
         M = properties[0]
         if wp.static(by_angle):
-            if real(0.0) < J2:
+            if zero < J2:
                 J3 = s[3] * (s[0] * s[1] - s[2] * s[2])
                 cosine = wp.clamp(of_angle * J3 / (J2 * wp.sqrt(J2)), -one, one)
-                M = one / (properties[6] * wp.cos(wp.acos(-properties[7] * cosine) / three))
+                M = one / (properties[7] * wp.cos(wp.acos(-properties[8] * cosine) / three))
         return M
 
     return slope
@@ -304,17 +308,25 @@ def deviator(tensor: vec4) -> vec4:
     return vec4(tensor[0] - mean, tensor[1] - mean, tensor[2], tensor[3] - mean)
 
 
-@functools.cache
-def _make_moduli(constant: bool) -> Any:
-    @wp.func
-    def moduli(stress: vec4, properties: vec8, state: vec3) -> vec2:
-        bulk = properties[1] * state[0]
-        shear = properties[3]
-        if wp.static(not constant):
-            shear *= bulk
-        return vec2(shear, bulk + properties[4])
+@wp.func
+def growth(x: real) -> real:
+    """exp(x), faster where x is small: by its series, to rounding."""
+    if wp.abs(x) < small:
+        return one + x * (one + half * x * (one + third * x * (one + quarter * x)))
+    return wp.exp(x)
 
-    return moduli
+
+@wp.func
+def shear_modulus(p: real, properties: vec9) -> real:
+    """G at an effective mean stress."""
+    return properties[3] * properties[1] * p + properties[4]
+
+
+@wp.func
+def moduli(stress: vec4, properties: vec9, state: vec3) -> vec2:
+    """(G, K) of skeleton and water."""
+    p = state[0]
+    return vec2(shear_modulus(p, properties), properties[1] * p + properties[wp.static(WATER)])
 
 
 @functools.cache
@@ -322,24 +334,30 @@ def _make_yield_function(by_angle: bool) -> Any:
     slope = _make_slope(by_angle)
 
     @wp.func
-    def measure_and_size(stress: vec4, properties: vec8, state: vec3) -> vec2:
-        J2 = j2(stress)
-        M = slope(deviator(stress), J2, properties)
-        return vec2(state[0] + real(3.0) * J2 / (M * M * state[0]), state[1])
+    def measure_and_size(stress: vec4, properties: vec9, state: vec3) -> vec2:
+        J2, middle = j2(stress), half * state[1]
+        M, away = slope(deviator(stress), J2, properties), state[0] - middle
+        return vec2(wp.sqrt(three * J2 / (M * M) + away * away), middle)
 
     return measure_and_size
 
 
 @wp.func
-def strength_at_critical_state(stress: vec4, properties: vec8, state: vec3) -> real:
+def strength_at_critical_state(stress: vec4, properties: vec9, state: vec3) -> real:
     """M p / sqrt(3) where shear has led to the critical state."""
     share = properties[1] / (properties[1] + properties[2])  # Lam = a / (a + b)
-    last = state[0] * wp.pow(real(0.5) * state[1] / state[0], share)
-    return properties[0] * last / wp.sqrt(real(3.0))
+    last = state[0] * wp.pow(half * state[1] / state[0], share)
+    return properties[0] * last / wp.sqrt(three)
 
 
 @wp.func
-def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: vec8) -> vec3:
+def is_outside(p: real, pc: real, J2: real, M: real) -> bool:
+    """Whether f > 0, beyond rounding."""
+    return three * J2 + M * M * p * (p - pc) > rounding * M * M * p * pc
+
+
+@wp.func
+def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: vec9) -> vec3:
     """(p, p_c, share of the deviator) at f = 0, by (p, p_c, J2 of the trial, G, M, properties)."""
     a, b = properties[1], properties[2]
     MM, square = M * M, three * J2
@@ -351,13 +369,13 @@ def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: 
     low, high, x = real(0.0), last, real(0.0)
     p, pc, share = one * trial, one * size, real(1.0)
     for _k in range(wp.static(ITERATIONS)):
-        p, pc = trial * wp.exp(-a * x), size * wp.exp(b * x)
+        p, pc = trial * growth(-a * x), size * growth(b * x)
         rate = two * p - pc
         N = MM * rate
         D = N + six * G * x
         share = N / D
         f = square * share * share + MM * p * (p - pc)
-        if wp.abs(f) <= tolerance * MM * pc * pc:
+        if wp.abs(f) <= tolerance * MM * p * pc:
             break
         if f > zero:
             low = x
@@ -369,40 +387,43 @@ def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: 
         x -= f / df
         if (x - low) * (x - high) >= zero:
             x = half * (low + high)
-    # What is left goes to the size of the surface: a rounding.
+    # What is left goes to the size of the surface.
     return vec3(p, wp.max(pc, p + square * share * share / (MM * p)), share)
 
 
 @functools.cache
-def _make_update(by_angle: bool, constant: bool) -> Any:
+def _make_update(by_angle: bool) -> Any:
     slope = _make_slope(by_angle)
 
     @wp.func
     def consolidate_and_shear(
-        stress: vec4, strain: vec4, time_step: real, properties: vec8, state: vec3
+        stress: vec4, strain: vec4, time_step: real, properties: vec9, state: vec3
     ):
-        a = properties[1]
         e, e_v = deviator(strain), -(strain[0] + strain[1] + strain[3])
-        s, p, pc = deviator(stress), one * state[0], one * state[1]
-        G = one * properties[3]
-        if wp.static(not constant):
-            G *= a * p
-        growth = two * G * wp.sqrt(three * j2(e)) / (properties[0] * pc)
-        parts = wp.min(1 + int(growth / longest), wp.static(MOST_PARTS))
-        part = one / real(parts)
-        for _k in range(parts):
-            if wp.static(not constant):
-                G = properties[3] * a * p
-            s += (two * G * part) * e
-            p = wp.max(p * wp.exp(a * part * e_v), properties[5])
-            J2 = j2(s)
-            M = slope(s, J2, properties)
-            if three * J2 + M * M * p * (p - pc) > rounding * M * M * pc * pc:
-                returned = to_surface(p, pc, J2, G, M, properties)
-                p, pc = wp.max(returned[0], properties[5]), returned[1]
-                s *= returned[2]
-        water = properties[4] * e_v
-        mean = (stress[0] + stress[1] + stress[3]) / three - (p - state[0]) - water
+        a_e_v, water, floor = properties[1] * e_v, properties[wp.static(WATER)] * e_v, properties[6]
+        before, p, pc = deviator(stress), one * state[0], one * state[1]
+        G = shear_modulus(p, properties)
+        s = before + (two * G) * e
+        p = wp.max(p * growth(a_e_v), floor)
+        J2 = j2(s)
+        M = slope(s, J2, properties)
+        if is_outside(p, pc, J2, M):
+            # Once more, in parts.
+            s, p = one * before, one * state[0]
+            length = two * G * wp.sqrt(three * j2(e)) / (M * pc)
+            parts = wp.min(1 + int(length / longest), wp.static(MOST_PARTS))
+            part = one / real(parts)
+            for _k in range(parts):
+                G = shear_modulus(p, properties)
+                s += (two * G * part) * e
+                p = wp.max(p * growth(part * a_e_v), floor)
+                J2 = j2(s)
+                M = slope(s, J2, properties)
+                if is_outside(p, pc, J2, M):
+                    returned = to_surface(p, pc, J2, G, M, properties)
+                    p, pc = wp.max(returned[0], floor), returned[1]
+                    s *= returned[2]
+        mean = third * (stress[0] + stress[1] + stress[3]) - (p - state[0]) - water
         total = s + mean * vec4(one, one, zero, one)
         return total, vec3(p, pc, state[2] + water)
 

@@ -8,6 +8,7 @@ size of the yield surface, e rate of strain (its volume stays), L rate of the pl
     ds = 2 G (e - L n_s),   dp = -K' L n_p,   dp_c = b p_c L n_p
 """
 
+import itertools
 import math
 from collections.abc import Callable
 
@@ -91,7 +92,7 @@ def cavity_wall(
     pieces = np.linspace(math.log(1e-9), math.log(strain), 60)
     total = sum(
         scipy.integrate.quad(grown, one, other, epsabs=0.0, epsrel=1e-9)[0]
-        for one, other in zip(pieces[:-1], pieces[1:], strict=True)
+        for one, other in itertools.pairwise(pieces.tolist())
     )
     end = path(strain)
     effective = end[3] + end[0] - begin[3] - begin[0]

@@ -1,0 +1,324 @@
+"""Modified Cam clay: closed forms, an independent integrator, and clays at random."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpm_warp
+from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest, Scene
+from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
+from mpm_warp.scenes.material.element_test import TESTS
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
+from tests.mpm_warp.materials.cam_clay_rates import cavity_wall, integrated
+
+STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0
+"""The defaults of p0', lambda, kappa and v."""
+SHARE = 1.0 - KAPPA / LAMBDA
+
+
+def clay(ratio: float = 1.0, **changed: Any) -> ModifiedCamClay:
+    given = {"density": 1700.0, "poissons_ratio": 0.49} | changed
+    return ModifiedCamClay(isotropic_overconsolidation_ratio=ratio, **given)
+
+
+def element(test: str, ratio: float = 1.0, **changed: Any) -> Any:
+    ratio_of = {"isotropic_overconsolidation_ratio": ratio}
+    return ElementTest(material="modified_cam_clay", test=test, **ratio_of, **changed).run()
+
+
+def ends(material: ModifiedCamClay, gradient: Floats, steps: int) -> tuple[Floats, Floats, Floats]:
+    """Stress, state and excess over the yield surface at the ends of paths, [path_count, ...]."""
+    rest = np.zeros((len(gradient), 4))
+    simulation = Simulation(
+        StrainPaths(material=material, gradient=gradient, stress=rest, step_count=steps)
+    )
+    simulation.advance(steps)
+    names = ("stress", "state", "yield_excess")
+    stress, state, excess = (simulation.array(f"particle.{it}").copy() for it in names)
+    return stress, state, excess
+
+
+@pytest.mark.parametrize("test", TESTS)
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0, 20.0])
+def test_the_undrained_path_is_that_of_the_closed_form(ratio: float, test: str) -> None:
+    """Of p', of the pore pressure that shear makes, and of su where it ends."""
+    M = 1.2
+    result = element(test, ratio, critical_state_ratio=M)
+    p, q = result.effective_mean_stress.values, result.deviator_stress.values
+    eta_y = M * math.sqrt(ratio - 1.0)
+    expected = STRESS * ((M**2 + eta_y**2) / (M**2 + (q / p) ** 2)) ** SHARE
+    expected = np.where(q > eta_y * STRESS * (1.0 + 1e-9), expected, STRESS)
+    np.testing.assert_allclose(p, expected, rtol=1e-6)
+    np.testing.assert_allclose(
+        result.excess_pore_pressure.values, STRESS - expected, atol=1e-6 * STRESS * ratio
+    )
+    su = 0.5 * M * STRESS * (0.5 * ratio) ** SHARE
+    by_mode = 1.0 if test.startswith("triaxial") else 2.0 / math.sqrt(3.0)
+    assert float(result.strength) == pytest.approx(by_mode * su, rel=1e-5)
+    assert float(result.strength_exact) == pytest.approx(by_mode * su, rel=1e-12)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.35])
+def test_the_strain_along_a_path_is_of_first_order(start: float) -> None:
+    """Against rate equations integrated by scipy, at a shear strain of 1 % or 2 %.
+
+    Plane strain from a K0 start is no proportional path: the deviator turns.
+    """
+    material = clay(1.3)
+    q = 2.0 * start * material.undrained_strength("simple_shear")
+    direction, deviator = np.array([-0.5, 0.0, 0.5]), np.array([-q / 3, -q / 3, 2.0 * q / 3.0])
+    strain = 0.02
+    exact = integrated(material, direction, strain, deviator=deviator)(strain)
+    errors = []
+    for steps in (100, 200, 400, 800):
+        given = {"greatest_shear_strain": strain, "stress_anisotropy": start, "step_count": steps}
+        result = element("plane_strain", 1.3, **given)
+        p = float(result.effective_mean_stress[-1])
+        s = float(result.deviator_stress[-1])
+        expected = math.sqrt(1.5 * float(exact[:3] @ exact[:3]))
+        errors.append([p / exact[3] - 1.0, s / expected - 1.0])
+    orders = np.log2(np.abs(np.array(errors[:-1])) / np.abs(np.array(errors[1:])))
+    np.testing.assert_allclose(orders, 1.0, atol=0.1)
+    assert np.abs(errors[-1]).max() < 1e-3
+
+
+def test_a_long_step_is_taken_in_parts() -> None:
+    """A whole test in ten steps, each of many times the strain of yield, ends within 1 %."""
+    for ratio in (1.0, 4.0):
+        coarse, fine = (
+            float(element("simple_shear", ratio, greatest_shear_strain=0.1, step_count=n).strength)
+            for n in (10, 10_000)
+        )
+        assert coarse == pytest.approx(fine, rel=0.01)
+
+
+@pytest.mark.parametrize("test", TESTS)
+def test_at_critical_state_from_the_start_it_is_von_mises(test: str) -> None:
+    """R = 2: with the same su and G the curves are the same."""
+    result = element(test, 2.0)
+    su = STRESS / math.sqrt(3.0)
+    index = 0.6 * V * STRESS / KAPPA / su
+    same = ElementTest(
+        material="von_mises", test=test, undrained_shear_strength=su, rigidity_index=index
+    ).run()
+    np.testing.assert_allclose(result.shear_stress, same.shear_stress, rtol=1e-9)
+
+
+def test_drained_compression_follows_the_kappa_and_the_lambda_line() -> None:
+    """ln p' over volume strain: v / kappa below p_c, v / lambda beyond it, v / kappa back."""
+    R, swell, compress = 4.0, V / KAPPA, V / LAMBDA
+    until = math.log(R) / swell
+    for e_v, expected, size in (
+        (0.5 * until, math.exp(swell * 0.5 * until), R),
+        (until + 0.1, R * math.exp(compress * 0.1), R * math.exp(compress * 0.1)),
+        (-0.05, math.exp(-swell * 0.05), R),
+    ):
+        gradient = np.array([[-e_v / 3.0, 0.0, 0.0, -e_v / 3.0, -e_v / 3.0]])
+        _, state, _ = ends(clay(R), gradient, 100)
+        np.testing.assert_allclose(state[0, :2], [STRESS * expected, STRESS * size], rtol=1e-9)
+
+
+def test_the_pore_water_bears_what_the_skeleton_does_not() -> None:
+    """Total mean stress = p' + u, du = K_w / n de_v; K at the stiffest end has the given nu."""
+    for ratio in (1.0, 8.0):
+        material = clay(ratio, poissons_ratio=0.495)
+        e_v = 1e-4
+        gradient = np.array([[-e_v, 0.0, 0.0, 0.0, 0.0]])
+        stress, state, _ = ends(material, gradient, 10)
+        mean = -stress[0, [0, 1, 3]].mean()
+        assert state[0, 2] == pytest.approx(material.water_modulus * e_v, rel=1e-12)
+        assert mean == pytest.approx(state[0, 0] - STRESS + state[0, 2], rel=1e-9)
+        end = max(STRESS, STRESS * (0.5 * ratio) ** SHARE)
+        G, K = 0.6 * V * end / KAPPA, V * end / KAPPA + material.water_modulus
+        nu = (3 * K - 2 * G) / (2 * (3 * K + G))
+        assert nu == pytest.approx(0.495, rel=1e-12)
+        assert material.pressure_wave_speed > math.sqrt((K + 4.0 / 3.0 * G) / 1700.0)
+
+
+def test_a_given_shear_modulus_stays() -> None:
+    result = element("simple_shear", 4.0, effective_shear_modulus=2e6)
+    assert float(result.small_strain_shear_modulus) == pytest.approx(2e6, rel=1e-9)
+    assert float(result.error) < 1e-6
+
+
+@pytest.mark.parametrize("test", TESTS)
+@pytest.mark.parametrize("M", [0.4, 1.0, 1.6])
+def test_by_the_lode_angle_every_direction_has_one_friction_angle(M: float, test: str) -> None:
+    """Matsuoka & Nakai: I1 I2 / I3 = 9 + 8 tan^2 phi, sin phi = 3 M / (6 + M), at the end."""
+    shape: dict[str, Any] = {"critical_state_ratio": M, "critical_state_shape": MATSUOKA_NAKAI}
+    scene = ElementTest(material="modified_cam_clay", test=test, **shape)
+    simulation = Simulation(scene.build())
+    simulation.advance(scene.step_count)
+    rr, zz, rz, tt = simulation.array("particle.stress")[0]
+    mean, p = (rr + zz + tt) / 3.0, float(simulation.array("particle.state")[0, 0])
+    tensor = np.array([[rr, rz, 0.0], [rz, zz, 0.0], [0.0, 0.0, tt]]) - mean * np.eye(3)
+    s = np.linalg.eigvalsh(p * np.eye(3) - tensor)
+    invariants = s.sum(), s[0] * s[1] + s[1] * s[2] + s[2] * s[0], s.prod()
+    sine = 3.0 * M / (6.0 + M)
+    expected = 9.0 + 8.0 * sine**2 / (1.0 - sine**2)
+    assert invariants[0] * invariants[1] / invariants[2] == pytest.approx(expected, rel=1e-6)
+    half = 0.5 * (s[2] - s[0])
+    assert scene.clay.undrained_strength(test) == pytest.approx(half, rel=1e-5)
+    if test == "triaxial_extension":
+        assert 2.0 * half / p == pytest.approx(6.0 * sine / (3.0 + sine), rel=1e-6)
+
+
+def test_random_clays_end_at_their_critical_states() -> None:
+    """OCR 1 to 50, M 0.4 to 1.6, p0' 1 Pa to 10 MPa: no stress leaves the yield surface."""
+    random = np.random.default_rng(7)
+    gradients = np.array(list(TESTS.values()))
+    for _ in range(100):
+        kappa = random.uniform(0.005, 0.1)
+        material = clay(
+            ratio=float(np.exp(random.uniform(0.0, math.log(50.0)))),
+            critical_state_ratio=random.uniform(0.4, 1.6),
+            swelling_slope=kappa,
+            compression_slope=kappa * random.uniform(1.2, 10.0),
+            specific_volume=random.uniform(1.3, 4.0),
+            mean_effective_stress=float(10.0 ** random.uniform(0.0, 7.0)),
+            effective_poissons_ratio=random.uniform(0.0, 0.4),
+            critical_state_shape=str(random.choice(["circle", MATSUOKA_NAKAI])),
+        )
+        strain = 60.0 * material.strength / material.ground_shear_modulus + 3.0
+        stress, state, excess = ends(material, strain * gradients, 2000)
+        greatest = np.array([material.undrained_strength(test) for test in TESTS])
+        radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
+        centre, tt = 0.5 * (stress[:, 0] + stress[:, 1]), stress[:, 3]
+        extremes = np.stack([centre + radius, centre - radius, tt])
+        np.testing.assert_allclose(0.5 * np.ptp(extremes, axis=0), greatest, rtol=1e-3)
+        np.testing.assert_allclose(state[:, 1], 2.0 * state[:, 0], rtol=1e-2)
+        assert excess.max() < 1e-9
+
+
+@pytest.mark.parametrize("ratio", [1.0, 2.0, 50.0])
+def test_no_strain_takes_it_out_of_its_yield_surface(ratio: float) -> None:
+    """Random strains, with volume: dry, wet, at the tip, and where p' comes to its floor."""
+    gradient = np.random.default_rng(1).uniform(-0.3, 0.3, (300, 5))
+    gradient[:100] *= 10.0
+    tip = np.array([[-0.2, 0.0, 0.0, -0.2, -0.2], [1.0, 0.0, 0.0, 1.0, 1.0]])
+    for M in (0.4, 1.6):
+        material = clay(ratio, critical_state_ratio=M)
+        stress, state, excess = ends(material, np.concatenate([gradient, tip]), 200)
+        assert np.isfinite(stress).all()
+        assert (state[:, 0] >= FLOOR * STRESS).all()
+        assert state[-1, 0] == FLOOR * STRESS
+        # Total stress with its pore pressure has roundings that count where p_c is small.
+        rounding = 64.0 * np.finfo(float).eps * np.abs(stress).max(axis=1) / state[:, 1]
+        assert (excess < 1e-9 + rounding).all()
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"critical_state_ratio": 0.0}, "critical_state_ratio = 0"),
+        ({"compression_slope": 0.04}, "compression_slope = 0.04 must be > swelling_slope = 0.04"),
+        ({"isotropic_overconsolidation_ratio": 0.9}, "isotropic_overconsolidation_ratio = 0.9"),
+        ({"poissons_ratio": 0.2}, "poissons_ratio = 0.2 of the undrained clay is too small"),
+        ({"rate_factor": 0.1}, "has a strength of its own"),
+    ],
+)
+def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> None:
+    with pytest.raises(ParameterError, match=message) as refusal:
+        ElementTest(material="modified_cam_clay", **changed)
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("anisotropy", [0.6, -0.6])
+def test_a_ground_outside_the_yield_surface_is_refused(anisotropy: float) -> None:
+    scene = ElementTest(material="modified_cam_clay", stress_anisotropy=anisotropy)
+    with pytest.raises(SceneError, match="the stress of the ground is outside the yield surface"):
+        scene.build()
+
+
+def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
+    """Su in simple shear and G / su, where none is given; what follows from them follows."""
+    given: dict[str, Any] = {"material": "modified_cam_clay"}
+    scene: Any = mpm_warp.ConePenetration(**given)
+    su = STRESS / math.sqrt(3.0) * 0.5**SHARE
+    assert scene.undrained_shear_strength == pytest.approx(su)
+    assert scene.rigidity_index == pytest.approx(0.6 * V * STRESS / KAPPA / su)
+    other = replace(scene, isotropic_overconsolidation_ratio=8.0)
+    assert other.undrained_shear_strength == pytest.approx(su * 8.0**SHARE)
+    stiffer = replace(scene, swelling_slope=0.01)
+    assert stiffer.domain_radius == pytest.approx(4.0 * math.sqrt(stiffer.rigidity_index))
+    own = replace(scene, undrained_shear_strength=15e3)
+    assert own.undrained_shear_strength == 15e3
+    assert own.rigidity_index == pytest.approx(0.6 * V * STRESS / KAPPA / 15e3)
+    tresca = replace(scene, material="tresca", **dict.fromkeys(scene.of_other_laws))
+    assert (tresca.undrained_shear_strength, tresca.rigidity_index) == (20e3, 100.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "ratio", "anisotropy"),
+    [
+        *((CavityCylinder, ratio, 0.0) for ratio in (1.0, 2.0, 5.0)),
+        *((CavityCylinder, ratio, 0.4) for ratio in (1.3, 5.0)),
+        *((CavitySphere, ratio, 0.0) for ratio in (1.0, 2.0, 5.0)),
+    ],
+)
+def test_a_cavity_bears_the_integral_of_the_law(kind: Any, ratio: float, anisotropy: float) -> None:
+    """Total and pore pressure at the wall, within 1 %; the path of each point is known."""
+    cylinder = kind is CavityCylinder
+    given = {"stress_anisotropy": anisotropy} if cylinder else {"cells_per_radius": 6}
+    scene = kind.offered()(
+        material="modified_cam_clay",
+        isotropic_overconsolidation_ratio=ratio,
+        expansion=2.0,
+        **given,
+    )
+    result = scene.run()
+    m, k, material = scene.exponent, scene.factor, scene.clay
+    direction = np.array([0.5, -0.5, 0.0] if cylinder else [2.0, -1.0, -1.0])
+    direction /= 1.0 if cylinder else 3.0
+    q = 2.0 * anisotropy * scene.strength
+    deviator = np.array([-q / 3.0, -q / 3.0, 2.0 * q / 3.0])
+    path = integrated(material, direction, 1.1 * m * math.log(2.0), deviator=deviator)
+    expansion = float(result.expansion[-1])
+    total, _ = cavity_wall(material, path, m * math.log(expansion), factor=k)
+    pressure = float(result.cavity_pressure[-1]) * scene.strength
+    assert pressure == pytest.approx(total, rel=0.01)
+    distance = float(result.distance[0])
+    rest = distance**m - 1.0 + 2.0 ** -float(m)
+    _, water = cavity_wall(material, path, math.log(distance**m / rest), factor=k)
+    assert float(result.excess_pore_pressure[0]) == pytest.approx(water, rel=0.01)
+
+
+class Drifting(ModifiedCamClay):
+    """It says that its pores hold half as much water as they do."""
+
+    def mean_stress_change(
+        self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
+    ) -> Floats:
+        return super().mean_stress_change(0.5 * volume_strain, properties, state)
+
+
+@pytest.mark.slow
+def test_a_cone_goes_through_it_and_the_watch_knows_its_volume(short_test: ConePenetration) -> None:
+    """Soil enters with the state of its place; a mean stress that drifts is noticed."""
+    material = clay(2.0)
+    scene: Scene = replace(short_test.build(), material=material)
+    simulation = Simulation(scene)
+    simulation.travel_to(1.5 * short_test.cone_radius)
+    simulation.check()
+    present = simulation.array("particle.cell")
+    inside = present[:, 0] >= 0
+    p, size, pressure = simulation.array("particle.state")[inside].T
+    entered = present[inside][:, 1] == 0
+    np.testing.assert_allclose(p[entered], STRESS, rtol=0.05)
+    np.testing.assert_allclose(size[entered], 2.0 * STRESS, rtol=0.01)
+    assert pressure.max() > STRESS
+    # At R = 2 points begin at the critical state: what yields keeps its effective stress.
+    np.testing.assert_allclose(p, STRESS, rtol=0.05)
+    slot = int(np.flatnonzero(inside)[5])
+    simulation.array("particle.stress")[slot, 2] = STRESS
+    with pytest.raises(SimulationDiverged, match=f"stress of particle {slot} .* outside the yield"):
+        simulation.check()
+    with pytest.raises(SimulationDiverged, match="mean stress of particle"):
+        Simulation(replace(scene, material=Drifting(**vars(material)))).advance(500)
