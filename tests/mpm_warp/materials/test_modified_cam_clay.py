@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 
 import mpm_warp
 from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest, Scene
@@ -86,6 +87,18 @@ def test_the_strain_along_a_path_is_of_first_order(start: float) -> None:
     orders = np.log2(np.abs(np.array(errors[:-1])) / np.abs(np.array(errors[1:])))
     np.testing.assert_allclose(orders, 1.0, atol=0.1)
     assert np.abs(errors[-1]).max() < 1e-3
+
+
+def test_the_shear_modulus_at_half_of_the_strength_is_that_of_the_rates() -> None:
+    """Half of su over the strain at which it is reached; samples are 6 % of the strain apart."""
+    material = clay()
+    path = integrated(material, np.array([-0.5, 0.0, 0.5]), 0.1, deviator=np.zeros(3))
+    half = 0.5 * material.undrained_strength("plane_strain")
+    strain = scipy.optimize.brentq(lambda it: 0.5 * (path(it)[2] - path(it)[0]) - half, 1e-4, 0.1)
+    result = element("plane_strain")
+    assert float(result.half_strength_shear_modulus) == pytest.approx(half / strain, rel=2e-3)
+    first = float(result.small_strain_shear_modulus)
+    assert first == pytest.approx(material.ground_shear_modulus, rel=1e-3)
 
 
 def test_a_long_step_is_taken_in_parts() -> None:
