@@ -5,7 +5,6 @@ over its part of a step, and Python is called again only between two calls of a 
 each step is one launch of a captured graph.
 """
 
-import functools
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -16,10 +15,10 @@ import warp as wp
 from mpm_warp.execution.threads import (
     CHUNKS_PER_THREAD,
     LEFT,
+    barrier,
+    claim_chunk,
     has_dynamic_chunks,
     in_turn,
-    make_barrier,
-    make_claim_chunk,
     share_of,
     worker_threads,
 )
@@ -32,18 +31,13 @@ STEP, END, GOES_ON, AUDITED = range(4)
 """State of a loop: the step to take, the step at which to stop, and two conditions."""
 
 
-@functools.cache
-def make_next_step() -> Any:
-    """The kernel that ends a step of a loop; `loop` is the state of the loop, shape [4]."""
-
-    @wp.kernel(module="mpm_warp.next_step", enable_backward=False)
-    def next_step(loop: wp.array[wp.int32]):
-        step = loop[wp.static(STEP)] + 1
-        loop[wp.static(STEP)] = step
-        loop[wp.static(GOES_ON)] = int(step < loop[wp.static(END)])
-        loop[wp.static(AUDITED)] = int(step % wp.static(AUDIT_INTERVAL) == 0)
-
-    return next_step
+@wp.kernel(module="mpm_warp.next_step", enable_backward=False)
+def next_step(loop: wp.array[wp.int32]):
+    """End a step of a loop; `loop` is the state of the loop, shape [4]."""
+    step = loop[wp.static(STEP)] + 1
+    loop[wp.static(STEP)] = step
+    loop[wp.static(GOES_ON)] = int(step < loop[wp.static(END)])
+    loop[wp.static(AUDITED)] = int(step % wp.static(AUDIT_INTERVAL) == 0)
 
 
 class RecordedSteps:
@@ -117,7 +111,7 @@ class RecordedSteps:
             for launch, is_shared_next in zip(launches, shared_next, strict=True):
                 self._launch_share(launch, thread, command)
                 if self._threads > 1 and (launch.is_shared or is_shared_next):
-                    wp.launch(make_barrier(), 1, [self._arrivals, thread], device=self._device)
+                    wp.launch(barrier, 1, [self._arrivals, thread], device=self._device)
 
         def take_step() -> None:
             plain, with_audit = partial(take, plan.step), partial(take, plan.audited_step)
@@ -125,7 +119,7 @@ class RecordedSteps:
                 wp.capture_if(audited, on_true=with_audit, on_false=plain)
             else:
                 plain()
-            wp.launch(make_next_step(), 1, [state], device=self._device)
+            wp.launch(next_step, 1, [state], device=self._device)
 
         with wp.ScopedCapture(device=self._device) as capture:
             wp.capture_while(goes_on, take_step)
@@ -138,7 +132,7 @@ class RecordedSteps:
             command(part).launch()
         for chunk, part in share.dynamic.items():
             arguments = [chunk, thread, self._arrivals, self._claims[launch], claimed]
-            wp.launch(make_claim_chunk(), 1, arguments, device=self._device)
+            wp.launch(claim_chunk, 1, arguments, device=self._device)
             wp.capture_if(claimed, on_true=command(part).launch)
 
 
@@ -173,7 +167,7 @@ class Replay:
         self._device = wp.get_device(device)
         self._stream = stream
         self._choice = ThreadChoice()
-        kernels = [*(launch.kernel for launch in plan.launches), make_next_step()]
+        kernels = [*(launch.kernel for launch in plan.launches), next_step]
         wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
         self._recorded: dict[int, RecordedSteps] = {}  # by number of threads
         self._graphs: dict[bool, Any] = {}  # on a GPU: of a step, audited or not
