@@ -10,7 +10,7 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.perfectly_plastic import UndrainedClay
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, UndrainedClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
@@ -101,9 +101,14 @@ class Bearing(CatalogueScene):
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
+    def criterion(self) -> type[PerfectlyPlastic]:
+        """Where the soil yields."""
+        return Tresca
+
+    @property
     def clay(self) -> UndrainedClay:
-        """Weightless, uniform Tresca soil."""
-        return Tresca(
+        """Weightless, uniform soil."""
+        return self.criterion(
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,
             density=DENSITY,
@@ -203,12 +208,7 @@ class Bearing(CatalogueScene):
 
 
 def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
-    """Load over area and su against displacement.
-
-    Args:
-        reached: displacements at the samples [m], shape [sample_count].
-        load: means since the sample before, shape [sample_count].
-    """
+    """Load over area and su, means since the sample before, against displacement [m]."""
     # A mean over the steps since the sample before stands in their middle.
     middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
     axis = (middles / RADIUS, "1", "displacement over radius")

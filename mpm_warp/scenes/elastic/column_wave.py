@@ -231,9 +231,7 @@ def _plateau(phase: Floats, values: Floats, start: float, end: float) -> float:
 def standing_wave_errors(curves: xr.Dataset, kept_per_second: float) -> dict[str, xr.Variable]:
     """Of the displacement over the first period, and of the energy over all.
 
-    Args:
-        curves: of the run.
-        kept_per_second: the part of the energy that is left after a second, derived.
+    What is left of the energy after a second is derived.
     """
     phase, energy = curves["phase"].values, curves["energy"].values
     exact = curves["displacement_exact"].values

@@ -144,15 +144,6 @@ class GravityColumn(CatalogueScene):
         step_count = round(PERIODS * period / simulation.plan.time_step)
         steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
-        return recorded.merge(self._at_rest(simulation, position))
-
-    def _at_rest(self, simulation: Simulation, position: Floats) -> xr.Dataset:
-        """Stress and settlement, beside the exact ones.
-
-        Args:
-            simulation: at rest.
-            position: of the particles at the start [m], shape [particle_count, 2].
-        """
         column = self._column
         mass = simulation.array("particle.mass")
         change = simulation.array("particle.position")[:, 1] - position[:, 1]
@@ -174,12 +165,13 @@ class GravityColumn(CatalogueScene):
             "the relative error of the settlement"
         )
         error_quantity = (error, "1", "error of stress and settlement", description)
-        return curves(
+        along = curves(
             "height",
             (middles, "m", "height of the cell's middle"),
             stress=(stress, "Pa", "vertical stress"),
             stress_exact=(exact_stress, "Pa", "vertical stress, exact"),
-        ).assign(
+        )
+        return recorded.merge(along).assign(
             labelled(role="headline", error=error_quantity)
             | labelled(
                 settlement=(settlement, "m", "settlement of the top"),

@@ -2,7 +2,6 @@
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
@@ -83,21 +82,6 @@ class Shock:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sections:
-    """The sections of a bar, each a row of its points, from the wall up.
-
-    Attributes:
-        heights: of the sections before the impact [m], rising, shape [section_count].
-        point_count: points of the bar, which are the first of the simulation.
-        means: from values of all points to means over the sections.
-    """
-
-    heights: Floats
-    point_count: int
-    means: Callable[[Floats], Floats]
-
-
-@dataclass(frozen=True, kw_only=True)
 class Impact(CatalogueScene):
     """A bar along the second axis that moves down on a wall and comes to rest behind a shock."""
 
@@ -142,19 +126,21 @@ class Impact(CatalogueScene):
         return TRAVEL * LENGTH / self.shock.front_speed
 
     @abstractmethod
-    def sections(self, simulation: Simulation) -> Sections:
-        """The sections of the bar in a simulation at its start."""
+    def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
+        """Heights of the bar's sections from the wall up, and weights of the points in each.
+
+        The bar's points are the first of the simulation, at its start. Shapes [section_count] [m],
+        and [section_count, points of a section].
+        """
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Give the bar its speed, and follow the shock until it has passed most of the bar."""
-        sections, shock = self.sections(simulation), self.shock
+        (heights, weights), shock = self.sections(simulation), self.shock
         velocity = simulation.array("particle.velocity").copy()
-        velocity[: sections.point_count, 1] = -shock.speed
+        velocity[: weights.size, 1] = -shock.speed
         simulation.assign("particle.velocity", velocity)
-        sampler = ShockFront(simulation, shock, sections)
-        moments = [
-            share * TRAVEL * sections.heights[-1] / shock.front_speed for share in (0.5, 1.0)
-        ]
+        sampler = ShockFront(simulation, shock, heights, weights)
+        moments = [share * TRAVEL * heights[-1] / shock.front_speed for share in (0.5, 1.0)]
         recorded = follow(simulation, moments, simulation.advance_to, [sampler], progress)
         return recorded.assign(sampler.errors())
 
@@ -165,13 +151,16 @@ class ShockFront:
     Args:
         simulation: of a bar that is about to touch the wall.
         shock: the exact one.
-        sections: of the bar.
+        heights, weights: see `Impact.sections`.
     """
 
-    def __init__(self, simulation: Simulation, shock: Shock, sections: Sections) -> None:
+    def __init__(
+        self, simulation: Simulation, shock: Shock, heights: Floats, weights: Floats
+    ) -> None:
         self._simulation = simulation
         self._shock = shock
-        self._sections = sections
+        self._heights = heights
+        self._weights = weights
         self._fronts: list[tuple[float, float]] = []
         """Times [s] and heights of the front in the unstrained bar [m]."""
 
@@ -180,12 +169,12 @@ class ShockFront:
         velocity, half = self._along_bar("velocity"), -0.5 * self._shock.speed
         first = int(np.flatnonzero(velocity < half)[0])
         around = [first, first - 1]
-        front = np.interp(half, velocity[around], self._sections.heights[around])
+        front = np.interp(half, velocity[around], self._heights[around])
         self._fronts.append((self._simulation.time, float(front)))
 
     def dataset(self) -> xr.Dataset:
         """Stress and velocity along the bar as they are now, and exact."""
-        shock, heights = self._shock, self._sections.heights
+        shock, heights = self._shock, self._heights
         passed = heights < shock.front_speed * self._simulation.time
         exact_stress = np.where(passed, shock.stress, 0.0)
         exact_velocity = np.where(passed, 0.0, -shock.speed)
@@ -200,7 +189,7 @@ class ShockFront:
 
     def errors(self) -> dict[str, xr.Variable]:
         """Errors of speed, stress and velocity, once there are two samples."""
-        shock, heights = self._shock, self._sections.heights
+        shock, heights = self._shock, self._heights
         (middle_time, middle), (end_time, end) = self._fronts
         # Between what the first touch has left at the wall and the width of the shock.
         behind = (heights > 0.25 * end) & (heights < 0.75 * end)
@@ -237,7 +226,10 @@ class ShockFront:
         )
 
     def _along_bar(self, name: str) -> Floats:
-        return self._sections.means(self._simulation.array(f"particle.{name}")[:, 1])
+        values = self._simulation.array(f"particle.{name}")[: self._weights.size, 1]
+        rows = values.reshape(self._weights.shape)
+        means: Floats = np.average(rows, axis=1, weights=self._weights)
+        return means
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -280,18 +272,10 @@ class StruckBar(Impact):
             time_step_fraction=self.time_step_fraction,
         )
 
-    def sections(self, simulation: Simulation) -> Sections:
-        """Rows of points across the bar."""
+    def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
+        """Rows of points across the bar, of one weight."""
         count = POINTS_PER_CELL * self.cell_count
-        point_count = POINTS_PER_CELL * count
-
-        def means(values: Floats) -> Floats:
-            means: Floats = values[:point_count].reshape(-1, POINTS_PER_CELL).mean(axis=1)
-            return means
-
-        return Sections(
-            heights=LENGTH * (np.arange(count) + 0.5) / count, point_count=point_count, means=means
-        )
+        return LENGTH * (np.arange(count) + 0.5) / count, np.ones((count, POINTS_PER_CELL))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -328,15 +312,8 @@ class StruckColumn(Impact):
             parts=(self.column.fixed, FreeSurface()),
         )
 
-    def sections(self, simulation: Simulation) -> Sections:
-        """Points at each height; their means are weighted by mass."""
-        column, mass = self.column, simulation.array("particle.mass").copy()
-
-        def means(values: Floats) -> Floats:
-            return column.mean_over_sections(values, mass)
-
-        return Sections(
-            heights=means(simulation.array("particle.position")[:, 1]),
-            point_count=len(mass),
-            means=means,
-        )
+    def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
+        """Points at each height, two rows of them in a cell, weighted by mass."""
+        mass = simulation.array("particle.mass").copy()
+        heights = self.column.mean_over_sections(simulation.array("particle.position")[:, 1], mass)
+        return heights, mass.reshape(len(heights), -1)

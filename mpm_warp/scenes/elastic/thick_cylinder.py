@@ -142,15 +142,6 @@ class ThickCylinder(CatalogueScene):
         step_count = round(self.rest_time / simulation.plan.time_step)
         steps = even_steps(step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
-        return recorded.merge(self._at_rest(simulation, position))
-
-    def _at_rest(self, simulation: Simulation, position: Floats) -> xr.Dataset:
-        """Stresses and the wall's displacement, beside the exact ones.
-
-        Args:
-            simulation: at rest.
-            position: of the particles at the start [m], shape [particle_count, 2].
-        """
         grid = soil_scene(simulation).grid
         displacement = _wall_displacement(grid, position, simulation.array("particle.position"))
         radius = np.linspace(INNER_RADIUS, grid.outer_radius, self.cell_count + 1)
@@ -171,7 +162,7 @@ class ThickCylinder(CatalogueScene):
         )
         meaning = "error of stresses and wall displacement"
         radii = labelled(dims=("radius",), radius=(middles, "m", "radius of the cell's middle"))
-        return xr.Dataset(
+        results = xr.Dataset(
             labelled(role="headline", error=(error, "1", meaning, description))
             | labelled(
                 dims=("radius", "component"),
@@ -188,6 +179,7 @@ class ThickCylinder(CatalogueScene):
             ),
             coords=radii | {"component": ["r", "t", "z"]},
         )
+        return recorded.merge(results)
 
     def exact(self, radius: Floats) -> tuple[Floats, float]:
         """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""
@@ -200,14 +192,9 @@ class ThickCylinder(CatalogueScene):
 
 
 def _wall_displacement(grid: Grid, before: Floats, after: Floats) -> float:
-    """Mean displacement of the inner wall [m].
+    """Mean displacement of the inner wall [m], by positions of the particles before and after [m].
 
     It lies on the line through the two rings of particles next to the wall.
-
-    Args:
-        grid: of the ring.
-        before: positions of the particles at the start [m], shape [particle_count, 2].
-        after: the same at rest.
     """
     distance, now = (
         np.hypot(*position.T) if grid.polar else position[:, 0] for position in (before, after)

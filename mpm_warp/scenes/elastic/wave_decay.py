@@ -113,9 +113,7 @@ def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_ar
 def _by_cell(grid: Grid, values: Floats) -> scipy.sparse.csc_array:
     """From values of nodes to sums over the nodes of each cell, of shape [cell_count, node_count].
 
-    Args:
-        grid: the grid.
-        values: what each node of a cell is multiplied by, shape [cell_count, 4].
+    Each node of a cell is multiplied by its value of `values`, of shape [cell_count, 4].
     """
     cell = np.repeat(np.arange(grid.cell_count), 4)
     shape = (grid.cell_count, grid.node_count)

@@ -10,7 +10,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.perfectly_plastic import UndrainedClay
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
@@ -145,36 +145,25 @@ class FullFlowSphere(FullFlow):
     summary: ClassVar[str] = "force on a sphere that soil flows around (ball penetrometer)"
     version: ClassVar[int] = 1
     planar: ClassVar[bool] = False
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=(4, 8),
-            bounds={"error": 0.01},
-            settings={"adhesion_factor": 1.0, "material": "von_mises"},
-        ),
-        *(
-            Verification(
-                resolution="cells_per_radius",
-                resolutions=(4, 8),
-                bounds={"error": 0.01},  # they are given to a tenth
-                settings={"adhesion_factor": adhesion_factor},
-            )
-            for adhesion_factor in BOUNDS_OF_TRESCA
-        ),
+            bounds={"error": 0.01},  # those of Tresca are given to a tenth
+            settings={"adhesion_factor": adhesion_factor, "material": material},
+        )
+        for material, adhesion_factor in (
+            ("von_mises", 1.0),
+            *(("tresca", it) for it in BOUNDS_OF_TRESCA),
+        )
     )
 
     material: str = redefined(ClayScene, "material", choices=tuple(CRITERIA))
 
     @property
-    def clay(self) -> UndrainedClay:
-        """The soil."""
-        tresca = super().clay
-        return CRITERIA[self.material](
-            shear_modulus=tresca.shear_modulus,
-            poissons_ratio=tresca.poissons_ratio,
-            density=tresca.density,
-            strength=tresca.strength,
-        )
+    def criterion(self) -> type[PerfectlyPlastic]:
+        """That of the material."""
+        return CRITERIA[self.material]
 
     @property
     def exact_load(self) -> float:

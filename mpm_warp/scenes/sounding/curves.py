@@ -29,26 +29,18 @@ UNDISTURBED = 20
 
 
 def sounding_curves(
-    sounding: SoundingTest,
-    recorded: xr.Dataset,
-    *,
-    first: int,
-    samples: range,
-    why_none: Sequence[str],
+    sounding: SoundingTest, recorded: xr.Dataset, why_none: Sequence[str]
 ) -> xr.Dataset:
-    """Curves over depth, with the ground beside them.
+    """Curves over the depth of the tip, with the ground beside them, without the way before.
 
     Args:
         sounding: what was run.
         recorded: over `penetration`, from the start of the run; it may have ended early.
-        first: number of the first sample that is given.
-        samples: numbers that the samples given have in the whole sounding.
         why_none: why the error of no sample is known, each as "word: sentence".
     """
-    given = recorded.isel(penetration=slice(first, None))
-    count = given.sizes["penetration"]
-    spacing = SAMPLE_SPACING * sounding.cone_radius
-    depth = sounding.from_depth + (np.array(samples[:count]) + 0.5) * spacing
+    given = recorded.isel(penetration=slice(sounding.lead_count, None))
+    samples = np.array(sounding.samples[: given.sizes["penetration"]])
+    depth = sounding.from_depth + (samples + 0.5) * sounding.spacing
     ground = sounding.ground
     strength = ground.strength_at(depth)
     around = ground.mean_strength_around(depth, AROUND * sounding.cone_radius)
@@ -147,11 +139,7 @@ def error_of_samples(
 
 
 def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
-    """The cone factor at the end: a mean over two radii, in which the noise of samples is small.
-
-    Args:
-        recorded: what `sounding_curves` gives, of one depth or more.
-    """
+    """The cone factor at the end of `sounding_curves`: a mean over two radii, of little noise."""
     count = min(STEADY_SAMPLES, recorded.sizes["depth"])
     last = recorded.isel(depth=slice(-count, None))
     half_width = last.net_resistance_uncertainty / last.strength
@@ -222,29 +210,34 @@ def layer_values(
 
 
 def _half_width(sounding: SoundingTest, reached: float, factor: Floats) -> float:
-    """Half width of the share of a layer's resistance.
+    """Half width of the share s of a layer's resistance that is `reached`.
 
-    Args:
-        sounding: what was run; its layer has a thickness.
-        reached: the share.
-        factor: net resistance over the strength that the soil would have without the layer, [n].
+    `factor` is net resistance over the strength that the soil would have without the layer, [n].
     """
     assert sounding.layer_thickness is not None
     ratio = sounding.layer_strength_ratio
     # Errors of mesh and speed are in both resistances; that of the top grows on the way.
-    relative = math.hypot(_top(sounding, factor), NOISE)
-    of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
-    return math.hypot(
-        of_resistances, _of_borders(reached, sounding.cell_size / sounding.layer_thickness)
+    grown = top_error(
+        rigidity_index=sounding.rigidity_index,
+        above=sounding.domain_above,
+        below=sounding.domain_below,
+        way=sounding.travel / sounding.cone_radius,
     )
+    top = TOP * float(grown) / float(np.mean(factor[:UNDISTURBED]))
+    relative = math.hypot(top, NOISE)
+    of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
+    # The places of the borders are known to a cell. In a layer of thickness t the share
+    # s = 1 - exp(-t / l) grows with t by -(1 - s) ln(1 - s) / t.
+    lacking = 1.0 - min(max(reached, 0.0), 1.0 - NOISE)
+    cell = sounding.cell_size / sounding.layer_thickness
+    return math.hypot(of_resistances, -lacking * math.log(lacking) * cell)
 
 
 def _ways_felt(distance: Floats, share: Floats) -> dict[str, xr.Variable]:
     """From where above a border, and to where below it, the resistance feels it.
 
-    Args:
-        distance: of the tip below the border, over the cone's radius, shape [n].
-        share: of the change of the resistance that is reached, shape [n].
+    That is told by the share of its change that is reached at distances below the border, over the
+    cone's radius, both of shape [n].
     """
     return labelled(
         felt_before=(
@@ -260,35 +253,6 @@ def _ways_felt(distance: Floats, share: Floats) -> dict[str, xr.Variable]:
             f"the resistance lacks {FELT:.0%} of its whole change",
         ),
     )
-
-
-def _of_borders(share: float, cell: float) -> float:
-    """Half width of the share because the places of the borders are known to a cell.
-
-    A share s = 1 - exp(-t / l) of a layer of thickness t grows with t by -(1 - s) ln(1 - s) / t.
-
-    Args:
-        share: s, of the layer's resistance.
-        cell: height of a cell over the thickness of the layer.
-    """
-    lacking = 1.0 - min(max(share, 0.0), 1.0 - NOISE)
-    return -lacking * math.log(lacking) * cell
-
-
-def _top(sounding: SoundingTest, factor: Floats) -> float:
-    """Half width of what the top of the window adds on the way, over the resistance.
-
-    Args:
-        sounding: what was run.
-        factor: net resistance over the strength that the soil would have without the layer, [n].
-    """
-    error = top_error(
-        rigidity_index=sounding.rigidity_index,
-        above=sounding.domain_above,
-        below=sounding.domain_below,
-        way=sounding.travel / sounding.cone_radius,
-    )
-    return TOP * float(error) / float(np.mean(factor[:UNDISTURBED]))
 
 
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:

@@ -5,13 +5,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.clay import ChangingStrength, FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
-from mpm_warp.scenes.sounding.profile import Profile, layered
+from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
@@ -137,18 +139,21 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
 
     @property
     def ground(self) -> Profile:
-        """The ground by depth."""
+        """The ground by depth: the profile, or linear strength with a layer in it or without."""
         if self.profile is not None:
             return Profile.read(self.profile)
-        return layered(
-            strength=self.undrained_shear_strength,
-            gradient=self.strength_gradient,
-            rigidity_index=self.rigidity_index,
-            unit_weight=self.unit_weight,
-            layer_top=self.layer_top,
-            layer_thickness=self.layer_thickness,
-            layer_strength_ratio=self.layer_strength_ratio,
-            last_depth=LAST_DEPTH,
+        top, thickness = self.layer_top, self.layer_thickness or math.inf
+        borders = [] if top is None else [top, top + thickness]
+        inside = [it for it in borders if it < LAST_DEPTH]
+        depth = np.array([0.0, *np.repeat(inside, 2), LAST_DEPTH])
+        strength = self.undrained_shear_strength + self.strength_gradient * depth
+        if inside:
+            strength[2:4] *= self.layer_strength_ratio
+        return Profile(
+            depth=depth,
+            strength=strength,
+            shear_modulus=self.rigidity_index * strength,
+            unit_weight=np.full_like(depth, self.unit_weight),
         )
 
     @property
@@ -189,10 +194,6 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
     def surface_passed(self) -> float:
         """Way of a cone from the surface until the layer below it has left the window [m]."""
         return self._extent_above_tip + LAYER * self.cone_radius
-
-    def is_past_surface(self, way: float) -> bool:
-        """Whether the surface is not in the window after a way from the start [m]."""
-        return not self.starts_at_surface or way >= self.surface_passed
 
     @property
     def lead_count(self) -> int:
@@ -245,21 +246,12 @@ def check_sounding(test: SoundingTest) -> None:
     Raises:
         ParameterError: the first of what does not; its key names the parameter.
     """
-    _check_depths(test)
-    _check_stretches(test)
-    _check_ground(test)
-
-
-def _check_depths(test: SoundingTest) -> None:
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
         raise ParameterError(
             "to_depth",
             f"to_depth = {test.to_depth:g} is not allowed: must be > from_depth = "
             f"{test.from_depth:g} by {SAMPLE_SPACING:g} radii",
         )
-
-
-def _check_stretches(test: SoundingTest) -> None:
     if test.stretch_number > test.stretch_count:
         raise ParameterError(
             "stretch_number",
@@ -273,9 +265,6 @@ def _check_stretches(test: SoundingTest) -> None:
             f"{test.sample_count}, the samples of {SAMPLE_SPACING:g} radii from from_depth "
             "to to_depth",
         )
-
-
-def _check_ground(test: SoundingTest) -> None:
     ground = test.ground
     first, last = float(ground.depth[0]), float(ground.depth[-1])
     if last < test.to_depth:

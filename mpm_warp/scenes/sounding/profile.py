@@ -233,44 +233,6 @@ class Profile:
         return between
 
 
-def layered(
-    *,
-    strength: float,
-    gradient: float,
-    rigidity_index: float,
-    unit_weight: float,
-    layer_top: float | None,
-    layer_thickness: float | None,
-    layer_strength_ratio: float,
-    last_depth: float,
-) -> Profile:
-    """Ground of one rigidity index whose strength grows linearly, with a layer in it or without.
-
-    Args:
-        strength: at the surface [Pa], > 0.
-        gradient: growth of strength with depth [Pa/m], >= 0.
-        rigidity_index: G/su, > 0.
-        unit_weight: total unit weight [N/m3], >= 0.
-        layer_top: depth of the layer [m], > 0; none: there is none.
-        layer_thickness: of the layer [m], > 0; none: it has no end.
-        layer_strength_ratio: strength in the layer over what it would be without, > 0.
-        last_depth: where the table ends [m].
-    """
-    borders = [] if layer_top is None else [layer_top, layer_top + (layer_thickness or math.inf)]
-    inside = [it for it in borders if it < last_depth]
-    depth = np.array([0.0, *np.repeat(inside, 2), last_depth])
-    ratio = np.ones_like(depth)
-    if inside:
-        ratio[2:4] = layer_strength_ratio
-    of_rows = ratio * (strength + gradient * depth)
-    return Profile(
-        depth=depth,
-        strength=of_rows,
-        shear_modulus=rigidity_index * of_rows,
-        unit_weight=np.full_like(depth, unit_weight),
-    )
-
-
 def _check_rows(name: str, values: Floats, allowed: Range) -> None:
     sound = [allowed.holds(value, value) for value in values.tolist()]
     if not all(sound):

@@ -1,7 +1,6 @@
 """A sounding: the cone test from one depth to another, through ground that changes with depth."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -112,7 +111,27 @@ class Sounding(SoundingTest):
         scene = replace(self._test.build(), material=self._clay)
         if not self.starts_at_surface:
             return scene
-        return from_surface(scene, level=self.start_depth, radius=self.cone_radius)
+        return self._from_surface(scene)
+
+    def _from_surface(self, scene: Scene) -> Scene:
+        """The scene of a cone test, with soil up to the surface of the ground only.
+
+        The cone goes in, soil heaves beside it, the surface moves up through the window and leaves
+        it above. From then on the scene is that of the deep cone. The soil is weightless. Its
+        weight is in the in-situ stress, and acts on the cone as sigma_v0. The weight of the heave
+        is left out: it is some gamma R / su, about 0.01, of the strength.
+        """
+        level = self.start_depth
+        grid, window = GroundGrid.of(scene.grid, level), scene[Window]
+        points_of_cell = scene.particles_per_side**2
+        seeded = seed_rows(grid, 0, grid.row_count, scene.particles_per_side).particle_count
+        slots = (1.0 + window.spare_fraction) * grid.cell_count * points_of_cell
+        surface = PassingSurface(
+            level=level, layer=LAYER * self.cone_radius, pic_fraction=PIC_FRACTION
+        )
+        return replace(scene, grid=grid).with_parts(
+            replace(window, spare_fraction=slots / seeded - 1.0), surface
+        )
 
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the last depth of the stretch."""
@@ -151,43 +170,13 @@ class Sounding(SoundingTest):
             )
         except SimulationDiverged as error:
             if error.curves is not None:
-                error.curves = self._over_depth(error.curves, why_none)
+                error.curves = sounding_curves(self, error.curves, why_none)
             raise
-        over_depth = self._over_depth(recorded, why_none)
+        over_depth = sounding_curves(self, recorded, why_none)
         layer = layer_values(self, over_depth, is_known=not why_none)
         is_thin = "layer_share" in layer  # then that is what it was run for
         values = layer if is_thin else last_factor(over_depth) | layer
         results = with_energy_error(over_depth.assign(values), simulation, curves.work)
-        if self.is_past_surface(self.travel):
+        if not self.starts_at_surface or self.travel >= self.surface_passed:
             check_energy(results)
         return results
-
-    def _over_depth(self, recorded: xr.Dataset, why_none: Sequence[str]) -> xr.Dataset:
-        """Curves over the depth of the tip, without the way before the first of them."""
-        return sounding_curves(
-            self, recorded, first=self.lead_count, samples=self.samples, why_none=why_none
-        )
-
-
-def from_surface(scene: Scene, *, level: float, radius: float) -> Scene:
-    """The scene of a cone test, with soil up to a level only.
-
-    Soil fills the grid up to the surface only. The cone goes in, soil heaves beside it, the surface
-    moves up through the window and leaves it above. From then on the scene is that of the deep
-    cone. The soil is weightless. Its weight is in the in-situ stress, and acts on the cone as
-    sigma_v0. The weight of the heave is left out: it is some gamma R / su, about 0.01, of the
-    strength.
-
-    Args:
-        scene: of a cone in undisturbed, endless ground.
-        level: height of the surface above the tip at the start [m], <= 0.
-        radius: of the cone [m].
-    """
-    grid, window = GroundGrid.of(scene.grid, level), scene[Window]
-    points_of_cell = scene.particles_per_side**2
-    seeded = seed_rows(grid, 0, grid.row_count, scene.particles_per_side).particle_count
-    slots = (1.0 + window.spare_fraction) * grid.cell_count * points_of_cell
-    return replace(scene, grid=grid).with_parts(
-        replace(window, spare_fraction=slots / seeded - 1.0),
-        PassingSurface(level=level, layer=LAYER * radius, pic_fraction=PIC_FRACTION),
-    )

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.scenes.sounding.profile import Profile, layered
+from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.sounding import Sounding
 
 TEXT = """
 depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
@@ -98,22 +99,9 @@ def test_ratios_are_those_to_the_strongest_and_the_stiffest(profile: Profile) ->
     np.testing.assert_allclose(variation.stiffness_ratio_at(place), [1.25 / 4.0, 2.5 / 4.0])
 
 
-GROUND = {
-    "strength": 10e3,
-    "gradient": 0.0,
-    "rigidity_index": 100.0,
-    "unit_weight": 17e3,
-    "layer_top": None,
-    "layer_thickness": None,
-    "layer_strength_ratio": 3.0,
-    "last_depth": 10.0,
-}
-
-
 def test_uniform_ground_has_no_variation() -> None:
-    assert layered(**GROUND).variation(origin_depth=0.0) is None
-    same = layered(**GROUND | {"layer_top": 4.0, "layer_strength_ratio": 1.0})
-    assert same.variation(origin_depth=0.0) is None
+    assert Sounding().ground.variation(origin_depth=0.0) is None
+    assert Sounding(layer_top=4.0).ground.variation(origin_depth=0.0) is None
 
 
 @pytest.mark.parametrize(
@@ -122,9 +110,13 @@ def test_uniform_ground_has_no_variation() -> None:
 def test_a_layer_multiplies_the_strength_within_it(
     thickness: float | None, strength: list[float]
 ) -> None:
-    ground = layered(
-        **GROUND | {"gradient": 10e3 / 3, "layer_top": 4.0, "layer_thickness": thickness}
-    )
+    ground = Sounding(
+        undrained_shear_strength=10e3,
+        strength_gradient=10e3 / 3,
+        layer_top=4.0,
+        layer_thickness=thickness,
+        layer_strength_ratio=3.0,
+    ).ground
     at = ground.strength_at(np.array([3.0, 4.5, 9.0]))
     np.testing.assert_allclose(at, strength)
     assert ground.thinnest_layer == (2.0 if thickness else np.inf)
