@@ -102,11 +102,11 @@ def test_the_shear_modulus_at_half_of_the_strength_is_that_of_the_rates() -> Non
 
 
 def test_a_long_step_is_taken_in_parts() -> None:
-    """A whole test in ten steps, each of many times the strain of yield, ends within 1 %."""
-    for ratio in (1.0, 4.0):
+    """Two steps to a shear strain of 5 %: q within 1 %, of which one part a step misses 3.4 %."""
+    for ratio in (1.0, 1.5, 4.0):
         coarse, fine = (
-            float(element("simple_shear", ratio, greatest_shear_strain=0.1, step_count=n).strength)
-            for n in (10, 10_000)
+            float(element("simple_shear", ratio, greatest_shear_strain=0.05, step_count=n).strength)
+            for n in (2, 10_000)
         )
         assert coarse == pytest.approx(fine, rel=0.01)
 
