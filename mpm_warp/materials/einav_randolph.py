@@ -26,7 +26,8 @@ import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, checked
 from mpm_warp.errors import SceneError
-from mpm_warp.kernel_types import one, real, two, vec2, vec4, vec7, vector
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import one, real, two, vec2, vec4
 from mpm_warp.materials.elasticity import elastic_increment
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.perfectly_plastic import (
@@ -34,6 +35,8 @@ from mpm_warp.materials.perfectly_plastic import (
     PerfectlyPlastic,
     UndrainedClay,
     limit_pressure,
+    make_shape,
+    with_shape,
 )
 
 STEEPEST = 0.5
@@ -53,6 +56,7 @@ class EinavRandolph(UndrainedClay):
         reference_strain_rate: gd_ref, in the time of the run [1/s], > 0.
         remoulded_strength_ratio: delta, strength when remoulded over that when intact, > 0, <= 1.
         ductility: xi_95, plastic shear strain at which 95 % of the loss is done, > 0.
+        shape: that of the criterion, where it has one.
 
     Raises:
         SceneError: a value is not allowed, or the strength falls too steeply to be followed.
@@ -63,6 +67,7 @@ class EinavRandolph(UndrainedClay):
     reference_strain_rate: float = checked(POSITIVE, unit="1/s")
     remoulded_strength_ratio: float = checked(Range(above=0.0, maximum=1.0))
     ductility: float = checked(POSITIVE)
+    shape: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -97,17 +102,26 @@ class EinavRandolph(UndrainedClay):
     def state(self) -> tuple[str, ...]:
         """1 - S, and R - 1 when last near yield: what changes the strength."""
         softening = ("lost_share",) if self.softens else ()
-        return (*softening, "rate_effect") if self.depends_on_rate else softening
+        rate = ("rate_effect",) if self.depends_on_rate else ()
+        return (*softening, *rate, *self.criterion.axis)
+
+    def state_at(self, stress: Floats, place: Floats) -> Floats:
+        """See `Material`: intact, slow, its axis vertical."""
+        state = super().state_at(stress, place)
+        start = tuple(self.criterion.axis.values())
+        state[..., state.shape[-1] - len(start) :] = start
+        return state
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(G, K, su, delta, 3 / xi_95, mu / ln 10, 1 / gd_ref)."""
+        """(G, K, su, delta, 3 / xi_95, mu / ln 10, 1 / gd_ref), and the shape."""
         return (
             *super().properties,
             self.remoulded_strength_ratio,
             3.0 / self.ductility,
             self.rate_factor / math.log(10.0),
             1.0 / self.reference_strain_rate,
+            *self.shape,
         )
 
     @property
@@ -121,7 +135,11 @@ class EinavRandolph(UndrainedClay):
 
     def yield_function(self) -> Any:
         """The measure of the criterion, and the strength k."""
-        return _make_yield_function(self.criterion.measure, self.softens, self.depends_on_rate)
+        return _make_yield_function(self.criterion, self.softens, self.depends_on_rate)
+
+    def turn(self) -> Any | None:
+        """That of the criterion."""
+        return self.criterion.turn(self)
 
     def law(self) -> Law:
         """See `Material`; the key has the criterion too, and what changes the strength."""
@@ -139,7 +157,7 @@ def _make_strength(softens: bool) -> Any:
     """The function (properties, 1 - S) -> (k / R, what of it strain can still take) [Pa]."""
 
     @wp.func
-    def strength(properties: vec7, lost: real) -> vec2:
+    def strength(properties: Any, lost: real) -> vec2:
         k, left = properties[wp.static(STRENGTH)], real(0.0)
         if wp.static(softens):
             remoulded = properties[3] * k
@@ -152,11 +170,10 @@ def _make_strength(softens: bool) -> Any:
 
 @functools.cache
 def _make_memory(softens: bool, depends_on_rate: bool) -> tuple[Any, Any]:
-    """The functions state -> (1 - S, R - 1), and back."""
-    state_type = vector(max(1, softens + depends_on_rate))
+    """The functions state -> (1 - S, R - 1), and (state, 1 - S, R - 1) -> state."""
 
     @wp.func
-    def recalled(state: state_type) -> vec2:
+    def recalled(state: Any) -> vec2:
         lost, rate_effect = real(0.0), real(0.0)
         if wp.static(softens):
             lost = state[0]
@@ -165,8 +182,7 @@ def _make_memory(softens: bool, depends_on_rate: bool) -> tuple[Any, Any]:
         return vec2(lost, rate_effect)
 
     @wp.func
-    def remembered(lost: real, rate_effect: real) -> state_type:
-        state = state_type()
+    def remembered(state: Any, lost: real, rate_effect: real):
         if wp.static(softens):
             state[0] = lost
         if wp.static(depends_on_rate):
@@ -177,57 +193,63 @@ def _make_memory(softens: bool, depends_on_rate: bool) -> tuple[Any, Any]:
 
 
 @functools.cache
-def _make_yield_function(measure: Any, softens: bool, depends_on_rate: bool) -> Any:
-    state_type = vector(max(1, softens + depends_on_rate))
+def _make_yield_function(
+    criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool
+) -> Any:
+    measure, shape_of = with_shape(criterion)[0], make_shape(criterion)
     recalled, _ = _make_memory(softens, depends_on_rate)
     strength = _make_strength(softens)
 
     @wp.func
-    def measure_and_strength(stress: vec4, properties: vec7, state: state_type) -> vec2:
+    def measure_and_strength(stress: vec4, properties: Any, state: Any) -> vec2:
         known = recalled(state)
         k = (one + known[1]) * strength(properties, known[0])[0]
-        return vec2(measure(stress), k)
+        return vec2(measure(stress, shape_of(properties, state)), k)
 
     return measure_and_strength
 
 
 @functools.cache
 def _make_update(criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool) -> Any:
-    state_type = vector(max(1, softens + depends_on_rate))
     recalled, remembered = _make_memory(softens, depends_on_rate)
     strength = _make_strength(softens)
-    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
+    measure, within, nearest = with_shape(criterion)
+    shape_of, shear_measure = make_shape(criterion), criterion.shear_measure
+    softened, nonlinear = criterion.softened, criterion.softened is not None
 
     @wp.func
-    def soften_and_return(
-        stress: vec4, strain: vec4, time_step: real, properties: vec7, state: state_type
-    ):
+    def soften_and_return(stress: vec4, strain: vec4, time_step: real, properties: Any, state: Any):
         G, decay = properties[0], properties[4]
         trial = stress + elastic_increment(strain, G, properties[1])
         lost, rate_effect = recalled(state)[0], real(0.0)
         known = strength(properties, lost)
         k, left = known[0], known[1]
+        shape = shape_of(properties, state)
         # No rate takes the strength below this.
-        if within(trial, k):
+        if within(trial, k, shape):
             return trial, state
         if wp.static(depends_on_rate):
-            rate = two / time_step * measure(strain)
+            rate = two / time_step * shear_measure(strain)
             rate_effect = properties[5] * wp.log(wp.max(rate * properties[6], one))
             k *= one + rate_effect
             left *= one + rate_effect
-            if within(trial, k):
-                return trial, remembered(lost, rate_effect)
-        if wp.static(softens):
+            if within(trial, k, shape):
+                return trial, remembered(state, lost, rate_effect)
+        kept = real(1.0)
+        if wp.static(softens and nonlinear):
+            kept = softened(trial, k, left, G, decay, shape)
+        elif wp.static(softens):
             # Newton's method for f - G dxi = k - left (1 - exp(-3 dxi / xi_95)): in steps of 1e-3
             # its first error is 1e-6, its second 1e-12 of the strain. What is left is a strain, for
             # the stress is put on the surface.
-            f = measure(trial)
+            f = measure(trial, shape)
             plastic = (f - k) / (G - decay * left)
             kept = wp.exp(-decay * plastic)
             missing = f - G * plastic - k + left * (one - kept)
             kept *= one - decay * missing / (G - decay * left * kept)
+        if wp.static(softens):
             k -= left * (one - kept)
             lost = one - (one - lost) * kept
-        return nearest(trial, k), remembered(lost, rate_effect)
+        return nearest(trial, k, shape), remembered(state, lost, rate_effect)
 
     return soften_and_return

@@ -3,7 +3,7 @@
 Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, e strain of a step, dt times the
 symmetric part of L, R rotation by the spin in a step, K bulk modulus, G shear modulus.
 
-    sigma <- law(R sigma R', e, dt)                     of any law
+    sigma <- law(R sigma R', e, dt)                     of any law; its axes are turned too
     trial  = R sigma R' + K tr e + 2 G dev e            of one with these elastic moduli
 """
 
@@ -154,10 +154,11 @@ def rotated(stress: vec4, motion: vec7) -> vec4:
 def make_stress_update(law: Law) -> Any:
     """The function (stress, motion, time step, properties, state) -> (stress, state) after a step.
 
-    It is that of any law: the stress is turned, then the law does the rest.
+    It is that of any law: stress and axes are turned, then the law does the rest.
     """
     properties_type, state_type = law.properties_type, law.state_type
-    update = law.update
+    update, turns = law.update, law.turn is not None
+    turn: Any = law.turn
 
     @wp.func
     def stress_update(
@@ -169,6 +170,8 @@ def make_stress_update(law: Law) -> Any:
     ):
         strain = vec4(motion[0], motion[1], motion[2], motion[3])
         turned = rotated(stress, motion)
+        if wp.static(turns):
+            state = turn(state, motion)
         sigma, remembered = update(turned, strain, time_step, properties, state)
         return sigma, remembered
 
@@ -183,7 +186,8 @@ def make_plastic_step(law: Law) -> Any:
     that the trial is made with.
     """
     properties_type, state_type = law.properties_type, law.state_type
-    update, moduli = law.update, law.moduli
+    update, moduli, turns = law.update, law.moduli, law.turn is not None
+    turn: Any = law.turn
 
     @wp.func
     def plastic_step(
@@ -195,6 +199,8 @@ def make_plastic_step(law: Law) -> Any:
     ):
         strain = vec4(motion[0], motion[1], motion[2], motion[3])
         turned = rotated(stress, motion)
+        if wp.static(turns):
+            state = turn(state, motion)
         stiffness = moduli(turned, properties, state)
         trial = turned + elastic_increment(strain, stiffness[0], stiffness[1])
         sigma, _ = update(turned, strain, time_step, properties, state)

@@ -14,7 +14,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -52,6 +52,8 @@ class Law:
             f of the stress [Pa] reaches k [Pa]; None where it never does.
         strength: (stress, properties, state) -> undrained shear strength [Pa], which the adhesion
             of a surface beside the point follows; None where nothing changes it.
+        turn: (state, motion) -> state, of a law whose ground has an axis that turns with the soil;
+            the motion is what `motion_of` gives. None where there is no axis.
         properties_type: type of the vector of properties.
         state_type: type of the vector that a point remembers.
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
@@ -64,6 +66,7 @@ class Law:
     moduli: Any
     yield_function: Any | None
     strength: Any | None
+    turn: Any | None
     properties_type: Any
     state_type: Any
     remembers: bool
@@ -87,6 +90,9 @@ class Material(Checked, ABC):
 
     density: float = checked(POSITIVE, unit="kg/m3")
     variation: Variation | None = None
+
+    reference_test: ClassVar[str] = "simple_shear"
+    """The element test whose strength is what scenes call su, of a law that has its own."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -114,6 +120,10 @@ class Material(Checked, ABC):
         if yield_function is None:
             return None
         return _make_strength(yield_function)
+
+    def turn(self) -> Any | None:
+        """How the axis of the ground turns, see `Law`; None: there is none."""
+        return None
 
     # Its numbers.
 
@@ -244,6 +254,7 @@ class Material(Checked, ABC):
             moduli=self.moduli(),
             yield_function=self.yield_function(),
             strength=self.strength_function(),
+            turn=self.turn(),
             properties_type=vector(len(self.properties)),
             state_type=vector(max(1, len(self.state))),
             remembers=len(self.state) > 0,

@@ -25,6 +25,7 @@ GROUP = "mpm_warp.materials"
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")
 """What a scene gives to a law that has a field of the name: rho [kg/m3], G [Pa], nu, su [Pa]."""
 OF_THIS_PACKAGE: Mapping[str, str] = {
+    "anisotropic": "mpm_warp.materials.anisotropic:Anisotropic",
     "modified_cam_clay": "mpm_warp.materials.modified_cam_clay:ModifiedCamClay",
 }
 """Where the laws of this package are that have parameters of their own, by name."""
@@ -56,7 +57,7 @@ class OtherLaw:
             name: definition.default if own.get(name) is None else own[name]
             for name, definition in self.parameters.items()
         }
-        names = {field.name for field in fields(self.kind)}
+        names = {field.name for field in fields(self.kind) if field.init}
         values |= {name: value for name, value in given.items() if name in names}
         return self.kind(**values)
 

@@ -8,14 +8,16 @@ Symbols: f measure of a stress by the yield criterion [Pa], su strength, tau ela
 
 import functools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import real, vec1, vec2, vec3, vec4
+from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment
 
 STRENGTH = 2
@@ -27,10 +29,16 @@ class UndrainedClay(Isotropic):
     """The base of all clays whose volume stays elastic: it has a strength.
 
     Attributes:
-        strength: undrained shear strength in pure shear su [Pa], > 0.
+        strength: undrained shear strength su [Pa], > 0: in pure shear, or in triaxial compression
+            where it depends on direction.
     """
 
     strength: float = checked(POSITIVE, unit="Pa")
+
+    @property
+    def shape(self) -> tuple[float, ...]:
+        """Numbers of the yield surface beside the strength, the last among the properties."""
+        return ()
 
     @property
     def properties(self) -> tuple[float, ...]:
@@ -38,9 +46,11 @@ class UndrainedClay(Isotropic):
         return (*super().properties, self.strength)
 
     def properties_at(self, place: Floats) -> Floats:
-        """See `Material`; the strength varies too."""
+        """See `Material`; the strength varies too, and the shape where the ground says so."""
         own = super().properties_at(place)
         own[..., STRENGTH] *= self.strength_ratio_at(place)
+        if self.variation is not None and self.variation.shape is not None:
+            own[..., -len(self.shape) :] = self.variation.shape_at(place)
         return own
 
     @property
@@ -62,47 +72,118 @@ def limit_pressure(shear_modulus: float, strength: float) -> float:
 class PerfectlyPlastic(UndrainedClay):
     """Perfect plasticity with a yield criterion, which another law may take at any strength.
 
-    A criterion is three functions on the device.
+    A criterion is some functions on the device. Where it has a shape or an axis, their last
+    argument is a vector of the numbers of both.
 
     Attributes:
         measure: stress -> f, its measure by the criterion [Pa].
         within: (stress, strength) -> whether the stress is within the yield surface. It is asked of
             every point in every step, and takes no root.
         nearest: (trial stress outside, strength) -> nearest stress of the yield surface.
+        shear_measure: strain -> half its shear strain, as the criterion counts shear strain.
+        softened: (trial stress, k, what of it can be lost, G, decay) -> what a return leaves of
+            that, see `EinavRandolph`; None where the measure less k is G times the plastic shear
+            strain.
+        shape_count: how many numbers of shape it has.
+        axis: numbers of state that say how the axis of the ground stands, and what they start as.
     """
 
     measure: ClassVar[Any]
     within: ClassVar[Any]
     nearest: ClassVar[Any]
+    shear_measure: ClassVar[Any]
+    softened: ClassVar[Any] = None
+    shape_count: ClassVar[int] = 0
+    axis: ClassVar[Mapping[str, float]] = {}
+
+    @property
+    def properties(self) -> tuple[float, ...]:
+        """(G, K, su) [Pa], and the shape."""
+        return (*super().properties, *self.shape)
+
+    @property
+    def state(self) -> tuple[str, ...]:
+        """The axis."""
+        return tuple(self.axis)
+
+    def state_at(self, stress: Floats, place: Floats) -> Floats:
+        """See `Material`; the axis is vertical."""
+        return np.tile(tuple(self.axis.values()), (*place.shape[:-1], 1))
 
     def update(self) -> Any:
         """Return to the yield surface from outside."""
-        return _make_update(self.within, self.nearest)
+        return _make_update(type(self))
 
     def yield_function(self) -> Any:
         """(f, su)."""
-        return _make_yield_function(self.measure)
+        return _make_yield_function(type(self))
 
 
 @functools.cache
-def _make_yield_function(measure: Any) -> Any:
+def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
+    """The function (properties, state) -> numbers of shape and axis, the last of both."""
+    shapes, axes = criterion.shape_count, len(criterion.axis)
+    shape_type = vector(max(1, shapes + axes))
+
     @wp.func
-    def measure_and_strength(stress: vec4, properties: vec3, state: vec1) -> vec2:
-        return vec2(measure(stress), properties[wp.static(STRENGTH)])
+    def shape_of(properties: Any, state: Any) -> shape_type:
+        shape = shape_type()
+        for number in range(wp.static(shapes)):
+            shape[number] = properties[len(properties) - wp.static(shapes) + number]
+        for number in range(wp.static(axes)):
+            shape[wp.static(shapes) + number] = state[len(state) - wp.static(axes) + number]
+        return shape
+
+    return shape_of
+
+
+@functools.cache
+def with_shape(criterion: type[PerfectlyPlastic]) -> tuple[Any, Any, Any]:
+    """Measure, within and nearest, with the vector of shape and axis as their last argument."""
+    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
+    if criterion.shape_count:
+        return measure, within, nearest
+
+    @wp.func
+    def plain_measure(stress: vec4, shape: Any) -> real:
+        return measure(stress)
+
+    @wp.func
+    def plain_within(stress: vec4, strength: real, shape: Any) -> bool:
+        return within(stress, strength)
+
+    @wp.func
+    def plain_nearest(trial: vec4, strength: real, shape: Any) -> vec4:
+        return nearest(trial, strength)
+
+    return plain_measure, plain_within, plain_nearest
+
+
+@functools.cache
+def _make_yield_function(criterion: type[PerfectlyPlastic]) -> Any:
+    measure, shape_of = with_shape(criterion)[0], make_shape(criterion)
+
+    @wp.func
+    def measure_and_strength(stress: vec4, properties: Any, state: Any) -> vec2:
+        return vec2(measure(stress, shape_of(properties, state)), properties[wp.static(STRENGTH)])
 
     return measure_and_strength
 
 
 @functools.cache
-def _make_update(within: Any, nearest: Any) -> Any:
+def _make_update(criterion: type[PerfectlyPlastic]) -> Any:
+    _, within, nearest = with_shape(criterion)
+    shape_of = make_shape(criterion)
+
     @wp.func
     def elastic_then_return(
-        stress: vec4, strain: vec4, time_step: real, properties: vec3, state: vec1
+        stress: vec4, strain: vec4, time_step: real, properties: Any, state: Any
     ):
         trial = stress + elastic_increment(strain, properties[0], properties[1])
         strength = properties[wp.static(STRENGTH)]
-        if within(trial, strength):
+        shape = shape_of(properties, state)
+        if within(trial, strength, shape):
             return trial, state
-        return nearest(trial, strength), state
+        return nearest(trial, strength, shape), state
 
     return elastic_then_return

@@ -84,6 +84,7 @@ class Tresca(PerfectlyPlastic):
     measure = greatest_shear
     within = within_hexagon
     nearest = nearest_of_hexagon
+    shear_measure = greatest_shear
 
     def undrained_strength(self, test: str) -> float:
         """In every mode su."""

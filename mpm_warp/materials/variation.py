@@ -29,6 +29,8 @@ class Variation(Checked):
             fastest.
         adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
             dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
+        shape: of the yield surface, see `UndrainedClay`, shape [n, shape_count]; none where it is
+            that of the material everywhere.
         horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
             positive, shape [n]; none where it is that of the scene everywhere.
         origin_depth: depth of z = 0 [m].
@@ -38,6 +40,7 @@ class Variation(Checked):
     strength_ratio: Floats
     stiffness_ratio: Floats
     adhesion_ratio: Floats | None = None
+    shape: Floats | None = None
     horizontal_stress: Floats | None = None
     origin_depth: float = checked(unit="m", default=0.0)
 
@@ -59,6 +62,8 @@ class Variation(Checked):
         if self.adhesion_ratio is not None:
             share = Range(minimum=0.0, maximum=1.0)
             check_array("Variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
+        if self.shape is not None:
+            check_array("Variation: shape", self.shape, (len(self.depth), None))
         if self.horizontal_stress is not None:
             check_array("Variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
 
@@ -75,6 +80,12 @@ class Variation(Checked):
         if self.adhesion_ratio is None:
             return np.ones(place.shape[:-1])
         return np.interp(self.depth_of(place), self.depth, self.adhesion_ratio)
+
+    def shape_at(self, place: Floats) -> Floats:
+        """Shape of the yield surface at places in the ground [m], [..., 2]; there must be one."""
+        assert self.shape is not None
+        depth = self.depth_of(place)
+        return np.stack([np.interp(depth, self.depth, it) for it in self.shape.T], axis=-1)
 
     def horizontal_stress_at(self, place: Floats) -> Floats:
         """Horizontal less vertical stress at places in the ground [m], [..., 2]; 0 without one."""

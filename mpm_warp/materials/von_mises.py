@@ -43,6 +43,7 @@ class VonMises(PerfectlyPlastic):
     measure = root_of_j2
     within = within_cylinder
     nearest = nearest_of_cylinder
+    shear_measure = root_of_j2
 
     def undrained_strength(self, test: str) -> float:
         """In plane strain and simple shear su, in triaxial modes sqrt(3)/2 su."""

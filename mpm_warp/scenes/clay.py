@@ -2,7 +2,7 @@
 
 import functools
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, make_dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import loaded_laws, other_law, other_laws
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import Derived, Parameter, fill_in, parameter, parameters_of
 from mpm_warp.scenes.catalogue import CatalogueScene
 
@@ -109,14 +110,20 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
 
     @property
     def own_strength(self) -> float | None:
-        """Strength in simple shear [Pa] of a law that has its own; None where the scene gives it.
+        """Strength [Pa] of a law that has its own; None where the scene gives it.
 
-        It is su of the scene, where none is given, and the rigidity index is the law's too.
+        It is that in the law's `reference_test`, and su of the scene where none is given. The
+        rigidity index is the law's too where it has a stiffness of its own.
         """
-        if self.material not in other_laws():
+        if self.material not in other_laws() or "strength" in self._given_to_law:
             return None
-        given = {field.name for field in fields(other_law(self.material).kind)}
-        return None if "strength" in given else self._own_clay.undrained_strength("simple_shear")
+        return self._own_clay.undrained_strength(self._own_clay.reference_test)
+
+    @property
+    def _given_to_law(self) -> set[str]:
+        """What a law that has parameters of its own is given by the scene, or could be."""
+        kind = other_law(self.material).kind
+        return {field.name for field in fields(kind) if field.init}
 
     @property
     def _own_clay(self) -> Material:
@@ -130,7 +137,8 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             strength = getattr(self, name)
         elif name in definitions:
             object.__setattr__(self, name, Derived(strength))
-        if self.rigidity_index == definitions["rigidity_index"].default:
+        of_law = "shear_modulus" not in self._given_to_law
+        if of_law and self.rigidity_index == definitions["rigidity_index"].default:
             index = self._own_clay.ground_shear_modulus / strength
             object.__setattr__(self, "rigidity_index", Derived(index))
             fill_in(self, {"rigidity_index": index})
@@ -139,7 +147,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
     def _check_other_laws(self) -> None:
         """Check the parameters of laws of other packages, and fill in their defaults."""
         law = other_law(self.material) if self.material in other_laws() else None
-        if law is not None and self.strength_changes:
+        if law is not None and self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
             raise ParameterError(
                 "material",
                 f"material = {law.name!r} has a strength of its own: rate_factor and "
@@ -183,22 +191,25 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             "density": density,
             "strength": strength,
         }
-        if self.material in other_laws():
-            law = other_law(self.material)
-            own = {name: getattr(self, name, None) for name in law.parameters}
-            return law.make(own, given)
-        criterion = CRITERIA[self.material]
-        intact = criterion(**given)
-        if not self.strength_changes:
+        intact = self._intact(given)
+        if not (self.strength_changes and isinstance(intact, PerfectlyPlastic)):
             return intact
         return EinavRandolph(
-            **given,
-            criterion=criterion,
+            **given | {"strength": intact.strength},
+            criterion=type(intact),
+            shape=intact.shape,
             rate_factor=self.rate_factor,
             reference_strain_rate=(self.reference_strain_rate or 1.0) * speed_up,
             remoulded_strength_ratio=self.remoulded_strength_ratio,
             ductility=self.ductility or 1.0,
         )
+
+    def _intact(self, given: Mapping[str, Any]) -> Material:
+        """The clay as it is when neither strain nor its rate has changed it."""
+        if self.material in CRITERIA:
+            return CRITERIA[self.material](**given)
+        law = other_law(self.material)
+        return law.make({name: getattr(self, name, None) for name in law.parameters}, given)
 
 
 @functools.cache

@@ -1,0 +1,258 @@
+"""Strength by direction: stress on strain paths, strengths by mode, the isotropic limit."""
+
+import math
+
+import numpy as np
+import pytest
+
+from mpm_warp import CatalogueScene, ParameterError, SceneError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.anisotropic import Anisotropic
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.variation import Variation
+from mpm_warp.materials.von_mises import VonMises
+from mpm_warp.scenes.catalogue import scene_class
+from mpm_warp.scenes.cavity.exact import cavity_pressure
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
+from tests.mpm_warp.materials.anisotropic_rates import Softening, stress_after, stress_along
+
+ELASTIC = {"shear_modulus": 200.0, "poissons_ratio": 0.3, "density": 4.0}
+STRENGTHS = {
+    "strength_compression": 2.0,
+    "strength_extension": 1.0,
+    "strength_simple_shear": 1.5,
+    "strength_horizontal": 1.4,
+}
+CLAY = Anisotropic(**ELASTIC, **STRENGTHS)
+SMALL = 0.01
+"""Strain of yield, about."""
+PATHS = {
+    "compression": (3, 0, 0, -6, 3),
+    "extension": (-3, 0, 0, 6, -3),
+    "shear of horizontal planes": (0, 6, 6, 0, 0),
+    "simple shear": (0, 10, 0, 0, 0),
+    "simple shear, far": (0, 100, 0, 0, 0),
+    "simple shear of vertical planes": (0, 0, 10, 0, 0),
+    "pressuremeter": (4, 0, 0, 0, -4),
+    "plane strain": (4, 0, 0, -4, 0),
+    "mixed, turned one way": (3, 4, -2, -4, 1),
+    "mixed, turned the other": (-3, 5, 60, 4, -2),
+}
+
+
+def after(material: Material, gradients: list[Floats], steps: int, start: Floats) -> Simulation:
+    """Points on strain paths of a second each."""
+    stress = np.tile(start, (len(gradients), 1))
+    paths = StrainPaths(
+        material=material, gradient=np.array(gradients), stress=stress, step_count=steps
+    )
+    simulation = Simulation(paths)
+    simulation.advance(steps)
+    return simulation
+
+
+def small(name: str) -> tuple[float, ...]:
+    return tuple(SMALL * rate for rate in PATHS[name])
+
+
+@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0, 0.0), (0.6, -0.9, 0.1, 0.5)])
+def test_stress_on_strain_paths_is_that_of_the_rate_equations(start: tuple[float, ...]) -> None:
+    """Within 1e-6 of su; the return has an error of first order in the step."""
+    exact = np.array([stress_after(CLAY, small(name), start=start) for name in PATHS])
+    errors = []
+    for steps in (10_000, 100_000):
+        simulation = after(CLAY, [np.array(small(name)) for name in PATHS], steps, np.array(start))
+        errors.append(np.abs(simulation.array("particle.stress") - exact).max(axis=1))
+        assert simulation.array("particle.yield_excess").max() < 1e-13
+    coarse, fine = np.array(errors) / CLAY.strength
+    np.testing.assert_array_less(fine, 1e-6)
+    # Proportional paths are exact; the integrator has an error of 1e-9.
+    np.testing.assert_array_less(fine - 1e-8, 0.11 * coarse)
+
+
+def test_stress_of_clay_that_softens_and_has_a_rate_effect_is_that_of_the_rate_equations() -> None:
+    soft = Softening(remoulded=0.25, ductility=0.2)
+    changing = EinavRandolph(
+        **ELASTIC,
+        strength=CLAY.strength,
+        criterion=Anisotropic,
+        shape=CLAY.shape,
+        rate_factor=0.0,
+        reference_strain_rate=1.0,
+        remoulded_strength_ratio=soft.remoulded,
+        ductility=soft.ductility,
+    )
+    names = ("compression", "extension", "simple shear", "pressuremeter", "mixed, turned one way")
+    exact = np.array([stress_after(CLAY, small(name), softening=soft) for name in names])
+    simulation = after(changing, [np.array(small(name)) for name in names], 100_000, np.zeros(4))
+    error = np.abs(simulation.array("particle.stress") - exact) / CLAY.strength
+    np.testing.assert_array_less(error, 1e-6)
+
+
+def test_rate_raises_all_strengths_alike() -> None:
+    changing = EinavRandolph(
+        **ELASTIC,
+        strength=CLAY.strength,
+        criterion=Anisotropic,
+        shape=CLAY.shape,
+        rate_factor=0.1,
+        reference_strain_rate=0.01,
+        remoulded_strength_ratio=1.0,
+        ductility=1.0,
+    )
+    # Uniaxial strain rate a: shear strain rate sqrt(3) a, three log cycles above the reference.
+    rate = 10.0 / math.sqrt(3.0)
+    paths = [np.array([0.5, 0, 0, -1, 0.5]) * it * rate for it in (1.0, -1.0)]
+    stress = after(changing, paths, 100, np.zeros(4)).array("particle.stress")
+    np.testing.assert_allclose(0.5 * np.ptp(stress[:, [0, 1]], axis=1), [2.6, 1.3], rtol=1e-12)
+
+
+def test_equal_strengths_are_those_of_von_mises() -> None:
+    k = 2.0
+    triaxial = math.sqrt(0.75) * k
+    equal = Anisotropic(
+        **ELASTIC,
+        strength_compression=triaxial,
+        strength_extension=triaxial,
+        strength_simple_shear=k,
+    )
+    assert equal.strength_horizontal == pytest.approx(k, rel=1e-15)
+    gradients = [*np.random.default_rng(1).uniform(-1.0, 1.0, (200, 5))]
+    found, expected = (
+        after(it, gradients, 1000, np.zeros(4)).array("particle.stress")
+        for it in (equal, VonMises(**ELASTIC, strength=k))
+    )
+    # Rounding of mean stresses of up to 1e3, in a thousand steps.
+    np.testing.assert_allclose(found, expected, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("test", "strength"),
+    [
+        ("triaxial_compression", 20e3),
+        ("triaxial_extension", 9e3),
+        ("simple_shear", 15e3),
+        ("pressuremeter", 13e3),
+    ],
+)
+def test_strengths_come_out_of_element_tests(test: str, strength: float) -> None:
+    result = scene_class("element_test")(
+        test=test,
+        material="anisotropic",
+        strength_compression=20e3,
+        strength_extension=9e3,
+        strength_simple_shear=15e3,
+        strength_horizontal=13e3,
+    ).run()
+    assert float(result.strength) == pytest.approx(strength, rel=1e-4)
+    assert float(result.strength_exact) == pytest.approx(strength, rel=1e-12)
+
+
+def test_plane_strain_is_as_strong_as_the_law_says() -> None:
+    result = scene_class("element_test")(
+        test="plane_strain",
+        material="anisotropic",
+        strength_compression=20e3,
+        strength_extension=9e3,
+        strength_simple_shear=15e3,
+    ).run()
+    assert float(result.error) < 1e-4
+    assert float(result.undrained_shear_strength) == 20e3
+
+
+def test_the_axis_turns_with_the_soil() -> None:
+    """A turn by 90 degrees makes compression along z what extension was: the stress turns too."""
+    turn = np.array([0.0, math.pi / 2, -math.pi / 2, 0.0, 0.0])
+    simulation = after(CLAY, [turn], 1000, np.array([0.6, -0.9, 0.1, 0.5]))
+    cayley = (math.pi / 2) ** 3 / (12 * 1000**2)
+    axis = simulation.array("particle.state")[0]
+    np.testing.assert_allclose(axis, [-1.0, 0.0], atol=2 * cayley)
+    compression = np.array([[0.5, 0.0, 0.0, -1.0, 0.5]])
+    simulation.assign("particle.velocity_gradient", compression)
+    simulation.assign("particle.stress", np.zeros((1, 4)))
+    simulation.advance(1000)
+    rr, zz, _, tt = simulation.array("particle.stress")[0]
+    expected = stress_after(CLAY, (-1.0, 0.0, 0.0, 0.5, 0.5))
+    np.testing.assert_allclose([zz, rr, tt], expected[[0, 1, 3]], atol=1e-5)
+
+
+def test_ground_that_varies_has_the_shape_of_its_place() -> None:
+    weaker = Anisotropic(**ELASTIC, **{**STRENGTHS, "strength_extension": 0.8})
+    varied = Anisotropic(
+        **ELASTIC,
+        **STRENGTHS,
+        variation=Variation(
+            depth=np.array([0.0, 1.0]),
+            strength_ratio=np.array([0.5, 1.0]),
+            stiffness_ratio=np.ones(2),
+            shape=np.array([CLAY.shape, weaker.shape]),
+        ),
+    )
+    G, K, su, *_ = CLAY.properties
+    at = varied.properties_at(np.array([[0.0, 0.0], [0.0, -1.0]]))
+    np.testing.assert_allclose(at, [[G, K, 0.5 * su, *CLAY.shape], [G, K, su, *weaker.shape]])
+
+
+@pytest.mark.slow
+def test_cylindrical_cavity_has_the_pressure_of_the_horizontal_strength() -> None:
+    """Of the integral of the law along the exact strain path, at the finest of its grids."""
+    scene = scene_class("cavity_cylinder")
+    result = scene(
+        material="anisotropic",
+        rigidity_index=50,
+        strength_compression=20.0,
+        strength_extension=10.0,
+        strength_simple_shear=15.0,
+        strength_horizontal=13.0,
+        cells_per_radius=8,
+    ).run()
+    clay = Anisotropic(
+        shear_modulus=50.0 * 20.0,
+        poissons_ratio=0.4999,
+        density=1.0,
+        strength_compression=20.0,
+        strength_extension=10.0,
+        strength_simple_shear=15.0,
+        strength_horizontal=13.0,
+    )
+    strains = np.geomspace(1e-9, 4.0, 4000)
+    path = (-0.5 * strains[-1], 0.0, 0.0, 0.0, 0.5 * strains[-1])
+    stress = stress_along(clay, path, strains / strains[-1])
+    known = 0.5 * (stress[:, 3] - stress[:, 0]) / clay.strength
+    exact = [
+        cavity_pressure(lambda it: np.interp(it, strains, known), strain=gamma, factor=1.0)
+        for gamma in 2.0 * np.log(result.expansion.values[-20:])
+    ]
+    np.testing.assert_allclose(result.cavity_pressure.values[-20:], exact, rtol=5e-3)
+    assert exact[-1] == pytest.approx(0.65 * (1.0 + math.log(50.0 / 0.65)), rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"strength_compression": 0.0}, r"strength_compression = 0 Pa must be > 0"),
+        ({"strength_horizontal": -1.0}, r"strength_horizontal = -1 Pa must be > 0"),
+        ({"strength_extension": 5.0}, r"strength_extension = 5 Pa must be > 0 and < 5, as"),
+        ({"strength_simple_shear": 0.5}, r"strength_extension = 1 Pa must be > 1 and < 3, as"),
+    ],
+)
+def test_strengths_that_are_not_possible_are_refused(
+    changed: dict[str, float], message: str
+) -> None:
+    with pytest.raises(SceneError, match=message):
+        Anisotropic(**ELASTIC, **{**STRENGTHS, **changed})
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"strength_extension": 9e3}, "strength_compression = None Pa must be a finite number"),
+        ({"remoulded_strength_ratio": 0.1}, "needs ductility"),
+    ],
+)
+def test_scenes_refuse_strengths_in_a_line(given: dict[str, float], message: str) -> None:
+    scene: type[CatalogueScene] = scene_class("cone_penetration")
+    with pytest.raises(ParameterError, match=message):
+        scene(material="anisotropic", **given)
