@@ -46,7 +46,7 @@ from mpm_warp.materials.von_mises import root_of_j2
 from mpm_warp.parameters import parameter
 
 vec6 = vector(6)
-rounding, three = wp.constant(real(1e-14)), wp.constant(real(3.0))
+three = wp.constant(real(3.0))
 root_of_three = wp.constant(real(math.sqrt(3.0)))
 
 STRENGTHS = (
@@ -65,7 +65,9 @@ STRAINS: Mapping[str, tuple[float, float, float]] = {
 }
 """Directions of the strain in (x, y, w) of element tests."""
 NEWTON_STEPS = 40
-"""More than it takes: 3 to 6 where the semi-axes differ by 2."""
+"""More than it takes: 2 to 5 where the semi-axes differ by 2."""
+converged = wp.constant(real(1e-10))
+"""N - 1 at which the return ends; what is left is taken off along the radius."""
 
 
 @wp.func
@@ -132,17 +134,18 @@ def size_of_ellipsoid(stress: vec4, shape: vec6) -> real:
 @wp.func
 def nearest_from_centre(X: vec3, strength: real, shape: vec6) -> vec3:
     """The point of the ellipsoid nearest to X outside of it, both from the centre."""
-    m, N, nearest = real(0.0), real(1.0), vec3()
+    m, share, nearest = real(0.0), vec3(one, one, one), vec3() + X
+    N = wp.sqrt(weighted_square(nearest, shape)) / strength
     for _step in range(wp.static(NEWTON_STEPS)):
-        share = vec3(
-            one / (one + m * shape[1]), one / (one + m * shape[2]), one / (one + m * shape[3])
-        )
+        if N - one <= converged:
+            break
+        normal = normal_at(nearest, shape)
+        steepness = wp.dot(wp.cw_mul(share, normal), normal)
+        m += (N - one) * N * N * strength * strength / steepness
+        p, q, r = one + m * shape[1], one + m * shape[2], one + m * shape[3]
+        share = vec3(q * r, p * r, p * q) / (p * q * r)
         nearest = wp.cw_mul(share, X)
         N = wp.sqrt(weighted_square(nearest, shape)) / strength
-        if N - one <= rounding:
-            break
-        normal = normal_at(nearest, shape) / strength
-        m += (N - one) * N * N / wp.dot(wp.cw_mul(share, normal), normal)
     return nearest / N
 
 

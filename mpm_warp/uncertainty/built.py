@@ -110,7 +110,8 @@ def why_not_tresca(material: Material) -> list[str]:
 
 
 def _why_law_not_measured(material: Material) -> list[str]:
-    if type(material) in MEASURED_LAWS:
+    criterion = material.criterion if isinstance(material, EinavRandolph) else type(material)
+    if type(material) in MEASURED_LAWS and criterion in MEASURED_LAWS:
         return []
     return [f"law: nobody has measured the error in {built_name(material)}"]
 

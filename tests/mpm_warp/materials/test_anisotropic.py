@@ -1,11 +1,12 @@
 """Strength by direction: stress on strain paths, strengths by mode, the isotropic limit."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
-from mpm_warp import CatalogueScene, ParameterError, SceneError
+from mpm_warp import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.einav_randolph import EinavRandolph
@@ -40,6 +41,11 @@ PATHS = {
     "mixed, turned one way": (3, 4, -2, -4, 1),
     "mixed, turned the other": (-3, 5, 60, 4, -2),
 }
+
+
+def scene(name: str) -> Any:
+    """A scene of the catalogue, with the parameters of all laws."""
+    return scene_class(name)
 
 
 def after(material: Material, gradients: list[Floats], steps: int, start: Floats) -> Simulation:
@@ -91,6 +97,28 @@ def test_stress_of_clay_that_softens_and_has_a_rate_effect_is_that_of_the_rate_e
     np.testing.assert_array_less(error, 1e-6)
 
 
+def test_softening_in_large_steps_is_that_of_the_plastic_strain() -> None:
+    """In steps of 2 % of shear strain, of which Newton's second error is 1e-7 at most."""
+    changing = EinavRandolph(
+        **ELASTIC,
+        strength=CLAY.strength,
+        criterion=Anisotropic,
+        shape=CLAY.shape,
+        rate_factor=0.0,
+        reference_strain_rate=1.0,
+        remoulded_strength_ratio=0.25,
+        ductility=2.0,
+    )
+    for sign, su in ((1.0, 2.0), (-1.0, 1.0)):
+        path = sign * np.array([0.5, 0.0, 0.0, -1.0, 0.5]) / math.sqrt(3.0)
+        rr, zz, _, _ = after(changing, [path], 50, np.zeros(4)).array("particle.stress")[0]
+        half = 0.5 * abs(zz - rr)
+        # A second at shear strain rate 1: sqrt(J2) / G of it is elastic.
+        plastic = 1.0 - 2.0 / math.sqrt(3.0) * half / 200.0
+        expected = su * (0.25 + 0.75 * math.exp(-1.5 * plastic))
+        assert half == pytest.approx(expected, rel=1e-7)
+
+
 def test_rate_raises_all_strengths_alike() -> None:
     changing = EinavRandolph(
         **ELASTIC,
@@ -138,7 +166,7 @@ def test_equal_strengths_are_those_of_von_mises() -> None:
     ],
 )
 def test_strengths_come_out_of_element_tests(test: str, strength: float) -> None:
-    result = scene_class("element_test")(
+    result = scene("element_test")(
         test=test,
         material="anisotropic",
         strength_compression=20e3,
@@ -151,7 +179,7 @@ def test_strengths_come_out_of_element_tests(test: str, strength: float) -> None
 
 
 def test_plane_strain_is_as_strong_as_the_law_says() -> None:
-    result = scene_class("element_test")(
+    result = scene("element_test")(
         test="plane_strain",
         material="anisotropic",
         strength_compression=20e3,
@@ -198,8 +226,7 @@ def test_ground_that_varies_has_the_shape_of_its_place() -> None:
 @pytest.mark.slow
 def test_cylindrical_cavity_has_the_pressure_of_the_horizontal_strength() -> None:
     """Of the integral of the law along the exact strain path, at the finest of its grids."""
-    scene = scene_class("cavity_cylinder")
-    result = scene(
+    result = scene("cavity_cylinder")(
         material="anisotropic",
         rigidity_index=50,
         strength_compression=20.0,
@@ -245,6 +272,14 @@ def test_strengths_that_are_not_possible_are_refused(
         Anisotropic(**ELASTIC, **{**STRENGTHS, **changed})
 
 
+def test_ground_that_yields_before_is_refused() -> None:
+    for over_vertical in (-1.99, 3.99):
+        CLAY.check_stress_at_rest(np.array([1.0, 0.0, 0.0, 1.0]) * over_vertical)
+    for over_vertical in (-2.01, 4.01):
+        with pytest.raises(SceneError, match="must be within -2 and 4 Pa"):
+            CLAY.check_stress_at_rest(np.array([1.0, 0.0, 0.0, 1.0]) * over_vertical)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -253,6 +288,5 @@ def test_strengths_that_are_not_possible_are_refused(
     ],
 )
 def test_scenes_refuse_strengths_in_a_line(given: dict[str, float], message: str) -> None:
-    scene: type[CatalogueScene] = scene_class("cone_penetration")
     with pytest.raises(ParameterError, match=message):
-        scene(material="anisotropic", **given)
+        scene("cone_penetration")(material="anisotropic", **given)
