@@ -1,7 +1,7 @@
 """Checks of what a user gives: numbers, arrays, indices. Kernels do not check the bounds of arrays.
 
 Each check raises an error of one line: which argument, its value, and what is allowed. A name has
-the part too: "contact: nodes".
+the part too: "contact: nodes". It is a `SceneError`, or of the class that is given as `error`.
 """
 
 import math
@@ -61,11 +61,7 @@ def check_number(
     unit: str = "",
     error: type[ValueError] = SceneError,
 ) -> None:
-    """Check that a value is a finite number within a range.
-
-    Raises:
-        ValueError: it is not; of the class `error`.
-    """
+    """Check that a value is a finite number within a range."""
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if not (is_number and allowed.holds(value, value)):
         kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
@@ -98,11 +94,7 @@ class Checked:
 def check_whole(
     name: str, value: object, allowed: Range, *, error: type[ValueError] = SceneError
 ) -> None:
-    """Check that a value is a whole number within a range, of a type of whole numbers.
-
-    Raises:
-        ValueError: it is not; of the class `error`.
-    """
+    """Check that a value is a whole number within a range, of a type of whole numbers."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole:
         raise error(f"{name} = {in_words(value)} must be an integer {allowed.allowed}")
@@ -110,11 +102,7 @@ def check_whole(
 
 
 def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
-    """Check that a value is of a class, or of one of several.
-
-    Raises:
-        SceneError: it is not.
-    """
+    """Check that a value is of a class, or of one of several."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
         words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
@@ -122,11 +110,7 @@ def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
 
 
 def check_known(name: str, value: object, known: Collection[object]) -> None:
-    """Check that a value is one of those that there are.
-
-    Raises:
-        SceneError: it is not.
-    """
+    """Check that a value is one of those that there are."""
     if value not in known:
         raise SceneError(f"{name} = {in_words(value)} must be one of {', '.join(map(str, known))}")
 
@@ -157,9 +141,6 @@ def check_array(
         allowed: the range.
         kinds: kinds of numbers that it may have, in the letters of numpy.
         error: what is raised.
-
-    Raises:
-        ValueError: they are not; of the class `error`.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         what = {"b": "true and false", "iu": "integers"}.get(kinds, "numbers")
@@ -178,11 +159,7 @@ def check_array(
 
 
 def check_nodes(name: str, nodes: Any, count: int) -> None:
-    """Check that nodes are flat indices of nodes of a grid that has so many, each once.
-
-    Raises:
-        SceneError: they are not.
-    """
+    """Check that nodes are flat indices of nodes of a grid that has so many, each once."""
     check_array(name, nodes, (None,), Range(minimum=0, maximum=count - 1), kinds="iu")
     present = np.bincount(nodes, minlength=1)
     if present.max() > 1:

@@ -52,11 +52,7 @@ class Load(Checked):
         check_array("Load: forces", self.forces, (None, 2))
 
     def impulse_time(self, time: Floats) -> Floats:
-        """Impulse until each time over the final force: time integral of the fraction acting [s].
-
-        Args:
-            time: times since the start of the run [s], of any shape.
-        """
+        """Impulse until each time since the start of the run [s], over the final force [s]."""
         rising = np.clip(time - self.start, 0.0, self.rise_time)
         steady = np.maximum(time - self.start - self.rise_time, 0.0)
         integral: Floats = 0.5 * rising**2 / self.rise_time + steady
@@ -64,12 +60,7 @@ class Load(Checked):
 
 
 def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
-    """Add the forces of the loads on all particles, at the beginning of a step.
-
-    Args:
-        plan: to add to.
-        loads: each with the particles of its body; one or more.
-    """
+    """Add the forces of loads, each with the particles of its body, at the beginning of a step."""
     forces = np.zeros((len(loads), plan.particle_count, 2))
     for index, (particles, load) in enumerate(loads):
         forces[index, particles] = load.forces

@@ -87,12 +87,7 @@ class UniformGrid:
 
 @wp.func
 def first_node(x: real, node_count: int) -> int:
-    """Lowest of the three nodes of a place, so limited that the other two exist.
-
-    Args:
-        x: distance from the lowest node of the grid, over h.
-        node_count: nodes along the axis.
-    """
+    """Lowest of the three nodes of a place x, over h from the lowest node; the others exist too."""
     return wp.clamp(int(wp.floor(x - half)), 0, node_count - 3)
 
 

@@ -49,13 +49,7 @@ four = wp.constant(real(4.0))
 
 @make_plan.register
 def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | None = None) -> Plan:
-    """The plan of a run of `scene`, complete.
-
-    Args:
-        scene: what to run.
-        share_count: not used: no launch over bodies is split into shares.
-        time_step: length of a step [s], > 0; default: the scene's fraction of the critical one.
-    """
+    """The plan of a run of bodies, see `make_plan`; none of its launches is split into shares."""
     check_whole("share_count", share_count, FROM_ONE)
     critical_time_step = scene.critical_time_step()
     if time_step is None:
@@ -122,11 +116,7 @@ def _held_nodes(body: Body, grid: UniformGrid) -> Integers:
 def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: bool) -> Any:
     """Particles to the nodes of their body's field; launched over particles.
 
-    Args:
-        axisymmetric: whether there is a hoop direction.
-        damped: whether there is a viscous stress.
-        loaded: whether particles bear loads.
-        contact: whether contact needs the surfaces of the bodies.
+    With a hoop direction, a viscous stress, loads, and surfaces for contact, each where needed.
     """
     key = "axisymmetric" if axisymmetric else "plane"
     for name, has_part in (("damped", damped), ("loaded", loaded), ("contact", contact)):
@@ -240,12 +230,7 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
 
 @functools.cache
 def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
-    """The kernel, launched over particles; `body_moduli` holds (G, K) of each body.
-
-    Args:
-        axisymmetric: whether there is a hoop direction.
-        damped: whether there is a viscous stress.
-    """
+    """The kernel, launched over particles; `body_moduli` holds (G, K) of each body."""
     key = f"{'axisymmetric' if axisymmetric else 'plane'}{'.damped' if damped else ''}"
 
     @wp.kernel(module=f"mpm_warp.grid_to_body.{key}", enable_backward=False)

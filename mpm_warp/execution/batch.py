@@ -134,12 +134,7 @@ class _BatchedSteps(Replay):
         self._batch = batch
 
     def replay(self, steps: range, threads: int) -> None:
-        """Wait until the steps of these numbers, at least one, have been taken.
-
-        Args:
-            steps: step numbers; they decide which steps are audited.
-            threads: without effect; the threads of the batch take the steps.
-        """
+        """Wait until these steps, at least one, have been taken, by the threads of the batch."""
         self.left = steps
         self._batch.wait_for(self)
 

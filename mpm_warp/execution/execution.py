@@ -49,12 +49,7 @@ class Execution:
         check_known("threads", self.threads, THREAD_COUNTS)
 
     def steps(self, plan: Plan, arrays: dict[str, Any]) -> Replay:
-        """The steps of a plan on the device, for one run.
-
-        Args:
-            plan: the plan of the run.
-            arrays: the arrays of the plan on the device, by name.
-        """
+        """The steps of a plan on the device, for one run with its arrays there, by name."""
         return Replay(plan, arrays, self.device)
 
     @property
@@ -90,11 +85,7 @@ class DeviceRun:
         self.compile_time = time.perf_counter() - start
 
     def array(self, name: str) -> NDArray[Any]:
-        """The present values of an array; on a processor writing to them changes the run.
-
-        Raises:
-            KeyError: the run has no array of that name.
-        """
+        """The present values of an array; on a processor writing to them changes the run."""
         if name in self._seen:
             return self._seen[name]
         values: NDArray[Any] = self.arrays[name].numpy()
@@ -103,11 +94,7 @@ class DeviceRun:
         return values
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
-        """Give an array other values, or one value everywhere.
-
-        Raises:
-            KeyError: the run has no array of that name.
-        """
+        """Give an array other values, or one value everywhere."""
         array = self.arrays[name]
         if array.device == self._host:
             self.array(name)[...] = values

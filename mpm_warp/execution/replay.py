@@ -78,9 +78,7 @@ class RecordedSteps:
     def replay(self, steps: range) -> None:
         """Take the steps of these numbers, which decide which steps are audited.
 
-        Raises:
-            BaseException: the first that a thread raised, or one that reached the caller, as by
-                Ctrl-C. The steps can then not be replayed again.
+        After an exception, of a thread or as by Ctrl-C, no steps can be replayed again.
         """
         length = self._steps_per_call
         calls = [steps[first : first + length] for first in range(0, len(steps), length)]
@@ -250,13 +248,7 @@ class ThreadChoice:
         return 1 if 1 not in self._step_time or self._pause > 0 else wanted
 
     def note(self, threads: int, step_count: int, seconds: float) -> None:
-        """Note the time of a replay.
-
-        Args:
-            threads: number of threads that took the steps.
-            step_count: number of steps.
-            seconds: wall-clock time of all of them [s].
-        """
+        """Note the wall-clock time of a replay [s], by so many threads, of so many steps."""
         if threads == 1:
             self._pause = max(0, self._pause - step_count)
         if step_count < LEAST_STEPS:

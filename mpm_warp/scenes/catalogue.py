@@ -188,13 +188,7 @@ class CatalogueScene(ABC):
     def compute_with_snapshots(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots
     ) -> xr.Dataset:
-        """What `compute` gives, with snapshots taken on the way.
-
-        A scene with `snapshots_over` defines it.
-
-        Raises:
-            SceneError: the scene takes none.
-        """
+        """What `compute` gives, with snapshots on the way; of a scene with `snapshots_over`."""
         raise SceneError(f"{self.catalogue_name()}: takes no snapshots")
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
@@ -298,11 +292,7 @@ def _origin(scene: Offered) -> str:
 
 
 def _loaded(entry_point: EntryPoint) -> type[CatalogueScene]:
-    """The class of an entry point.
-
-    Raises:
-        UnknownSceneError: it cannot be loaded, or is not a scene.
-    """
+    """The class of an entry point; one that cannot be loaded, or is no scene, is an error."""
     where = f"scene {entry_point.name!r}: {_origin(entry_point)}"
     try:
         scene: type[CatalogueScene] = entry_point.load()
