@@ -112,6 +112,9 @@ def share(text: str) -> float:
         value = math.nan
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 1% or 0.01")
+    if value >= 1.0 and not text.endswith("%"):
+        meant = f"{text}% meant? 100% and more is written with its sign, as {100.0 * value:g}%"
+        raise argparse.ArgumentTypeError(f"{text!r} is {value:.0%}: is {meant}")
     return value
 
 

@@ -31,6 +31,7 @@ from harness.compare.compared import (
     stored_references,
 )
 from harness.compare.finest_error import error_name
+from harness.compare.ratios import change_notes, ratio_notes
 from harness.references.cone_factors import (
     COMPARED,
     ENVELOPE,
@@ -263,11 +264,16 @@ def _place(value: float, lower: float, upper: float) -> str:
 def result_table(dataset: xr.Dataset) -> str:
     """A text table for a terminal: one row a case, and how to read it below.
 
-    Where cone factors stand beside results of other scenes, these have a table of their own.
+    Where cone factors stand beside results of other scenes, these have a table of their own, and
+    each ratio of two scenes in one soil stands below.
 
     Raises:
         NothingToCompareError: no case has a result, or a cone factor lacks its parameters.
     """
+    return "\n".join([_tables(dataset), *ratio_notes(dataset), *change_notes(dataset)])
+
+
+def _tables(dataset: xr.Dataset) -> str:
     if COMPARED not in dataset:
         return _exact_table(dataset)
     scenes = np.array(scenes_of(dataset))

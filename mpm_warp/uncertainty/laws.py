@@ -66,9 +66,15 @@ BOTTOM, TOP = 0.3, 0.5
 """Half widths of the effects of bottom and top, over them."""
 INERTIA = 0.05
 """Half width of S."""
-SMALLEST_POISSONS_RATIO = 0.45
-LARGEST_ANISOTROPY = 0.5
-"""Ranges of the cases by which the laws were tested."""
+TESTED_INDICES = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
+TESTED_ANISOTROPY, TESTED_POISSONS_RATIO = 0.5, 0.45
+"""Rigidity indices, |Delta| and Poisson's ratios up to which the laws were measured and tested."""
+LARGEST_ANISOTROPY, SMALLEST_POISSONS_RATIO = 0.95, 0.4
+SMALLEST_INDEX, LARGEST_INDEX = 10.0, 2000.0
+"""How far the laws are carried on, in few runs each."""
+ANISOTROPY, COMPRESSION, SOFTER, STIFFER = 0.4, 1.0, 0.35, 0.15
+"""Half widths of what the laws leave open where they are carried on: per |Delta|, per Poisson's
+ratio, and per ln(Ir) below and above the range that they were measured or tested in."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -129,6 +135,7 @@ class ErrorLaws:
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
             "top": TOP * self._top,
             "speed": INERTIA * self.inertia,
+            "range": self._beyond_range,
         }
 
     def why_none_holds(self, *, largest_cell: float) -> dict[str, Condition]:
@@ -137,10 +144,9 @@ class ErrorLaws:
         Args:
             largest_cell: the greatest width of the cells at the cone that is allowed.
         """
-        lowest, highest = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
         return {
-            f"rigidity index: it is not {lowest:g} to {highest:g}": (
-                (self.rigidity_index < lowest) | (self.rigidity_index > highest)
+            f"rigidity index: it is not {SMALLEST_INDEX:g} to {LARGEST_INDEX:g}": (
+                (self.rigidity_index < SMALLEST_INDEX) | (self.rigidity_index > LARGEST_INDEX)
             ),
             f"Delta: the stress anisotropy is beyond {LARGEST_ANISOTROPY:g}": (
                 np.abs(self.stress_anisotropy) > LARGEST_ANISOTROPY
@@ -157,6 +163,19 @@ class ErrorLaws:
             "mesh: the cells are too wide": self.cell_size > largest_cell,
             "speed: it is too high": self.inertia > LARGEST_INERTIA,
         }
+
+    @property
+    def _beyond_range(self) -> Value:
+        """Half width of what is left open because the laws are carried on, shape [...]."""
+        below, above = (np.log(it / self.rigidity_index) for it in TESTED_INDICES)
+        anisotropy = np.abs(self.stress_anisotropy) - TESTED_ANISOTROPY
+        left: Value = (
+            ANISOTROPY * np.maximum(0.0, anisotropy)
+            + COMPRESSION * max(0.0, TESTED_POISSONS_RATIO - self.poissons_ratio)
+            + SOFTER * np.maximum(0.0, below)
+            + STIFFER * np.maximum(0.0, -above)
+        )
+        return left
 
     @property
     def _nearness(self) -> Value:

@@ -23,9 +23,10 @@ AROUND = 2.0
 SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
 deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
-LEFT_BY_SURFACE = 0.026
+LEFT_BY_SURFACE, FALLING = 0.026, 28.0
 """Half width of what the surface leaves when it is out of the window, over the resistance: twice
-what a window of twice the extents changes, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii."""
+what a window of twice the extents changes, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii. From
+there on it falls with the depth at least: the lack of resistance falls with its square."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,7 +84,7 @@ def sample_error(
         "borders": 0.25 * factor * np.abs(shift) / around,
     }
     if surface:
-        parts["surface"] = LEFT_BY_SURFACE * factor
+        parts["surface"] = LEFT_BY_SURFACE * factor * FALLING / np.maximum(FALLING, laws.way)
     of_laws = laws.why_none_holds(largest_cell=LARGEST_CELL)
     reasons: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_laws, **surface}
     not_known = np.zeros(depth.shape, dtype=bool)

@@ -200,8 +200,9 @@ class ConePenetration(ConeTest):
         """
         cone.check_measurable(self._laws(way=self.penetration))
         wider = {name: cone.WIDER * getattr(self, name) for name in self.default_extents}
-        # In a higher window the cone has more soil to pass.
-        further = wider["domain_above"] - self.domain_above
+        # In a higher window the cone has more soil to pass, and it takes longer to settle.
+        settling = cone.SETTLING * wider["domain_above"]
+        further = wider["domain_above"] - self.domain_above + settling
         wider |= {"approach": self.approach + further, "penetration": self.penetration + further}
         changes = {
             "mesh": {"cells_per_radius": cone.FINER * self.cells_per_radius},

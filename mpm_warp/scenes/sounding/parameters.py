@@ -55,7 +55,7 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
     strength_gradient: float = parameter(
         0.0, "growth of strength with depth", unit="Pa m-1", minimum=0, maximum=1e9
     )
-    rigidity_index: float = redefined(FieldClayScene, "rigidity_index", minimum=20, maximum=1000)
+    rigidity_index: float = redefined(FieldClayScene, "rigidity_index", minimum=10, maximum=2000)
     layer_top: float | None = parameter(
         None, "depth of the top of the layer (default: no layer)", unit="m", above=0
     )

@@ -11,6 +11,7 @@ from harness.archive.conventions import COMPLETED, FORMAT_VERSION
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
+from harness.cli.parser import share
 from harness.compare.recommend import DERIVED, recommend
 from harness.errors import HarnessError
 from tests.harness.conftest import Refusal
@@ -185,3 +186,12 @@ def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Pat
     found = recommend("cone_penetration", 0.01, [written(tmp_path, silent)])
     assert found is not None
     assert found.settings["cells_per_radius"] == 1.5
+
+
+def test_an_error_of_the_whole_asks_whether_percent_are_meant(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["recommend", "cone_penetration", "--error", "1"])
+    assert "'1' is 100%: is 1% meant?" in capsys.readouterr().err
+    assert share("150%") == 1.5

@@ -25,7 +25,10 @@ from mpm_warp.uncertainty.laws import (
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
 KNOWN, FURTHER = "the error is known in tresca", "further runs may measure it"
-PARTS = ("mesh", "growth", "domain", "bottom", "top", "steadiness", "speed", "points", "noise")
+PARTS = (
+    *("mesh", "growth", "domain", "bottom", "top", "range"),
+    *("steadiness", "speed", "points", "noise"),
+)
 
 
 def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) -> xr.Dataset:
@@ -128,6 +131,30 @@ def test_a_worse_choice_has_a_larger_part(part: str, changes: dict[str, float]) 
     assert float(after[name]) > float(before[name])
 
 
+@pytest.mark.parametrize(
+    ("name", "inside", "edge", "beyond"),
+    [
+        ("stress_anisotropy", 0.49, 0.5, 0.9),
+        ("stress_anisotropy", -0.49, -0.5, -0.9),
+        ("rigidity_index", 1000.0 / 1.01, 1000.0, 2000.0),
+        ("rigidity_index", 20.2, 20.0, 10.0),
+        ("poissons_ratio", 0.46, 0.45, 0.4),
+    ],
+)
+def test_beyond_what_was_tested_the_laws_go_on_and_are_less_certain(
+    name: str, inside: float, edge: float, beyond: float
+) -> None:
+    """Without a jump at the edge, and with a part of its own that grows from there."""
+    tests = [dataclasses.replace(TEST, **{name: it}) for it in (inside, edge, beyond)]
+    within, at_edge, carried_on = (known_error(it, recorded(it)) for it in tests)
+    assert float(at_edge.cone_factor) == pytest.approx(float(within.cone_factor), abs=0.02)
+    parts = [float(it.cone_factor_uncertainty_range) for it in (within, at_edge, carried_on)]
+    assert parts[:2] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert parts[2] > 0.04
+    assert float(carried_on.cone_factor_uncertainty) > float(at_edge.cone_factor_uncertainty)
+    assert carried_on.why_no_uncertainty == ""
+
+
 def test_what_is_left_open_of_growth_goes_with_its_effect() -> None:
     assert growth_uncertainty(CELL, 1e-9) == pytest.approx(0.0, abs=1e-12)
     effect = GROWTH_ERROR * growth_measure(0.5 * CELL, 0.4)
@@ -164,9 +191,9 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ),
         ({"apex_angle": 90.0}, "cone: its apex angle is 90 degrees, not 60"),
         ({"friction_coefficient": 0.1}, "contact: it has friction"),
-        ({"rigidity_index": 5.0}, "rigidity index: it is not 20 to 1000"),
-        ({"stress_anisotropy": 0.6}, "Delta: the stress anisotropy is beyond 0.5"),
-        ({"poissons_ratio": 0.3}, "Poisson's ratio: it is below 0.45"),
+        ({"rigidity_index": 9.0}, "rigidity index: it is not 10 to 2000"),
+        ({"stress_anisotropy": -0.96}, "Delta: the stress anisotropy is beyond 0.95"),
+        ({"poissons_ratio": 0.39}, "Poisson's ratio: it is below 0.4"),
         ({"speed_ratio": 0.2}, "speed: it is too high"),
         ({"domain_below": 7.0}, "window: its bottom is too near"),
         ({"cells_per_radius": 1.2}, "mesh: the cells are too wide"),

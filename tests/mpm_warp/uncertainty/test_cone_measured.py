@@ -77,6 +77,15 @@ def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
     assert "cone_factor_uncertainty_bottom" not in results
 
 
+def test_in_a_wider_window_the_cone_goes_farther_at_the_speed_of_the_approach() -> None:
+    """The soil to pass is more by 0.4 of the extent above, and 0.5 of the new one for settling."""
+    wider = TEST.further_tests()["domain"]
+    assert wider.domain_above == pytest.approx(1.4 * TEST.domain_above)
+    for name in ("approach", "penetration"):
+        way = getattr(wider, name) - getattr(TEST, name)
+        assert way == pytest.approx((0.4 + 0.5 * 1.4) * TEST.domain_above)
+
+
 def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
     def coarse(test: ConePenetration, progress: Progress) -> xr.Dataset:
         made = run(test, progress)

@@ -39,19 +39,46 @@ def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
 
 
 def test_beyond_the_anisotropy_measured_the_reason_is_told_with_its_depths() -> None:
-    """Ground whose Delta grows with depth, as under K0: it is beyond 0.5 from 2 m on."""
+    """Ground whose Delta grows with depth, as under K0: it is beyond 0.95 from 2 m on."""
     depth = np.array([0.0, 2.0, 4.0])
     ground = Profile(
         depth=depth,
         strength=np.full(3, 20e3),
         shear_modulus=np.full(3, 2e6),
         unit_weight=np.full(3, 16e3),
-        stress_anisotropy=np.array([0.3, 0.5, 0.7]),
+        stress_anisotropy=np.array([0.3, 0.95, 0.99]),
     )
     sounding = Sounding(profile=ground.text, from_depth=1.5, to_depth=2.5)
     places = np.array([1.5, 1.9, 2.1, 2.4])
     error = error_of_samples(sounding, places, np.full(4, FACTOR * 20e3))
     assert np.isnan(error.half_width).tolist() == [False, False, True, True]
     assert error.correction[2:].tolist() == [0.0, 0.0]
-    reason = "Delta: the stress anisotropy is beyond 0.5, from 2.1 to 2.4 m"
+    reason = "Delta: the stress anisotropy is beyond 0.95, from 2.1 to 2.4 m"
     assert error.reason == reason
+
+
+def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None:
+    """K0 0.6, 16 kN/m3, water to the surface: Delta is 0.5 at 2.2 m, and 0.75 at 20 m."""
+    depth = np.linspace(0.0, 25.0, 101)
+    strength = 2e3 + 1.5e3 * depth
+    ground = Profile(
+        depth=depth,
+        strength=strength,
+        shear_modulus=150.0 * strength,
+        unit_weight=np.full(depth.size, 16e3),
+        stress_anisotropy=0.4 * (16e3 - 9.81e3) * depth / (2.0 * strength),
+    )
+    sounding = Sounding(profile=ground.text, adhesion_factor=0.4, from_depth=2.0, to_depth=20.0)
+    places = np.linspace(2.0, 20.0, 50)
+    resistance = 11.0 * (2e3 + 1.5e3 * places)
+    error = error_of_samples(sounding, places, resistance)
+    assert error.reason == ""
+    assert (error.half_width <= 0.02 * resistance).all()
+    from_top = Sounding(profile=ground.text, adhesion_factor=0.4, from_depth=0.0, to_depth=20.0)
+    below_top = (np.arange(1200) + 0.5) * from_top.spacing
+    of_top = 11.0 * (2e3 + 1.5e3 * below_top)
+    error = error_of_samples(from_top, below_top, of_top)
+    assert np.isnan(error.half_width[0])
+    assert error.reason.startswith("surface: it is in the window to a depth of ")
+    is_deep = below_top > 2.0
+    assert (error.half_width[is_deep] <= 0.02 * of_top[is_deep]).all()
