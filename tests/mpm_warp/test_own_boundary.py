@@ -1,18 +1,14 @@
 """A boundary is one file: one that only this file knows, in the scene of a cone."""
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, check_number
-from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, vec4
 from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Part, Scene
@@ -29,12 +25,7 @@ class ViscousSide(Part):
         rate: c [1/s], >= 0.
     """
 
-    needs = (Window,)
-    not_beside = ((FarField, "it has dashpots"),)
     rate: float
-
-    def check(self, scene: Scene) -> None:
-        check_number("viscous side: rate", self.rate, NOT_NEGATIVE, unit="1/s")
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         grid = scene.grid
@@ -96,20 +87,3 @@ def test_it_acts_and_follows_the_window(open_side: Scene) -> None:
     assert np.all(rate == rate[0])
     layer = float(np.diff(open_side.grid.rows)[0]) / open_side.particles_per_side
     assert TRAVEL - layer <= rate[0] / 1e4 - 1.0 <= TRAVEL + layer
-
-
-def test_what_it_needs_and_is_not_beside_is_checked(
-    cone: Scene,
-    open_side: Scene,
-    refused: Callable[[Callable[[], object], type[Exception], str], None],
-) -> None:
-    side = ViscousSide(1.0)
-    for do, message in (
-        (lambda: cone.with_parts(side), "ViscousSide: not together with a FarField; it has"),
-        (
-            lambda: open_side.without(Window).with_parts(side),
-            "ViscousSide: not without a Window",
-        ),
-        (lambda: open_side.with_parts(ViscousSide(-1.0)), "viscous side: rate"),
-    ):
-        refused(do, SceneError, message)

@@ -16,7 +16,6 @@ from mpm_warp.parameters import (
     parameters_of,
 )
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
@@ -78,10 +77,6 @@ def test_what_is_derived_follows_what_it_is_derived_from() -> None:
     assert smooth == given  # a derived value is a number like any other
 
 
-def test_what_may_be_none_stays_none() -> None:
-    assert SlidingBlock().stiffness_ratio is None
-
-
 def test_what_is_derived_is_checked() -> None:
     with pytest.raises(ParameterError, match=r"half = 6\.0 is not allowed: must be a number <= 5"):
         Halved(whole=12.0)
@@ -108,7 +103,4 @@ def test_the_nearest_name_and_where_none_is_near_all_of_them() -> None:
     assert known_names(["error", "stress"]) == "; known: error, stress"
     assert nearest_name("eror", ["error", "stress"]) == "; did you mean 'error'?"
     assert nearest_name("depth", ["error", "stress"]) == "; known: error, stress"
-
-
-def test_where_no_name_is_known_none_is_told() -> None:
     assert did_you_mean("error", []) == known_names([]) == nearest_name("error", []) == ""

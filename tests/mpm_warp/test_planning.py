@@ -18,22 +18,6 @@ from tests.mpm_warp.edges import axis_and_ends
 STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
 
 
-@dataclasses.dataclass(frozen=True)
-class Twice:
-    """A kind of scene that only this file knows: every launch of another one, twice."""
-
-    scene: Scene
-
-
-@make_plan.register
-def plan_twice(
-    twice: Twice, share_count: int = SHARE_COUNT, time_step: float | None = None
-) -> Plan:
-    plan = make_plan(twice.scene, share_count, time_step)
-    plan.step = 2 * plan.step
-    return plan
-
-
 def kernels(plan: Plan) -> list[str]:
     return [launch.name for launch in plan.step]
 
@@ -138,9 +122,3 @@ def test_sums_have_a_row_for_each_share(floating: Scene) -> None:
 def test_what_nobody_can_plan_is_a_type_error() -> None:
     with pytest.raises(TypeError, match=r"^a str cannot be planned$"):
         make_plan("cone_penetration")
-    with pytest.raises(TypeError, match=r"^a NoneType cannot be planned$"):
-        make_plan(None)
-
-
-def test_another_kind_of_scene_registers_how_it_is_planned(floating: Scene) -> None:
-    assert len(make_plan(Twice(floating)).step) == 2 * len(make_plan(floating).step)

@@ -70,17 +70,13 @@ def mean_position(simulation: Simulation) -> Floats:
     return mean
 
 
-def advance_to(simulation: Simulation, time: float) -> None:
-    simulation.advance(round(time / simulation.plan.time_step) - simulation.step_count)
-
-
 @pytest.mark.parametrize("angle", [0.0, math.radians(25.0)])
 def test_impulses_on_two_free_bodies_sum_to_zero(angle: float) -> None:
     simulation = block_on_base(angle=angle, rigid_base=False)
     velocity = simulation.array("particle.velocity")
     velocity[simulation.array("particle.body") == 0] = [1.0, -2.0]
     before = momentum(simulation, 0) + momentum(simulation, 1)
-    advance_to(simulation, 3.0 * CROSSING)
+    simulation.advance_to(3.0 * CROSSING)
     exchanged = simulation.array("contact.total")[0][:2]
     assert np.linalg.norm(exchanged) > 0.1 * MASS
     after = momentum(simulation, 0) + momentum(simulation, 1)
@@ -103,10 +99,10 @@ def test_block_that_is_lifted_off_is_free_and_sticks_when_it_is_dropped_again() 
             (push, 120.0 * CROSSING),
         )
     )
-    advance_to(simulation, lift_at + 2.0 * CROSSING)
+    simulation.advance_to(lift_at + 2.0 * CROSSING)
     simulation.array("contact.total")[:] = 0.0
     start, begin = simulation.time, momentum(simulation, 0)
-    advance_to(simulation, drop_at - 0.5 * CROSSING)
+    simulation.advance_to(drop_at - 0.5 * CROSSING)
     # Nothing pulls the block back, the adhesion neither: it moves by the forces on it alone.
     np.testing.assert_array_equal(simulation.array("contact.total"), 0.0)
     gained = momentum(simulation, 0) - begin
@@ -114,13 +110,13 @@ def test_block_that_is_lifted_off_is_free_and_sticks_when_it_is_dropped_again() 
         gained, -weight * (simulation.time - start), rtol=1e-10, atol=1e-10 * np.linalg.norm(gained)
     )
 
-    advance_to(simulation, 115.0 * CROSSING)
+    simulation.advance_to(115.0 * CROSSING)
     assert np.abs(momentum(simulation, 0)).max() < 1e-3 * np.abs(gained).max()
-    advance_to(simulation, 160.0 * CROSSING)
+    simulation.advance_to(160.0 * CROSSING)
     pushed = mean_position(simulation)
     simulation.array("contact.total")[:] = 0.0
     start = simulation.time
-    advance_to(simulation, 200.0 * CROSSING)
+    simulation.advance_to(200.0 * CROSSING)
     force = simulation.array("contact.total")[0][:2] / (simulation.time - start)
     np.testing.assert_allclose(force, push + weight, rtol=1e-3)
     free = 0.5 * push[0] / MASS * (simulation.time - start) ** 2
@@ -150,9 +146,9 @@ def test_bodies_feel_each_other_when_they_touch_and_not_a_cell_before() -> None:
     position[simulation.array("particle.body") == 0, 1] += gap
     speed = 0.01 * MATERIAL.shear_wave_speed
     simulation.array("particle.velocity")[simulation.array("particle.body") == 0, 1] = -speed
-    advance_to(simulation, 0.8 * gap / speed)
+    simulation.advance_to(0.8 * gap / speed)
     np.testing.assert_array_equal(simulation.array("contact.total"), 0.0)
-    advance_to(simulation, 1.2 * gap / speed)
+    simulation.advance_to(1.2 * gap / speed)
     assert simulation.array("contact.total")[0][1] < 0.0
 
 
@@ -190,7 +186,7 @@ def test_ring_breathes_at_its_frequency() -> None:
     simulation.array("particle.velocity")[:, 0] = speed
     youngs_modulus = 2.0 * MATERIAL.shear_modulus * (1.0 + MATERIAL.poissons_ratio)
     frequency = math.sqrt(youngs_modulus / MATERIAL.density) / radius
-    advance_to(simulation, 0.5 * math.pi / frequency)
+    simulation.advance_to(0.5 * math.pi / frequency)
     mean = float(ring.mass @ simulation.array("particle.velocity")[:, 0]) / float(ring.mass.sum())
     # A quarter of a period later it stands still, but for what the thin ring's theory leaves out.
     assert mean / speed == pytest.approx(0.0, abs=2.0 * (thickness / radius) ** 2)

@@ -29,17 +29,9 @@ def test_strain_rates_are_those_of_reality() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"remoulded_strength_ratio": 1.2}, "remoulded_strength_ratio = 1.2 is not allowed: must"),
-        ({"remoulded_strength_ratio": 0.0}, "remoulded_strength_ratio = 0.0 is not allowed: must"),
-        ({"rate_factor": -0.1}, "rate_factor = -0.1 is not allowed: must be a number >= 0"),
         ({"rate_factor": 0.1}, "rate_factor = 0.1 needs reference_strain_rate, in 1/s: give both"),
         ({"remoulded_strength_ratio": 0.2}, "remoulded_strength_ratio = 0.2 needs ductility, the"),
         ({"remoulded_strength_ratio": 0.2, "ductility": 0.01}, "ductility = 0.01 is too brittle"),
-        ({"ductility": 0.0}, "ductility = 0.0 is not allowed: must be a number > 0"),
-        (
-            {"rate_factor": 0.1, "reference_strain_rate": 0.0},
-            "reference_strain_rate = 0.0 is not allowed: must be a number >= 1e-12",
-        ),
     ],
 )
 def test_what_no_clay_is_like_is_refused_in_one_line(given: dict[str, float], message: str) -> None:
