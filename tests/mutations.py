@@ -37,6 +37,12 @@ COPIES = 2
 TIME_LIMIT = 300.0
 """Time that a test may take with an error in place [s]: many times what any takes without."""
 PASSED, FAILED = "passed", "failed"
+HEAD = """# Deliberate errors and the test that notices each
+
+Written by `python tests/mutations.py`.
+
+| error | file | test |
+|---|---|---|"""
 
 
 @dataclass(frozen=True)
@@ -65,16 +71,6 @@ class Mutation:
         count = file.read_text().count(self.right)
         return "" if count == 1 else f"{count} times in {self.file}: {self.right!r}"
 
-    def outcome(self, tree: Path) -> tuple[str, str]:
-        """What becomes of the test with the error in a tree, which is whole again afterwards."""
-        file = tree / self.file
-        text = file.read_text()
-        file.write_text(text.replace(self.right, self.wrong))
-        try:
-            return outcome(tree, [self.test], TIME_LIMIT)
-        finally:
-            file.write_text(text)
-
 
 MUTATIONS = tuple(
     Mutation(**entry)
@@ -84,13 +80,16 @@ MUTATIONS = tuple(
 
 def outcome(tree: Path, arguments: Iterable[str], time_limit: float | None) -> tuple[str, str]:
     """What becomes of tests in a tree: `PASSED`, `FAILED` or in other words what else; and why."""
+    settings = {
+        "PYTHONPATH": str(tree),
+        "WARP_CACHE_PATH": str(tree.parent / "cache"),
+        "PYTHONDONTWRITEBYTECODE": "1",  # for an error it would outlive the error
+        "COLUMNS": "200",  # else there is no room for reasons
+    }
     with subprocess.Popen(
         [sys.executable, "-m", "pytest", "-q", "--tb=no", "-rfE", *arguments],
         cwd=tree,
-        env=os.environ
-        | {"PYTHONPATH": str(tree), "WARP_CACHE_PATH": str(tree.parent / "cache")}
-        | {"PYTHONDONTWRITEBYTECODE": "1"}  # for an error it would outlive the error
-        | {"COLUMNS": "200"},  # else there is no room for reasons
+        env=os.environ | settings,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
@@ -105,11 +104,9 @@ def outcome(tree: Path, arguments: Iterable[str], time_limit: float | None) -> t
             raise
     reasons = [line for line in told.splitlines() if line.startswith(("FAILED ", "ERROR "))]
     reason = reasons[0].partition(" - ")[2] if reasons else ""
-    if pytest.returncode == 0:
-        return PASSED, ""
     if pytest.returncode == 1 and all(line.startswith("FAILED ") for line in reasons):
         return FAILED, reason
-    return f"ended with {pytest.returncode}", reason
+    return f"ended with {pytest.returncode}" if pytest.returncode else PASSED, reason
 
 
 def copied(tree: Path) -> Path:
@@ -139,9 +136,13 @@ def tried(mutations: list[Mutation]) -> int:
 
         def attempt(mutation: Mutation) -> tuple[str, str, float]:
             tree, start = trees.get(), time.monotonic()
+            file = tree / mutation.file
+            text = file.read_text()
+            file.write_text(text.replace(mutation.right, mutation.wrong))
             try:
-                return *mutation.outcome(tree), time.monotonic() - start
+                return *outcome(tree, [mutation.test], TIME_LIMIT), time.monotonic() - start
             finally:
+                file.write_text(text)
                 trees.put(tree)
 
         lines, unnoticed = [], 0
@@ -153,10 +154,7 @@ def tried(mutations: list[Mutation]) -> int:
             lines.append(f"| {mutation.meaning} | `{mutation.file}` | {noticed} |")
             print(f"{seconds:.0f} s", lines[-1], reason, flush=True)
     if len(mutations) == len(MUTATIONS):
-        head = ["# Deliberate errors and the test that notices each", ""]
-        head += ["Written by `python tests/mutations.py`.", ""]
-        head += ["| error | file | test |", "|---|---|---|"]
-        TABLE.write_text("\n".join([*head, *lines]) + "\n")
+        TABLE.write_text("\n".join([HEAD, *lines, ""]))
     return unnoticed
 
 

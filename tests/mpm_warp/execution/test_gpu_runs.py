@@ -18,15 +18,10 @@ def cone(adhesion_factor: float = 0.5) -> ConePenetration:
     return ConePenetration(cells_per_radius=2, penetration=16, adhesion_factor=adhesion_factor)
 
 
-def test_a_gpu_gives_the_cone_factor_of_the_processor() -> None:
-    on_processor = cone().run()
-    on_gpu = cone().run(execution=Execution(GPU))
-    assert float(on_gpu.cone_factor) == pytest.approx(float(on_processor.cone_factor), 0.001)
-
-
-def test_a_batch_on_a_gpu_gives_the_cone_factors_of_the_processor() -> None:
-    cones = [cone(factor) for factor in (0.0, 0.5, 1.0)]
-    execution = Batch(GPU)
-    results = execution.run([partial(it.run, execution=execution) for it in cones])
-    together = [float(result.cone_factor) for result in results]
-    np.testing.assert_allclose(together, [float(it.run().cone_factor) for it in cones], rtol=0.001)
+def test_a_gpu_gives_the_cone_factors_of_the_processor_alone_and_in_a_batch() -> None:
+    cones, batch = [cone(factor) for factor in (0.0, 0.5, 1.0)], Batch(GPU)
+    expected = [float(it.run().cone_factor) for it in cones]
+    alone = [float(it.run(execution=Execution(GPU)).cone_factor) for it in cones]
+    together = batch.run([partial(it.run, execution=batch) for it in cones])
+    np.testing.assert_allclose(alone, expected, rtol=0.001)
+    np.testing.assert_allclose([float(it.cone_factor) for it in together], expected, rtol=0.001)

@@ -9,7 +9,6 @@ import xarray as xr
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
-from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 
@@ -34,32 +33,20 @@ RECORDING: list[tuple[str, dict[str, Any], str]] = [
 
 @pytest.mark.parametrize(("name", "parameters", "axis"), RECORDING)
 def test_curves_up_to_the_failure_are_those_of_the_whole_run(
-    name: str, parameters: dict[str, Any], axis: str, monkeypatch: pytest.MonkeyPatch
+    name: str, parameters: dict[str, Any], axis: str
 ) -> None:
     scene = from_mapping(scene_class(name), parameters)
-    advance = Simulation.advance
-    steps_taken: list[int] = []
-    sampled_at: list[int] = []
+    whole = scene.run()
+    samples: list[float] = []
 
-    def watched(simulation: Simulation, step_count: int) -> None:
-        advance(simulation, step_count)
-        steps_taken.append(simulation.step_count)
-
-    def note(fraction: float) -> None:
+    def diverge(fraction: float) -> None:
         if fraction > 0.0:
-            sampled_at.append(steps_taken[-1])
-
-    monkeypatch.setattr(Simulation, "advance", watched)
-    whole = scene.run(note)
-
-    def diverging(simulation: Simulation, step_count: int) -> None:
-        advance(simulation, step_count)
-        if simulation.step_count > sampled_at[KEPT - 1]:
+            samples.append(fraction)
+        if len(samples) == KEPT:
             raise SimulationDiverged("on purpose")
 
-    monkeypatch.setattr(Simulation, "advance", diverging)
     with pytest.raises(SimulationDiverged) as end:
-        scene.run()
+        scene.run(diverge)
     kept_curves = end.value.curves
     assert kept_curves is not None
     assert kept_curves.sizes[axis] == KEPT
