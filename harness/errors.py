@@ -1,10 +1,11 @@
 """Errors: those that the user can put right, and those of the program; how each is reported."""
 
 import sys
-from importlib import metadata
 
 LONGEST_LINE = 1000
 """Characters of a line that is reported."""
+DEVELOPERS = "the mpm_warp developers"
+"""Who takes reports: the authors of the package."""
 
 
 class HarnessError(Exception):
@@ -19,18 +20,9 @@ def in_one_line(error: BaseException) -> str:
 def defect(error: BaseException) -> str:
     """An error of the program itself in one line, and where to report it."""
     return (
-        f"an error of the program, not of your input: {in_one_line(error)}; please report it "
-        f"{_where_to_report()}, with the command and what --debug prints"
+        f"an error of the program, not of your input: {in_one_line(error)}; please report it to "
+        f"{DEVELOPERS}, with the command and what --debug prints"
     )
-
-
-def _where_to_report() -> str:
-    try:
-        about = metadata.metadata("mpm-warp")
-    except metadata.PackageNotFoundError:
-        return "to its developers"
-    places = dict(it.split(", ", 1) for it in about.get_all("Project-URL", []))
-    return f"at {places['Issues']}" if "Issues" in places else f"to {about['Author']}"
 
 
 def printable(text: str) -> str:
@@ -38,11 +30,7 @@ def printable(text: str) -> str:
 
     A text out of a file must not move the cursor of a terminal, or say what is not so.
     """
-    return text if text.isprintable() else "".join(map(_shown, text))
-
-
-def _shown(character: str) -> str:
-    return character if character.isprintable() else ascii(character)[1:-1]
+    return "".join(it if it.isprintable() else ascii(it)[1:-1] for it in text)
 
 
 def shortened(text: str, longest: int) -> str:

@@ -3,7 +3,9 @@
 import contextlib
 import os
 import platform
+import re
 import secrets
+from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -14,7 +16,10 @@ PARTIAL = ".part"
 
 
 class ArchiveError(HarnessError):
-    """A result cannot be read or written; the message is one line and names the file."""
+    """A result cannot be read, written or removed; the message is one line and names the file.
+
+    Whatever reads or writes files of the archive may raise it.
+    """
 
 
 def prepare(folder: Path) -> None:
@@ -27,15 +32,11 @@ def prepare(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ArchiveError(f"{folder}: cannot be made: {error.strerror}") from None
-    probe = _partial(folder)
     try:
-        with _created(probe) as file:
+        with _partial(folder) as (_, file):
             file.write(b"probe")
     except OSError as error:
         raise ArchiveError(f"{folder}: cannot be written to: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            probe.unlink()
 
 
 def write_whole(content: bytes | memoryview, path: Path) -> None:
@@ -44,18 +45,14 @@ def write_whole(content: bytes | memoryview, path: Path) -> None:
     Raises:
         ArchiveError: it cannot be written; an earlier file of that name is as it was.
     """
-    partial = _partial(path.parent)
     try:
-        with _created(partial) as file:
+        with _partial(path.parent) as (partial, file):
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        partial.replace(path)
+            partial.replace(path)
     except OSError as error:
         raise ArchiveError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            partial.unlink()
 
 
 def discard_partial(folder: Path, process_id: int) -> None:
@@ -66,14 +63,15 @@ def discard_partial(folder: Path, process_id: int) -> None:
 
 def abandoned(folder: Path) -> list[Path]:
     """Half-written files whose processes, on this machine, are no more."""
-    ending = partial_ending("*")
-    before, after = ending.split("*")
-    found = []
-    for partial in sorted(folder.glob(f".*{ending}")):
-        process_id = partial.name.rpartition(before)[2].removesuffix(after)
-        if process_id.isdecimal() and not _is_alive(int(process_id)) and not is_folder(partial):
-            found.append(partial)
-    return found
+    before, after = partial_ending("*").split("*")
+    number = re.compile(rf"{re.escape(before)}(\d+){re.escape(after)}$", re.ASCII)
+    return [
+        partial
+        for partial in sorted(folder.glob(".*"))
+        if (process := number.search(partial.name))
+        and not _is_alive(int(process[1]))
+        and not is_folder(partial)
+    ]
 
 
 def is_folder(path: Path) -> bool:
@@ -82,11 +80,7 @@ def is_folder(path: Path) -> bool:
 
 
 def remove_file(path: Path) -> None:
-    """Remove a file, or a link and not what it leads to; it may be gone already.
-
-    Raises:
-        ArchiveError: it is a folder, or may not be removed.
-    """
+    """Remove a file, or a link and not what it leads to; it may be gone already."""
     if is_folder(path):
         raise ArchiveError(f"{path}: is a folder, where only files belong; move it away")
     try:
@@ -95,18 +89,21 @@ def remove_file(path: Path) -> None:
         raise ArchiveError(f"{path}: cannot be removed: {error.strerror}") from None
 
 
-def _partial(folder: Path) -> Path:
-    """What a file is called while this process writes it: nobody can know the name before."""
-    return folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
-
-
-def _created(path: Path) -> BinaryIO:
+@contextlib.contextmanager
+def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
     """A new file, open for writing, with the rights that the user's files have by default.
 
-    What is there already, a link among it, is neither followed nor overwritten.
+    Nobody can know its name before, and what is there already, a link among it, is neither followed
+    nor overwritten. It is removed at the end if it still has that name.
     """
+    path = folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
-    return open(path, "wb", opener=lambda name, _: os.open(name, flags, 0o666))
+    with open(path, "wb", opener=lambda name, _: os.open(name, flags, 0o666)) as file:
+        try:
+            yield path, file
+        finally:
+            with contextlib.suppress(OSError):
+                path.unlink()
 
 
 def partial_ending(process_id: int | str) -> str:

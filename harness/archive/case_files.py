@@ -19,10 +19,8 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING, Role
 from harness.archive.netcdf_files import (
-    check_version,
-    opened_result,
+    opened,
     read_attributes,
-    read_fields_netcdf,
     read_netcdf,
     write_netcdf,
 )
@@ -72,9 +70,6 @@ def check_no_link(out: Path, study: Study) -> None:
     """Check that the case files of a study are inside the results, before any is removed.
 
     The folder of results itself may be a link.
-
-    Raises:
-        ArchiveError: a folder on the way to them is a link.
     """
     folder = case_folder(out, study)
     for place in (folder.parent, folder):
@@ -91,11 +86,7 @@ def case_file(folder: Path, case: Case) -> Path:
 
 
 def discard(folder: Path, cases: Iterable[Case]) -> None:
-    """Remove the results of cases, so that they are run again.
-
-    Raises:
-        ArchiveError: one is a folder, or may not be removed.
-    """
+    """Remove the results of cases, so that they are run again."""
     for case in cases:
         remove_file(case_file(folder, case))
         remove_file(fields_file(folder, case))
@@ -119,9 +110,6 @@ def write_case(
         status: how it ended, as the status of an `Outcome`.
         message: why it did not complete, one line.
         fields: snapshots of the soil; without them those of an earlier run are removed.
-
-    Raises:
-        ArchiveError: it cannot be written.
     """
     attributes = {
         "case_key": case.key,
@@ -133,7 +121,11 @@ def write_case(
         "format_version": FORMAT_VERSION,
     }
     kept = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
-    write_fields(folder, case, None if fields is None else fields.assign_attrs(kept.attrs))
+    if fields is None:
+        remove_file(fields_file(folder, case))
+    else:
+        asked = {ASKED: json.dumps(case.snapshots)}
+        write_netcdf(fields.assign_attrs(kept.attrs | asked), fields_file(folder, case))
     write_netcdf(kept, case_file(folder, case))
 
 
@@ -161,7 +153,7 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
     if not path.exists():
         return Outcome(MISSING)
     try:
-        with opened_result(path) as found:
+        with opened(path, as_result=True) as found:
             attributes, forms = found.attributes, found.forms
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
             repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
@@ -190,7 +182,7 @@ def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
 def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:
     texts = (attributes.get(name) for name in ("status", "message", "scene"))
     is_whole = all(isinstance(text, str) for text in texts)
-    if attributes.get("case_key") != case.key or not is_whole:
+    if str(attributes.get("case_key")) != case.key or not is_whole:
         raise ArchiveError(f"{path}: is not the result of case {case.key}")
 
 
@@ -206,54 +198,24 @@ def fields_file(folder: Path, case: Case) -> Path:
     return folder / f"{case.key}{ENDING}"
 
 
-def write_fields(folder: Path, case: Case, fields: xr.Dataset | None) -> None:
-    """Keep the snapshots of a case, or remove those of an earlier run where there are none.
-
-    They have the attributes of its result.
-
-    Raises:
-        ArchiveError: they cannot be written, or not be removed.
-    """
-    path = fields_file(folder, case)
-    if fields is None:
-        remove_file(path)
-    else:
-        write_netcdf(fields.assign_attrs({ASKED: json.dumps(case.snapshots)}), path)
-
-
 def has_fields(folder: Path, case: Case) -> bool:
     """Whether a case has all snapshots that are asked for, in a file that is not damaged."""
     if not case.snapshots:
         return True
     path = fields_file(folder, case)
     try:
-        attributes = _attributes(path) if path.exists() else {}
-        taken = json.loads(attributes.get(ASKED, "[]"))
+        attributes = read_attributes(path, any_version=False) if path.exists() else {}
+        taken = set(json.loads(attributes.get(ASKED, "[]")))
     except (ArchiveError, TypeError, ValueError):
         return False
-    is_its_own = attributes.get("case_key") == case.key
-    return is_its_own and isinstance(taken, list) and set(case.snapshots) <= set(taken)
-
-
-def fields_fault(path: Path) -> str | None:
-    """What is wrong with a file of snapshots, in words; None where nothing is."""
-    try:
-        read_fields(path)
-    except ArchiveError as error:
-        return str(error)
-    return None
+    return str(attributes.get("case_key")) == case.key and set(case.snapshots) <= taken
 
 
 def read_fields(path: Path) -> xr.Dataset:
-    """The snapshots of a case.
-
-    Raises:
-        ArchiveError: there is no such file, or it is damaged, of another format version, or of
-            something else.
-    """
+    """The snapshots of a case."""
     if not path.exists():
         raise ArchiveError(f"{path}: no such file")
-    fields = read_fields_netcdf(path)
+    fields = read_netcdf(path, as_result=False)
     if ASKED not in fields.attrs:
         raise ArchiveError(f"{path}: holds no snapshots")
     return fields
@@ -290,9 +252,3 @@ def find_fields(file: Path, key: str | None) -> Path:
     listed = f"; there are those of {', '.join(keys[:MOST_NAMED])}"
     more = f" and {len(keys) - MOST_NAMED} more" if len(keys) > MOST_NAMED else ""
     raise ArchiveError(f"{file}: {problem}{did_you_mean(key or '', keys) or listed + more}")
-
-
-def _attributes(path: Path) -> dict[str, Any]:
-    attributes = read_attributes(path)
-    check_version(path, attributes)
-    return attributes

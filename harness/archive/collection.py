@@ -56,19 +56,17 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     if study.is_grid:
         varied = study.parts[0].varied
         axes = {names[name]: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
-    grid = {name: len(values) for name, values in axes.items()}
 
-    own = {
-        name: _over_grid(grid, it.values, it.attrs, it.dims[1:]) if it.dims[:1] == (CASE,) else it
-        for name, it in gathered.variables.items()
-        if name != CASE
-    }
-    origins, origin = _origins(results, grid)
+    own = {name: it for name, it in gathered.variables.items() if name != CASE}
+    origins, origin = _origins(results)
     inputs, coordinates = _parameters(study, definitions, names, axes)
     inputs |= _as_built(inputs, own)
+    variables = own | _records(study, results) | origins | inputs
+    coordinates |= _case_coordinates(study, axes)
+    sizes = {name: len(values) for name, values in axes.items()}
     return xr.Dataset(
-        own | _records(study, results, grid) | origins | inputs,
-        coordinates | _case_coordinates(study, axes),
+        {name: _over_grid(it, sizes) for name, it in variables.items()},
+        {name: _over_grid(it, sizes) for name, it in coordinates.items()},
         {
             "title": study.title,
             "study": study.name,
@@ -81,9 +79,15 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     )
 
 
-def _records(
-    study: Study, results: Sequence[xr.Dataset | None], grid: Mapping[str, int]
-) -> Variables:
+def _over_grid(variable: xr.Variable, sizes: Mapping[str, int]) -> xr.Variable:
+    """A variable over the dims of the study instead of the dim `case`."""
+    if variable.dims[:1] != (CASE,):
+        return variable
+    values = variable.values.reshape((*sizes.values(), *variable.shape[1:]))
+    return xr.Variable((*sizes, *variable.dims[1:]), values, variable.attrs)
+
+
+def _records(study: Study, results: Sequence[xr.Dataset | None]) -> Variables:
     """Status, message and key of each case."""
     texts = {
         "status": ("outcome of the case", _attributes(results, "status", MISSING)),
@@ -91,14 +95,12 @@ def _records(
         "case_key": ("name of the case's file", [case.key for case in study.cases]),
     }
     return {
-        name: _over_grid(grid, np.array(values), {"long_name": meaning})
+        name: xr.Variable(CASE, np.array(values), {"long_name": meaning})
         for name, (meaning, values) in texts.items()
     }
 
 
-def _origins(
-    results: Sequence[xr.Dataset | None], grid: Mapping[str, int]
-) -> tuple[Variables, dict[str, str]]:
+def _origins(results: Sequence[xr.Dataset | None]) -> tuple[Variables, dict[str, str]]:
     """Where, when and with what cases were computed: what differs over cases, what all agree on."""
     differing: Variables = {}
     agreed: dict[str, str] = {}
@@ -106,7 +108,7 @@ def _origins(
         said = _attributes(results, name)
         known = set(said) - {""}
         if len(known) > 1:
-            differing[name] = _over_grid(grid, np.array(said), {"long_name": spoken(name)})
+            differing[name] = xr.Variable(CASE, np.array(said), {"long_name": spoken(name)})
         elif known:
             agreed[name] = known.pop()
     return differing, agreed
@@ -121,19 +123,21 @@ def _parameters(
     """The parameters as variables, and those that the study varies as coordinates."""
     variables: Variables = {}
     coordinates: Variables = {}
-    grid = {name: len(values) for name, values in axes.items()}
     assigned = {name for part in study.parts for name in part.assigned}
     for name, definition in definitions.items():
         stored, labels = names[name], parameter_attributes(definition)
         values = [case.parameters.get(name) for case in study.cases]
+        # Not a number, or an empty text, where there is none.
+        nothing = "" if definition.kind is str else np.nan
+        filled = np.array([nothing if value is None else value for value in values])
         if stored in axes:
             coordinates[stored] = xr.Variable(stored, list(axes[stored]), labels)
         elif len(set(values)) == 1:
-            variables[stored] = xr.Variable((), _filled(values, definition)[0], labels)
+            variables[stored] = xr.Variable((), filled[0], labels)
         else:
             is_derived = definition.default is None and name not in assigned
             place = variables if is_derived else coordinates
-            place[stored] = _over_grid(grid, _filled(values, definition), labels)
+            place[stored] = xr.Variable(CASE, filled, labels)
     return variables, coordinates
 
 
@@ -213,23 +217,6 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
 def _curves(result: xr.Dataset) -> xr.Dataset:
     """What a case that did not complete had sampled up to its end."""
     return result.drop_vars([name for name, array in result.data_vars.items() if not array.dims])
-
-
-def _over_grid(
-    grid: Mapping[str, int],
-    values: np.ndarray,
-    attributes: Mapping[Hashable, object] | Mapping[str, str],
-    own_dims: Sequence[Hashable] = (),
-) -> xr.Variable:
-    """Values of all cases, over the dims of the study and then their own."""
-    shape = (*grid.values(), *values.shape[1:])
-    return xr.Variable((*grid, *own_dims), values.reshape(shape), attributes)
-
-
-def _filled(values: Sequence[Value | None], definition: Parameter) -> np.ndarray:
-    """Values of a parameter; not a number, or an empty text, where there is none."""
-    nothing = "" if definition.kind is str else np.nan
-    return np.array([nothing if value is None else value for value in values])
 
 
 def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str = "") -> list[str]:

@@ -16,8 +16,8 @@ even where its numbers are the same.
 
 import hashlib
 import stat
-from collections.abc import Hashable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Hashable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -63,24 +63,9 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     write_whole(b"".join((image, _digest(image))), path)
 
 
-def read_netcdf(path: Path) -> xr.Dataset:
-    """Read a result into memory.
-
-    Raises:
-        ArchiveError: it is damaged, of another format version, or not built as results are.
-    """
-    with opened_result(path) as found:
-        return _loaded(found)
-
-
-def read_fields_netcdf(path: Path) -> xr.Dataset:
-    """Read snapshots into memory: their dims are points and nodes, and they have no headline.
-
-    Raises:
-        ArchiveError: the file is damaged, or of another format version.
-    """
-    with opened(path) as found:
-        check_version(path, found.attributes)
+def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
+    """Read a file of the archive into memory, checked as `opened` does it."""
+    with opened(path, as_result=as_result) as found:
         return _loaded(found)
 
 
@@ -111,56 +96,50 @@ def _loaded(found: Outline) -> xr.Dataset:
     )
 
 
-def read_attributes(path: Path) -> dict[str, Any]:
-    """Read the attributes of a file of the archive alone.
-
-    Raises:
-        ArchiveError: it is damaged.
-    """
-    with opened(path) as found:
+def read_attributes(path: Path, *, any_version: bool = True) -> dict[str, Any]:
+    """Read the attributes of a file alone, by default of whatever format version."""
+    with opened(path, as_result=False, any_version=any_version) as found:
         return dict(found.attributes)
 
 
 @contextmanager
-def opened_result(path: Path) -> Iterator[Outline]:
-    """A result, checked, and open for reading as `opened` does it.
-
-    Raises:
-        ArchiveError: it is damaged, of another format version, or not built as results are.
-    """
-    with opened(path) as found:
-        check_version(path, found.attributes)
-        if (fault := malformed(found)) is not None:
-            raise ArchiveError(f"{path}: is no whole result: {fault}")
-        yield found
-
-
-@contextmanager
-def opened(path: Path) -> Iterator[Outline]:
+def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterator[Outline]:
     """What is in a file of the archive, which is checked and stays open for its values.
 
+    Args:
+        path: the file.
+        as_result: whether it has to be built as results are; snapshots are not, whose dims are
+            points and nodes, and which have no headline.
+        any_version: whether a file of another format version may be opened.
+
     Raises:
-        ArchiveError: it is no file, damaged, or says that it holds more than its bytes or this
-            machine's memory can.
+        ArchiveError: it is no file, damaged, of another format version, not built as results are,
+            or says that it holds more than its bytes or this machine's memory can.
     """
     content = _content(path)
-    if not _has_digest(path, content):
+    with ExitStack() as stack:
         with _reported(path):
-            found = foreign_outline(path)
-        yield found
-        return
-    with _reported(path):
-        # What was checked is what is read, whatever becomes of the file meanwhile.
-        file = netCDF4.Dataset(path.name, memory=content)
-    with file:
-        with _reported(path):
-            found = outline(file, len(content))
+            if _has_digest(path, content):
+                # What was checked is what is read, whatever becomes of the file meanwhile.
+                file = stack.enter_context(netCDF4.Dataset(path.name, memory=content))
+                found = outline(file, len(content))
+            else:
+                found = foreign_outline(path)
 
         def values(name: str) -> np.ndarray:
             with _reported(path):
                 return found.values(name)
 
-        yield Outline(found.attributes, found.forms, values)
+        checked = Outline(found.attributes, found.forms, values)
+        version = checked.attributes.get("format_version")
+        is_ours = isinstance(version, int | np.integer) and version == FORMAT_VERSION
+        if not (is_ours or any_version):
+            raise ArchiveError(
+                f"{path}: has format version {version}, where {FORMAT_VERSION} can be read"
+            )
+        if as_result and (fault := malformed(checked)) is not None:
+            raise ArchiveError(f"{path}: is no whole result: {fault}")
+        yield checked
 
 
 @contextmanager
@@ -188,11 +167,7 @@ def _content(path: Path) -> bytes:
 
 
 def _has_digest(path: Path, content: bytes) -> bool:
-    """Whether a file ends with the right digest; otherwise it is of another program.
-
-    Raises:
-        ArchiveError: it is damaged, or no netCDF file.
-    """
+    """Whether a file ends with the right digest; otherwise it is of another program."""
     mark, digits = content[-_LENGTH:-64], content[-64:]
     if mark == _MARK:
         if mark + digits != _digest(memoryview(content)[:-_LENGTH]):
@@ -217,19 +192,6 @@ def _damage(path: Path, how: str) -> ArchiveError:
     return ArchiveError(
         f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
     )
-
-
-def check_version(path: Path, attributes: Mapping[str, Any]) -> None:
-    """Refuse a file of another format version.
-
-    Raises:
-        ArchiveError: it has one.
-    """
-    version = attributes.get("format_version")
-    if not isinstance(version, int | np.integer) or version != FORMAT_VERSION:
-        raise ArchiveError(
-            f"{path}: has format version {version}, where {FORMAT_VERSION} can be read"
-        )
 
 
 def _image(dataset: xr.Dataset) -> memoryview:

@@ -16,12 +16,16 @@ import mpm_warp
 
 SOURCES = "sources"
 """Attribute of a case file: the digest of the code that computed the case."""
-PACKAGES = ("mpm-warp", "warp-lang", "numpy", "xarray", "netCDF4")
+PACKAGES = {
+    f"{name.lower().replace('-', '_')}_version": name
+    for name in ("mpm-warp", "warp-lang", "numpy", "xarray", "netCDF4")
+}
+"""Packages whose versions are kept, by attribute."""
 OF_CASE = (
     "command_line",
     "commit",
     "python_version",
-    *(f"{name.lower().replace('-', '_')}_version" for name in PACKAGES),
+    *PACKAGES,
     "platform",
     "processor",
     "cores",
@@ -73,7 +77,7 @@ def _of_process() -> dict[str, str]:
         "command_line": shlex.join(sys.argv),
         "commit": _commit(),
         "python_version": platform.python_version(),
-        **{f"{name.lower().replace('-', '_')}_version": _version(name) for name in PACKAGES},
+        **{attribute: _version(name) for attribute, name in PACKAGES.items()},
         "platform": platform.platform(),
         "processor": _processor(),
         "cores": str(os.cpu_count()),

@@ -24,11 +24,7 @@ def study_file(out: Path, study: Study) -> Path:
 
 
 def write_study(path: Path, dataset: xr.Dataset) -> None:
-    """Write the collected dataset of a study.
-
-    Raises:
-        ArchiveError: it cannot be written.
-    """
+    """Write the collected dataset of a study."""
     write_netcdf(dataset.assign_attrs(provenance_of_collector()), path)
 
 
@@ -46,12 +42,7 @@ def read_study(path: Path) -> xr.Dataset:
 
 
 def read_result(path: Path) -> xr.Dataset:
-    """Read the file of a case, or the collected dataset of a study.
-
-    Raises:
-        ArchiveError: there is no such file (the nearest one is named), or it is damaged, or of
-            another format version, or a collected dataset that lacks what every one has.
-    """
+    """Read the file of a case, or the collected dataset of a study."""
     if not path.exists():
         beside = [file.name for file in path.parent.glob("*.nc")]
         # Of the many files of cases a list would say nothing.

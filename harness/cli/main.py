@@ -9,6 +9,7 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
+from harness.cli.help import HELP
 from harness.cli.options import make_parser
 from harness.cli.parser import mistake_in, options_of, unrecognised
 from harness.cli.process import (
@@ -22,31 +23,6 @@ from harness.cli.process import (
 )
 from harness.errors import HarnessError, defect, tell
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
-
-COMMANDS = {
-    "new": "studies.new",
-    "run": "run.run",
-    "rerun": "run.rerun_case",
-    "verify": "run.verify_scenes",
-    "bench": "run.bench",
-    "status": "archive.status",
-    "collect": "archive.collect",
-    "clean": "archive.clean",
-    "list": "studies.list_names",
-    "describe": "studies.describe",
-    "schema": "studies.schema",
-    "plan": "studies.show_plan",
-    "compare": "results.compare",
-    "plot": "results.plot",
-    "view": "results.view",
-    "report": "results.report",
-    "recommend": "results.show_recommendation",
-    "references": "studies.references",
-    "help": "completion.show_help",
-    "completion": "completion.completion",
-}
-"""Module of `harness.cli.commands` and function of each command; the function is given the options
-and returns the exit code."""
 
 REFUSALS = (HarnessError, ParameterError, SceneError, UnknownSceneError)
 
@@ -79,7 +55,7 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
         with safe_output():
             options = _parsed(parser, given)
             # Imported only now: help is at once, and what a command does not need is not loaded.
-            module, function = COMMANDS[options.command].split(".")
+            module, function = options.function.split(".")
             command = getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
             code: int = command(options)
     except BrokenPipeError:
@@ -101,13 +77,8 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
 
 
 def _parsed(parser: argparse.ArgumentParser, given: Sequence[str]) -> argparse.Namespace:
-    """The command and its options.
-
-    Raises:
-        HarnessError: something is wrong with the command line.
-        SystemExit: a value is, which the parser has reported; or help was asked for.
-    """
-    if (problem := mistake_in(given, COMMANDS)) is not None:
+    """The command and its options."""
+    if (problem := mistake_in(given, HELP)) is not None:
         raise HarnessError(problem)
     options, unknown = parser.parse_known_args(given)
     if unknown:

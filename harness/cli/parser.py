@@ -6,16 +6,12 @@ A reader of a value raises `argparse.ArgumentTypeError`, which says what is not 
 import argparse
 import math
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from harness.cli.process import BAD_INPUT
 from harness.errors import LONGEST_LINE, printable, shortened
-
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction["Parser"]
-    """The commands of a parser, to which more may be added."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -31,26 +27,6 @@ class Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, f"{self.prog}: {line}; see {self.prog} --help\n")
 
 
-class Version(argparse.Action):
-    """Prints the version, which is looked up only then."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[Any] | None,
-        option_string: str | None = None,
-    ) -> NoReturn:
-        """Print it, and end the process."""
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            print(f"harness {version('mpm-warp')}")
-        except PackageNotFoundError:
-            print("harness, of a source tree that is not installed")
-        parser.exit()
-
-
 def options_of(parser: argparse.ArgumentParser, command: str) -> list[str]:
     """The options of a command, as ``--out``."""
     (commands,) = (it for it in parser._actions if isinstance(it.choices, dict))
@@ -63,37 +39,27 @@ def options_of(parser: argparse.ArgumentParser, command: str) -> list[str]:
     ]
 
 
-UNITS = {"K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
-"""First letters of units of memory, in bytes."""
+BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
+NO_UNIT: Mapping[str, float] = {}
+"""Units that may stand behind a number, and what one of them is."""
 
 
-def finite_number(meaning: str, holds: Callable[[float], bool]) -> Callable[[str], float]:
-    """What reads a finite number for which something holds, described in words."""
+def number(
+    meaning: str, units: Mapping[str, float] = NO_UNIT, *, or_zero: bool = False
+) -> Callable[[str], float]:
+    """What reads a finite number > 0, described in words; a unit may stand behind it."""
 
     def read(text: str) -> float:
+        unit = next((it for it in units if text.upper().endswith(it)), "")
         try:
-            number = float(text)
+            value = float(text.upper().removesuffix(unit)) * units.get(unit, 1.0)
         except ValueError:
-            number = math.nan
-        if not (math.isfinite(number) and holds(number)):
+            value = math.nan
+        if not (0.0 < value < math.inf or (or_zero and value == 0.0)):
             raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
-        return number
+        return value
 
     return read
-
-
-def size_in_bytes(text: str) -> float:
-    """A size in bytes, or with a decimal unit."""
-    number, unit = text.upper().removesuffix("B"), 1.0
-    if text.upper().endswith("B") and number[-1:] in UNITS:
-        number, unit = number[:-1], UNITS[number[-1]]
-    try:
-        size = float(number) * unit
-    except ValueError:
-        size = math.nan
-    if not 0 < size < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 8e9 or 8GB")
-    return size
 
 
 def html_file(text: str) -> Path:
@@ -106,12 +72,7 @@ def html_file(text: str) -> Path:
 
 def share(text: str) -> float:
     """A share > 0: 1% or 0.01."""
-    try:
-        value = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
-    except ValueError:
-        value = math.nan
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be > 0, as 1% or 0.01")
+    value = number("> 0, as 1% or 0.01", {"%": 0.01})(text)
     if value >= 1.0 and not text.endswith("%"):
         meant = f"{text}% meant? 100% and more is written with its sign, as {100.0 * value:g}%"
         raise argparse.ArgumentTypeError(f"{text!r} is {value:.0%}: is {meant}")

@@ -6,7 +6,7 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import AbstractContextManager, contextmanager, redirect_stderr, redirect_stdout
 from types import FrameType
 from typing import Any, NoReturn, TextIO
 
@@ -70,34 +70,29 @@ def send_nowhere(stream: TextIO) -> None:
     os.close(null)
 
 
-@contextmanager
-def safe_output() -> Iterator[None]:
+def safe_output() -> AbstractContextManager[None]:
     """Inside the ``with``, standard output is safe, and is written out at its end."""
-    _escape_letters(sys.stdout)
-    output: Any = _Stream(sys.stdout, is_output=True)
-    with redirect_stdout(output):
-        try:
-            yield
-        finally:
-            output.flush()
+    return _safe(redirect_stdout, sys.stdout, is_output=True)
+
+
+def safe_remarks() -> AbstractContextManager[None]:
+    """Inside the ``with``, what standard error cannot take is lost."""
+    return _safe(redirect_stderr, sys.stderr, is_output=False)
 
 
 @contextmanager
-def safe_remarks() -> Iterator[None]:
-    """Inside the ``with``, what standard error cannot take is lost."""
-    _escape_letters(sys.stderr)
-    remarks: Any = _Stream(sys.stderr, is_output=False)
-    with redirect_stderr(remarks):
+def _safe(
+    redirected: Callable[[Any], AbstractContextManager[Any]], stream: TextIO, *, is_output: bool
+) -> Iterator[None]:
+    if isinstance(stream, io.TextIOWrapper):
+        # A terminal that does not know a letter is shown its escape.
+        stream.reconfigure(errors="backslashreplace")
+    safe = _Stream(stream, is_output=is_output)
+    with redirected(safe):
         try:
             yield
         finally:
-            remarks.flush()
-
-
-def _escape_letters(stream: TextIO) -> None:
-    """A terminal that does not know a letter is shown its escape."""
-    if isinstance(stream, io.TextIOWrapper):
-        stream.reconfigure(errors="backslashreplace")
+            safe.flush()
 
 
 class _Stream:

@@ -43,11 +43,7 @@ def compute_in_turn(case: Case) -> Result:
 
 
 def connect(address: str) -> Client:
-    """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed.
-
-    Raises:
-        ClusterError: it cannot be reached.
-    """
+    """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed."""
     # What they remark would run into the progress display; what matters is in the ClusterError.
     for name in logging.root.manager.loggerDict:
         if name.startswith(("asyncio", "distributed", "tornado")):

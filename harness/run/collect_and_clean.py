@@ -15,9 +15,9 @@ from harness.archive.case_files import (
     case_file,
     case_folder,
     check_no_link,
-    fields_fault,
     fields_file,
     has_fields,
+    read_fields,
     read_outcome,
 )
 from harness.archive.collection import collect
@@ -50,11 +50,7 @@ from mpm_warp.parameters import Value
 
 
 def check_begun(study: Study, out: Path) -> None:
-    """Check that at least one case of a study has a file, so that there is something to collect.
-
-    Raises:
-        ArchiveError: no case has one.
-    """
+    """Check that at least one case of a study has a file, so that there is something to collect."""
     folder = case_folder(out, study)
     if not any(case_file(folder, case).exists() for case in study.cases):
         raise ArchiveError(
@@ -64,27 +60,23 @@ def check_begun(study: Study, out: Path) -> None:
 
 
 def collect_and_write(study: Study, out: Path) -> xr.Dataset:
-    """Collect a study, compare it with its references and experience, and write its dataset.
-
-    Raises:
-        ArchiveError: the dataset cannot be written.
-    """
+    """Collect a study, compare it with its references and experience, and write its dataset."""
     dataset = collect(study, case_folder(out, study))
     if len(study.parts) == 1:
         dataset = _with_errors(dataset, study)
-    dataset = with_tolerances(dataset, study.tolerances)
+    dataset = with_tolerances(dataset, study.compared.tolerances)
     try:
-        dataset = with_references(dataset, study.references)
+        dataset = with_references(dataset, study.compared.references)
     except NothingToCompareError as error:
         tell(str(error))
-    dataset = with_experience(dataset, study.experience)
+    dataset = with_experience(dataset, study.compared.experience)
     write_study(study_file(out, study), dataset)
     return dataset
 
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     """The dataset with the error of each case, where no exact solution gives it."""
-    method, result = study.parts[0].scene.method, study.reference_result
+    method, result = study.parts[0].scene.method, study.compared.reference_result
     reference = None if result is None else read_study(result)
     try:
         return with_finest_error(dataset, method, reference)
@@ -126,12 +118,9 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
 def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
     """Say in one line how many results were computed by other sources of the simulator.
 
-    A stored result belongs to a case with the same scene, scene version and parameters. Raising the
-    version of a scene therefore computes all its cases anew. The sources may also change while the
-    version stays the same, because a kernel was edited, or only a comment. The harness cannot know
-    whether the numbers change. It keeps such results and prints this line with every `run`,
-    `status` and `collect`, until ``run --fresh`` has computed them anew. A result whose file does
-    not say by which sources it was computed counts as computed by other ones.
+    The sources may change while the version of the scene stays the same, because a kernel was
+    edited, or only a comment. The harness cannot know whether the numbers change, so it keeps such
+    results. Those whose file does not say their sources count among them.
     """
     digests = {part.name: sources_digest(part.scene) for part in study.parts}
     completed = [
@@ -208,9 +197,6 @@ def stray_files(study: Study, out: Path) -> list[StrayFile]:
     They are damaged files, results of cases that the study does not have (with other parameters,
     or of another version of the scene), and files that a killed process left half-written. A link
     counts as a file. A folder is none, whatever its name; one line says that it is kept.
-
-    Raises:
-        ArchiveError: the case files are outside the results.
     """
     check_no_link(out, study)
     folder = case_folder(out, study)
@@ -222,8 +208,10 @@ def stray_files(study: Study, out: Path) -> list[StrayFile]:
         if is_folder(path):
             tell(f"{path}: is a folder, where only files belong; kept")
         elif path in of_cases:
-            if (fault := fields_fault(path)) is not None:
-                found[path] = fault.removeprefix(f"{path}: ")
+            try:
+                read_fields(path)
+            except ArchiveError as error:
+                found[path] = str(error).removeprefix(f"{path}: ")
         elif path not in present:
             found[path] = _described(path, keys, shared)
         elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
@@ -287,6 +275,5 @@ def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:
     shared: dict[str, Parameters] = {}
     for case in cases:
         before = shared.get(case.scene, case.parameters)
-        same = {name: value for name, value in before.items() if value == case.parameters[name]}
-        shared[case.scene] = same
+        shared[case.scene] = dict(before.items() & case.parameters.items())
     return shared

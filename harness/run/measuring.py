@@ -1,5 +1,6 @@
 """What a case costs: its time in all, the memory at its peak, and its run time over again."""
 
+import functools
 import resource
 import sys
 import time
@@ -10,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import Role
+from mpm_warp.results import variable
 
 _RESET = Path("/proc/self/clear_refs")
 _STATUS = Path("/proc/self/status")
@@ -34,23 +36,20 @@ class Measurement:
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {
             "case_time": case_time(self.seconds(idle_time)),
-            "peak_memory": xr.Variable(
-                (),
+            "peak_memory": variable(
                 _peak_memory(self._reset),
-                {
-                    "units": "byte",
-                    "long_name": "peak resident memory",
-                    "role": Role.MEASURED,
-                    "description": f"highest resident memory of the process since {since}",
-                },
+                unit="byte",
+                meaning="peak resident memory",
+                role=Role.MEASURED,
+                description=f"highest resident memory of the process since {since}",
             ),
         }
 
 
 def case_time(seconds: float) -> xr.Variable:
     """The time of a whole case [s] as a variable of its dataset."""
-    labels = {"units": "s", "long_name": "wall-clock time of the case", "role": Role.MEASURED}
-    return xr.Variable((), seconds, labels)
+    meaning = "wall-clock time of the case"
+    return variable(seconds, unit="s", meaning=meaning, role=Role.MEASURED)
 
 
 def without_idle_time(dataset: xr.Dataset, idle_time: float) -> xr.Dataset:
@@ -66,20 +65,17 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
 
     Set-up and compilation stay those of the run that is in `dataset`, the first of its process.
     """
-    labels = {"units": "s", "long_name": "wall-clock time of the time loop", "role": Role.MEASURED}
-    repeat = {"units": "1", "long_name": "timed run", "role": Role.MEASURED}
+    loop, least = "wall-clock time of the time loop", "least time of the time loop"
     times = np.array(samples)
+    seconds = functools.partial(variable, unit="s", role=Role.MEASURED)
+    number = variable(
+        np.arange(1, times.size + 1), meaning="timed run", dims=("repeat",), role=Role.MEASURED
+    )
     return dataset.assign(
-        {
-            "run_time": ((), np.median(times), labels | {"description": "median of the samples"}),
-            "run_time_minimum": (
-                (),
-                times.min(),
-                labels | {"long_name": "least time of the time loop"},
-            ),
-            "run_time_sample": ("repeat", times, labels | {"description": "kernels warm"}),
-        }
-    ).assign_coords({"repeat": ("repeat", np.arange(1, times.size + 1), repeat)})
+        run_time=seconds(np.median(times), meaning=loop, description="median of the samples"),
+        run_time_minimum=seconds(times.min(), meaning=least),
+        run_time_sample=seconds(times, meaning=loop, dims=("repeat",), description="kernels warm"),
+    ).assign_coords(repeat=number)
 
 
 def _reset_peak_memory() -> bool:

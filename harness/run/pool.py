@@ -51,9 +51,6 @@ def run_cases(
         worker_count: greatest number of processes at work.
         watcher: receives reports of what goes on.
         options: how they are run.
-
-    Raises:
-        ArchiveError: a result cannot be written.
     """
     # Starting this process of multiprocessing unblocks signals that are held: it must come first.
     resource_tracker.ensure_running()

@@ -11,13 +11,13 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import ENDING, read_case
-from harness.archive.conventions import COMPLETED, parameter_names
+from harness.archive.conventions import COMPLETED, is_there, parameter_names
 from harness.archive.provenance import OF_CASE
 from harness.archive.study_files import read_result
 from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
-from harness.study.cases import Case
+from harness.study.cases import Case, naming
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
@@ -67,7 +67,7 @@ def _case(path: Path, dataset: xr.Dataset) -> Case:
         )
     try:
         if "study" in dataset.attrs:
-            parameters = _parameters_of_cell(dataset, parameters_of(known))
+            parameters = naming(known, _parameters_of_cell(dataset, parameters_of(known)))
         else:
             parameters = dict(json.loads(dataset.attrs["parameters"]))
     except (KeyError, TypeError, ValueError):
@@ -129,14 +129,13 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
 def _parameters_of_cell(
     cell: xr.Dataset, definitions: Mapping[str, Parameter]
 ) -> dict[str, Value | None]:
-    """All parameters of a case of a collected dataset; not a number is what the scene derives."""
+    """All parameters of a case of a collected dataset; None is what the scene derives."""
     names = parameter_names(cell)
-    parameters: dict[str, Value | None] = {}
-    for name, definition in definitions.items():
-        stored = cell[names[name]].item()
-        derived = isinstance(stored, float) and np.isnan(stored)
-        parameters[name] = None if derived else definition.kind(stored)
-    return parameters
+    stored = {name: cell[names[name]].item() for name in definitions}
+    return {
+        name: it.kind(stored[name]) if is_there(stored[name]) or it.default == "" else None
+        for name, it in definitions.items()
+    }
 
 
 def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:

@@ -1,11 +1,11 @@
 """What cases may take and are predicted to take, and what the machine has for them."""
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from harness.archive.netcdf_content import memory_of_machine
 from harness.errors import HarnessError, tell
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError, SceneError
@@ -59,25 +59,20 @@ class TooLarge(SceneError):
     """A case needs more memory than it may take."""
 
 
-def machine_memory() -> float:
-    """Memory of this machine, or of the container that the process is in [byte]."""
-    machine = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    told = [it.read_text().strip() for it in CONTAINER_LIMITS if it.is_file()]
-    return min([machine, *(float(text) for text in told if text.isdecimal())])
-
-
 def default_memory_limit() -> float:
-    """Memory that all cases at work may take where nothing is said [byte]."""
-    return SHARE_OF_MACHINE * machine_memory()
+    """Memory that all cases at work may take where nothing is said: most of the machine's [byte].
+
+    Of a process in a container it is the container's.
+    """
+    told = [it.read_text().strip() for it in CONTAINER_LIMITS if it.is_file()]
+    limits = [memory_of_machine(), *(int(text) for text in told if text.isdecimal())]
+    return SHARE_OF_MACHINE * min(limits)
 
 
 def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -> None:
     """Refuse a scene that needs more memory than it may take, before anything is built.
 
     The limit is that of its process [byte]; snapshots of the soil are kept until its end.
-
-    Raises:
-        TooLarge: it needs more.
     """
     size = scene.run_size()
     if size is None:
@@ -129,11 +124,7 @@ def costliest_first(cases: Sequence[Case]) -> list[Case]:
 
 
 def check_device(device: str) -> None:
-    """Check that a device is there.
-
-    Raises:
-        HarnessError: it is not.
-    """
+    """Check that a device is there."""
     if device != "cpu" and device not in device_names():
         known = ", ".join(device_names())
         raise HarnessError(f"--device {device}: there is none here; known: {known}")

@@ -1,13 +1,14 @@
 """Scenes against their exact solutions: every scene that has one, at its resolutions."""
 
+import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
-from mpm_warp.parameters import Value
+from mpm_warp.results import variable
 from mpm_warp.scenes import Verification, scene_class, scene_names
 
 
@@ -106,75 +107,48 @@ def verify(check: Check) -> Verified:
     Of several resolutions the coarsest is run once more before the others, so that no run time
     includes the compilation of kernels.
     """
-    scene = scene_class(check.scene)
-    verification = check.verification
+    scene, verification = scene_class(check.scene), check.verification
 
-    def parameters(resolution: int) -> Mapping[str, Value]:
-        return {**verification.settings, verification.resolution: resolution}
+    def outcome(resolution: int) -> tuple[xr.Dataset | None, str]:
+        try:
+            return scene(**verification.settings, **{verification.resolution: resolution}).run(), ""
+        except Exception as error:
+            return None, in_one_line(error)
 
-    runs: list[Callable[[], xr.Dataset]] = [
-        scene(**parameters(resolution)).run for resolution in verification.resolutions
-    ]
-    if len(runs) > 1:
-        _outcome(runs[0])
-    outcomes = [_outcome(run) for run in runs]
-    return Verified(
-        check=check,
-        results=tuple(result for result, _ in outcomes),
-        messages=tuple(message for _, message in outcomes),
-    )
+    if len(verification.resolutions) > 1:
+        outcome(verification.resolutions[0])
+    results, messages = zip(*map(outcome, verification.resolutions), strict=True)
+    return Verified(check=check, results=results, messages=messages)
 
 
-def _outcome(run: Callable[[], xr.Dataset]) -> tuple[xr.Dataset | None, str]:
-    try:
-        return run(), ""
-    except Exception as error:
-        return None, in_one_line(error)
-
-
-HEADING = ("scene", "resolution", "error", "bound", "order", "run time", "")
-WIDTHS = (44, 20, 10, 8, 6, 10, 0)
+LONGEST_LABEL = 44
+ROW = "{:44}  {:20}  {:10}  {:8}  {:6}  {:10}  {}"
+HEADING = ROW.format("scene", "resolution", "error", "bound", "order", "run time", "").rstrip()
+"""The first line of the table."""
 
 
 def table_rows(verified: Verified) -> str:
     """Lines of the table: one for each resolution, the verdict on the last."""
-    verification = verified.check.verification
+    verification, label = verified.check.verification, verified.check.label
     errors, run_times = verified.values("error"), verified.values("run_time")
-    label = verified.check.label
-    lines = [label] if len(label) > WIDTHS[0] else []
-    for index, resolution in enumerate(verification.resolutions):
-        last = index == len(errors) - 1
-        order = f"{verified.order:.2f}" if last and verification.least_order is not None else ""
-        bound = f"{verification.bounds['error']:g}" if last else ""
-        verdict = "; ".join(verified.shortfalls)
-        verdict = f"FALLS SHORT: {verdict}" if verdict else "pass"
-        lines.append(
-            _line(
-                label if not lines else "",
-                f"{verification.resolution} {resolution}",
-                f"{errors[index]:.3g}",
-                bound,
-                order,
-                f"{run_times[index]:.3g} s",
-                verdict if last else "",
-            )
-        )
-    lines += [
-        _line("", name, f"{verified.values(name)[-1]:.3g}", f"{bound:g}", "", "", "")
+    rows = [
+        ["", f"{verification.resolution} {resolution}", f"{error:.3g}", "", "", f"{time:.3g} s", ""]
+        for resolution, error, time in zip(verification.resolutions, errors, run_times, strict=True)
+    ]
+    *_, last = rows
+    last[3] = f"{verification.bounds['error']:g}"
+    last[4] = "" if verification.least_order is None else f"{verified.order:.2f}"
+    verdict = "; ".join(verified.shortfalls)
+    last[6] = f"FALLS SHORT: {verdict}" if verdict else "pass"
+    rows += [
+        ["", name, f"{verified.values(name)[-1]:.3g}", f"{bound:g}", "", "", ""]
         for name, bound in verification.bounds.items()
         if name != "error"
     ]
-    return "\n".join(lines)
-
-
-def heading() -> str:
-    """The first line of the table."""
-    return _line(*HEADING)
-
-
-def _line(*texts: str) -> str:
-    cells = (text.ljust(width) for text, width in zip(texts, WIDTHS, strict=True))
-    return "  ".join(cells).rstrip()
+    if has_room := len(label) <= LONGEST_LABEL:
+        rows[0][0] = label
+    lines = [ROW.format(*row).rstrip() for row in rows]
+    return "\n".join(lines if has_room else [label, *lines])
 
 
 def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
@@ -185,21 +159,18 @@ def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
 
 
 def _as_dataset(verified: Verified) -> xr.Dataset:
-    over_ranks = {
-        "error": (verified.values("error"), "1", "error against the exact solution"),
-        "run_time": (verified.values("run_time"), "s", "wall-clock time of the run"),
-        "resolution": (
-            verified.check.verification.resolutions,
-            "1",
-            "resolution, in the scene's own parameter",
-        ),
-    }
-    order = {"units": "1", "long_name": "observed order between the two finest resolutions"}
-    passed = {"units": "1", "long_name": "1 where every bound is reached"}
+    over = functools.partial(variable, dims=("rank",))
+    resolutions, passed = verified.check.verification.resolutions, not verified.shortfalls
+    order = "observed order between the two finest resolutions"
     return xr.Dataset(
         {
-            name: ("rank", list(values), {"units": unit, "long_name": meaning})
-            for name, (values, unit, meaning) in over_ranks.items()
+            "error": over(verified.values("error"), meaning="error against the exact solution"),
+            "run_time": over(
+                verified.values("run_time"), unit="s", meaning="wall-clock time of the run"
+            ),
+            "resolution": over(resolutions, meaning="resolution, in the scene's own parameter"),
+            "order": variable(verified.order, meaning=order),
+            "passed": variable(int(passed), meaning="1 where every bound is reached"),
         },
         coords={"rank": range(len(verified.results))},
-    ).assign(order=((), verified.order, order), passed=((), int(not verified.shortfalls), passed))
+    )

@@ -31,7 +31,7 @@ from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
 from harness.run.measuring import Measurement, with_samples, without_idle_time
-from harness.run.resources import RunOptions, check_memory, default_memory_limit
+from harness.run.resources import DEFAULTS, RunOptions, check_memory, default_memory_limit
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
@@ -63,8 +63,7 @@ def compute(
     case: Case,
     progress: Progress | None = None,
     execution: Execution | None = None,
-    repeats: int = 0,
-    memory_limit: float | None = None,
+    options: RunOptions = DEFAULTS,
 ) -> Result:
     """Run a case in this process.
 
@@ -75,16 +74,14 @@ def compute(
         case: the case.
         progress: receives the fraction done now and then.
         execution: where it is computed, and on how many threads; default: one of the processor.
-        repeats: times to run it again to measure its run time warm.
-        memory_limit: memory that the process may take [byte]; None: most of this machine's.
+        options: how often it is run again, and what memory it may take.
     """
     execution = execution or Execution()
     measurement = Measurement()
     status, message = COMPLETED, ""
     snapshots = Snapshots(case.snapshots) if case.snapshots else None
-    memory_limit = memory_limit or default_memory_limit()
     try:
-        dataset = _run(case, progress, execution, repeats, memory_limit, snapshots)
+        dataset = _run(case, progress, execution, options, snapshots)
         if (missing := _without_headline(dataset)) is not None:
             status, message = UNFINISHED, missing
     except Exception as error:
@@ -113,7 +110,7 @@ def compute(
         message,
         headline,
         seconds,
-        start_seconds=seconds - compiling - running if running and not repeats else 0.0,
+        start_seconds=seconds - compiling - running if running and not options.repeats else 0.0,
         compile_seconds=compiling,
     )
     fields = None if snapshots is None else snapshots.dataset()
@@ -125,17 +122,13 @@ def run_case(
     folder: Path,
     progress: Progress | None = None,
     execution: Execution | None = None,
-    repeats: int = 0,
-    memory_limit: float | None = None,
+    options: RunOptions = DEFAULTS,
 ) -> Outcome:
     """Run a case in this process and write its file, whatever becomes of it.
 
     The arguments are those of :func:`compute`, and the folder of the study's cases.
-
-    Raises:
-        ArchiveError: the result cannot be written.
     """
-    result = compute(case, progress, execution, repeats, memory_limit)
+    result = compute(case, progress, execution, options)
     outcome = result.outcome
     write_case(folder, case, result.dataset, outcome.status, outcome.message, result.fields)
     return outcome
@@ -156,11 +149,9 @@ def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
 
     def run(number: int, case: Case, execution: Execution) -> None:
-        reporter = _Reporter(connection, number, execution)
+        reporter = _reporter(connection, number, execution)
         try:
-            outcome = run_case(
-                case, folder, reporter, execution, options.repeats, options.memory_limit
-            )
+            outcome = run_case(case, folder, reporter, execution, options)
         except ArchiveError as error:
             outcome = Outcome(MISSING, str(error))
         connection.send((number, outcome))
@@ -212,11 +203,10 @@ def _run(
     case: Case,
     progress: Progress | None,
     execution: Execution,
-    repeats: int,
-    memory_limit: float,
+    options: RunOptions,
     snapshots: Snapshots | None,
 ) -> xr.Dataset:
-    """The dataset of the scene and its sources, with the run times of `repeats` more runs.
+    """The dataset of the scene and its sources, with the run times of further runs.
 
     Snapshots are taken in the first run alone, which is not timed.
     """
@@ -225,8 +215,9 @@ def _run(
         raise RuntimeError(
             f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
         )
-    check_memory(from_mapping(scene, case.parameters), memory_limit, len(case.snapshots))
-    run_count = repeats + 1
+    limit = options.memory_limit or default_memory_limit()
+    check_memory(from_mapping(scene, case.parameters), limit, len(case.snapshots))
+    run_count = options.repeats + 1
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
         def report(fraction: float) -> None:
@@ -245,26 +236,24 @@ def _run(
     return with_samples(dataset, samples) if samples else dataset
 
 
-class _Reporter:
+def _reporter(connection: Connection, number: int, execution: Execution) -> Progress:
     """Sends fractions done, now and then, and takes the number of threads that comes back.
 
     It ends the process where nobody listens any more.
     """
+    next_report = 0.0
 
-    def __init__(self, connection: Connection, number: int, execution: Execution) -> None:
-        self.connection = connection
-        self.number = number
-        self.execution = execution
-        self.next_report = 0.0
-
-    def __call__(self, fraction: float) -> None:
+    def report(fraction: float) -> None:
+        nonlocal next_report
         now = time.monotonic()
-        if now < self.next_report:
+        if now < next_report:
             return
-        self.next_report = now + REPORT_INTERVAL
+        next_report = now + REPORT_INTERVAL
         try:
-            self.connection.send((self.number, fraction))
-            while self.connection.poll():
-                self.execution.threads = self.connection.recv()
+            connection.send((number, fraction))
+            while connection.poll():
+                execution.threads = connection.recv()
         except (EOFError, ConnectionError):
             sys.exit()  # not an Exception, so it is no outcome of the case
+
+    return report

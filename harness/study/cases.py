@@ -17,7 +17,7 @@ from harness.study.designs import (
     rounded,
 )
 from harness.study.expressions import ExpressionError
-from harness.study.scene_part import LARGEST_STUDY, ScenePart
+from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, from_mapping
@@ -93,7 +93,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             case = Case(
                 scene=part.name,
                 scene_version=part.scene.version,
-                parameters=_naming(part, complete),
+                parameters=naming(part.scene, complete),
                 label=label,
                 snapshots=part.snapshots,
             )
@@ -107,12 +107,12 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
     return tuple(cases.values())
 
 
-def _naming(part: ScenePart, complete: Mapping[str, Value | None]) -> Mapping[str, Value | None]:
-    """The parameters that name a case, without those of other packages' laws that it has not.
+def naming(scene: Scene, complete: Mapping[str, Value | None]) -> dict[str, Value | None]:
+    """The parameters that name a case, of all of its scene: without those of laws that it has not.
 
-    So a case keeps its name whatever packages are installed.
+    So a case keeps its name whatever packages with laws are installed.
     """
-    absent = {name for name in part.of_other_laws if complete[name] is None}
+    absent = {name for name in scene.of_other_laws if complete[name] is None}
     return {name: value for name, value in complete.items() if name not in absent}
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from harness.references.cone_factors import COMPARED, ConeFactor
 from harness.references.registry import cone_factor_reference, experience_ids, reference_ids
 from harness.study.files import find_study
-from harness.study.own_references import OWN_REFERENCES, OwnReference, read_own_references
+from harness.study.own_references import OWN_REFERENCES, OwnReference, read_own_reference
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.parameters import did_you_mean, nearest_name
@@ -26,7 +26,14 @@ MISSPELT = 0.85
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """What a result is compared with; every name is known. See `Study`."""
+    """What a result is compared with; every name is known.
+
+    Attributes:
+        references: of the literature or the study's own.
+        reference_result: result whose cases stand for the true values of errors; or none.
+        experience: bands of factors measured in the field, to set beside the result.
+        tolerances: largest deviation from a reference, or largest size of a result, by name.
+    """
 
     references: tuple[ConeFactor, ...]
     reference_result: Path | None
@@ -38,23 +45,15 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
     """What a study with these scenes, whose file is in a folder, is compared with.
 
     The references that it defines itself are among them, whether it names them again or not.
-
-    Raises:
-        StudyError: a name is unknown, or of what no scene here can be compared with.
     """
     table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
-    own = {
-        reference.id: reference
-        for reference in _own_references(document.table(OWN_REFERENCES), parts)
-    }
+    own = _own_references(document.table(OWN_REFERENCES), parts)
     known = (*reference_ids(), *own)
     named = _ids(table, "references", "reference", known, parts)
     references = dict.fromkeys([*named, *own])
     return Compared(
-        references=tuple(
-            own.get(reference) or cone_factor_reference(reference) for reference in references
-        ),
+        references=tuple(own.get(it) or cone_factor_reference(it) for it in references),
         reference_result=_reference_result(table, parts, folder),
         experience=_ids(table, "experience", "band of experience", experience_ids(), parts),
         tolerances=_tolerances(table.table("tolerance"), list(references), parts),
@@ -66,12 +65,13 @@ def takes_references(scene: Scene) -> bool:
     return scene.comparable == COMPARED
 
 
-def _own_references(table: Table, parts: Sequence[ScenePart]) -> tuple[OwnReference, ...]:
+def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, OwnReference]:
     """The references that the study defines: formulas of parameters of the scenes compared."""
     compared = [part for part in parts if takes_references(part.scene)]
     if table.values and not compared:
         raise StudyError(f"{table.where}: no scene here gives a {COMPARED}, which they are of")
-    return read_own_references(table, [name for part in compared for name in part.parameters])
+    known = {name for part in compared for name in part.parameters}
+    return {name: read_own_reference(name, table.table(name), known) for name in table.values}
 
 
 def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) -> Path | None:
@@ -81,7 +81,7 @@ def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) ->
     if len(parts) > 1 or not takes_references(parts[0].scene):
         raise table.refuse(REFERENCE_STUDY, f"needs one scene, which gives a {COMPARED}")
     try:
-        result = find_study(table.text(REFERENCE_STUDY, ""), folder).with_suffix(".nc")
+        result = find_study(table.text(REFERENCE_STUDY), folder).with_suffix(".nc")
     except StudyError as error:
         raise table.refuse(REFERENCE_STUDY, str(error)) from None
     if not result.is_file():

@@ -16,7 +16,7 @@ from harness.references.cone_factors import ENVELOPE
 from harness.references.experience import EXPERIENCE
 from harness.study.cases import most_cases
 from harness.study.compared import takes_references
-from harness.study.designs import FULL, LATIN_HYPERCUBE, Range
+from harness.study.designs import DESIGNS, Range
 from harness.study.scene_part import ScenePart
 from harness.study.study import Study
 from mpm_warp.errors import ParameterError
@@ -47,37 +47,33 @@ def _default(definition: Parameter) -> str:
 
 def study_rows(study: Study) -> list[str]:
     """What a study runs, what it varies and fixes, and what it is compared with."""
-    count = most_cases(study.parts, study.design)
-    told = f"{count} at most" if count > MOST_BUILT else f"{len(study.cases)}"
-    rows = [
+    scenes = ", ".join(f"harness describe {part.name}" for part in study.parts)
+    return [
         f"{study.name}: {study.title}",
         "",
-        f"{'file':12} {study.source}",
-        f"{'cases':12} {told}, {_DESIGNS.get(study.design.kind, study.design.kind)}",
+        *(f"{title:12} {text}" for title, text in _of_study(study)),
+        "",
+        f"all parameters: {scenes}",
     ]
+
+
+def _of_study(study: Study) -> Iterator[tuple[str, str]]:
+    count, compared = most_cases(study.parts, study.design), study.compared
+    told = f"{count} at most" if count > MOST_BUILT else f"{len(study.cases)}"
+    yield "file", str(study.source)
+    yield "cases", f"{told}, {DESIGNS[study.design.kind]}"
     for part in study.parts:
-        rows += [f"{title:12} {text}" for title, text in _of_part(part)]
-    if study.references:
-        rows.append(
-            f"{'references':12} {', '.join(reference.id for reference in study.references)}"
-        )
-    if study.reference_result is not None:
-        rows.append(f"{'errors from':12} {study.reference_result}")
-    if study.experience:
-        rows.append(f"{'experience':12} {', '.join(study.experience)}")
-    rows += [f"{'tolerance':12} {name} = {limit:g}" for name, limit in study.tolerances.items()]
+        yield from _of_part(part)
+    if compared.references:
+        yield "references", ", ".join(reference.id for reference in compared.references)
+    if compared.reference_result is not None:
+        yield "errors from", str(compared.reference_result)
+    if compared.experience:
+        yield "experience", ", ".join(compared.experience)
+    for name, limit in compared.tolerances.items():
+        yield "tolerance", f"{name} = {limit:g}"
     if study.timing_repeats:
-        rows.append(f"{'timing':12} {study.timing_repeats} warm runs a case")
-    scenes = ", ".join(f"harness describe {part.name}" for part in study.parts)
-    return [*rows, "", f"all parameters: {scenes}"]
-
-
-_DESIGNS = {
-    FULL: "all combinations of what varies",
-    "one_at_a_time": "one parameter varied at a time",
-    "list": "as they are listed",
-    LATIN_HYPERCUBE: "a Latin hypercube",
-}
+        yield "timing", f"{study.timing_repeats} warm runs a case"
 
 
 def _of_part(part: ScenePart) -> Iterator[tuple[str, str]]:
@@ -92,10 +88,9 @@ def _of_part(part: ScenePart) -> Iterator[tuple[str, str]]:
         yield "excluded", condition.text
 
 
-def _span(values: object) -> str:
+def _span(values: tuple[Value, ...] | Range) -> str:
     if isinstance(values, Range):
         return f"{values.start:g} to {values.stop:g}"
-    assert isinstance(values, tuple)
     return ", ".join(map(str, values))
 
 
@@ -119,11 +114,7 @@ OWN_REFERENCE = """\
 
 
 def study_text(name: str, scene_name: str) -> str:
-    """A study in TOML that varies one parameter and has the defaults of the others as comments.
-
-    Raises:
-        UnknownSceneError: there is no such scene.
-    """
+    """A study in TOML that varies one parameter and has the defaults of the others as comments."""
     scene = scene_class(scene_name)
     parameters = parameters_of(scene)
     varied, values = _to_vary(scene)
@@ -268,24 +259,19 @@ def tell_of_unusual_values(study: Study) -> None:
 
 def unusual_values(study: Study) -> list[str]:
     """What a study gives that looks like a slip of the unit: name, value, what to give instead."""
-    lines = [line for part in study.parts for line in _unusual_in(part)]
-    return list(dict.fromkeys(lines))
-
-
-def _unusual_in(part: ScenePart) -> list[str]:
     lines = []
-    of_laws = [name for name in part.of_other_laws if part.parameters[name].unit == "Pa"]
-    for name, usual in {**dict.fromkeys(of_laws, USUAL_STRESS), **USUAL}.items():
-        values = _given(part, name)
-        units = {usual.unit_of(value) for value in values}
-        if len(units) != 1 or (unit := units.pop()) is None:
-            continue
-        own, value = part.parameters[name].unit, values[0]
-        lines.append(
-            f"{name} = {value:g} is in {own}; if {value:g} {unit} is meant, give "
-            f"{value * usual.units[unit]:g}"
-        )
-    return lines
+    for part in study.parts:
+        laws = [name for name in part.scene.of_other_laws if part.parameters[name].unit == "Pa"]
+        for name, usual in {**dict.fromkeys(laws, USUAL_STRESS), **USUAL}.items():
+            values = _given(part, name)
+            units = {usual.unit_of(value) for value in values}
+            if len(units) != 1 or (unit := units.pop()) is None:
+                continue
+            lines.append(
+                f"{name} = {values[0]:g} is in {part.parameters[name].unit}; if {values[0]:g} "
+                f"{unit} is meant, give {values[0] * usual.units[unit]:g}"
+            )
+    return list(dict.fromkeys(lines))
 
 
 def _given(part: ScenePart, name: str) -> list[float]:

@@ -1,12 +1,8 @@
 """Which combinations of values a study runs.
 
-====================  ===========================================================================
-``full``              all combinations of the varied values, the last parameter fastest
-``one_at_a_time``     the fixed values alone, then each varied value in turn, all others fixed
-``list``              each ``[[case]]`` as it stands
-``latin_hypercube``   `samples` cases, spread evenly over the ranges: of as many equal shares of
-                      each range every one is sampled once
-====================  ===========================================================================
+Of a full design the last parameter is the fastest. One at a time begins with the fixed values
+alone. Of a Latin hypercube each range has as many equal shares as there are samples, and every
+share is sampled once.
 """
 
 import itertools
@@ -17,7 +13,13 @@ from dataclasses import dataclass
 from mpm_warp.parameters import Parameter, Value
 
 FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
-DESIGNS = (FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE)
+DESIGNS = {
+    FULL: "all combinations of what varies",
+    ONE_AT_A_TIME: "one parameter varied at a time",
+    LIST: "as they are listed",
+    LATIN_HYPERCUBE: "a Latin hypercube",
+}
+"""The designs, and the cases of each in words."""
 EITHER_FIXED_OR_VARIED = (FULL, LATIN_HYPERCUBE)
 """Designs of which no case has a varied parameter's fixed value; one at a time most cases do."""
 SPACINGS = ("linear", "logarithmic")

@@ -72,11 +72,7 @@ class Expression:
 
     @classmethod
     def parsed(cls, text: object) -> Expression:
-        """Read an expression.
-
-        Raises:
-            ExpressionError: it is none.
-        """
+        """Read an expression."""
         if not isinstance(text, str) or not text.strip():
             raise ExpressionError('must be an expression in a text, as "2 * penetration"')
         if len(text) > LONGEST:
@@ -96,11 +92,7 @@ class Expression:
         return is_negation or isinstance(self.tree, ast.Compare | ast.BoolOp)
 
     def value(self, parameters: Mapping[str, Value | None]) -> Value:
-        """Work it out.
-
-        Raises:
-            ExpressionError: it has no finite value for these parameters.
-        """
+        """Work it out."""
         try:
             value = _value(self.tree, parameters)
         except (ArithmeticError, ValueError, TypeError) as error:
@@ -110,11 +102,7 @@ class Expression:
         return value
 
     def is_true(self, parameters: Mapping[str, Value | None]) -> bool:
-        """Work out a condition.
-
-        Raises:
-            ExpressionError: it has no value for these parameters, or is not true or false.
-        """
+        """Work out a condition."""
         value = self.value(parameters)
         if not isinstance(value, bool):
             raise ExpressionError(f"{self.text!r} is {value!r}, neither true nor false")

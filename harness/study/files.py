@@ -1,13 +1,7 @@
 """The files of studies: found by name or path, read from TOML, joined with those they build on.
 
-The ground of a study, [profile], is columns by depth, or a CSV file beside it::
-
-    [profile]
-    "depth [m]" = [0, 2, 2, 20]
-    "strength [kPa]" = [40, 15, 20, 60]
-
-or ``file = "site.csv"``, the first line of which names the same columns. Either becomes the
-parameter `profile` of the scene, a text of one line.
+The ground of a study, [profile], is columns by depth, or a CSV file beside it. Either becomes the
+parameter `profile` of the scene, a text of one line. harness/README.md has examples.
 """
 
 import re
@@ -26,7 +20,7 @@ from mpm_warp.scenes.sounding.profile import PROFILE, Profile
 STUDY_NAME = r"\w[\w.-]*"
 """What the name of a study looks like, as a pattern."""
 LARGEST_FILE = 1_000_000
-"""Bytes that a definition may have; what is larger is not a study but a mistake."""
+"""Bytes of a definition, or of a profile; what is larger is not a study but a mistake."""
 LONGEST_LINEAGE = 8
 """Studies that may stand one on the other by ``base``."""
 MOST_PARTS = 20
@@ -81,11 +75,7 @@ def find_study(study: str, beside: Path | None = None) -> Path:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """The tables of a file as they stand there.
-
-    Raises:
-        StudyError: it cannot be read, is too large, or is not TOML.
-    """
+    """The tables of a file as they stand there."""
     try:
         size = path.stat().st_size
         content = path.read_bytes() if size <= LARGEST_FILE else b""
@@ -133,7 +123,7 @@ def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
     while here is not None:
         values = read_toml(here)
         line.insert(0, (here, values))
-        base = Table(f"{here}:", values).text("base", "") if "base" in values else None
+        base = Table(f"{here}:", values).text("base") if "base" in values else None
         if base is not None and len(line) == LONGEST_LINEAGE:
             raise StudyError(
                 f"{here}: base = {base!r}: more than {LONGEST_LINEAGE} studies stand one on the "
@@ -167,10 +157,11 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
         inherited = result.get(key)
         if not (isinstance(inherited, dict) and isinstance(value, dict)):
             result[key] = value
-        elif key == "scenes":
-            result[key] = _joined_scenes(inherited, value, design)
         else:
             result[key] = {**inherited, **value}
+            for name in inherited.keys() & value.keys() if key == "scenes" else ():
+                if isinstance(inherited[name], dict) and isinstance(value[name], dict):
+                    result[key][name] = joined(inherited[name], value[name], design)
     return result
 
 
@@ -178,28 +169,10 @@ def _keys(definition: Mapping[str, Any], *tables: str) -> set[str]:
     return {key for it in tables if isinstance(table := definition.get(it), dict) for key in table}
 
 
-def _joined_scenes(
-    base: Mapping[str, Any], own: Mapping[str, Any], design: object
-) -> dict[str, Any]:
-    """The same for what stands under [scenes], a definition for each of them."""
-    result = {**base, **own}
-    for name, definition in own.items():
-        if isinstance(base.get(name), dict) and isinstance(definition, dict):
-            result[name] = joined(base[name], definition, design)
-    return result
-
-
-LARGEST_PROFILE = 1_000_000
-"""Bytes of a file; a table of more than some ten thousand rows is a slip."""
-
-
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     """A study's definition with its [profile] as a fixed parameter.
 
     The file of a profile is found from the folder of the study.
-
-    Raises:
-        StudyError: the profile is not allowed, or its file cannot be read.
     """
     rest = {key: value for key, value in values.items() if key != PROFILE}
     if PROFILE not in values:
@@ -221,17 +194,17 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
 def _of_file(folder: Path, table: Table) -> str:
     """The text of a profile's file: a regular one beside the study, or in a folder below."""
     table.allow("file")
-    path = folder / table.text("file", "")
+    path = folder / table.text("file")
     try:
         if not path.resolve().is_relative_to(folder.resolve()):
             raise table.refuse("file", "must be beside the study, or in a folder below")
         about = path.stat()
         if not stat.S_ISREG(about.st_mode):  # whoever opens a FIFO waits, a device may have no end
             raise table.refuse("file", "is no ordinary file")
-        if about.st_size > LARGEST_PROFILE:
-            raise table.refuse("file", f"has more than {LARGEST_PROFILE} bytes")
+        if about.st_size > LARGEST_FILE:
+            raise table.refuse("file", f"has more than {LARGEST_FILE} bytes")
         with path.open("rb") as file:
-            return file.read(LARGEST_PROFILE).decode("utf-8-sig")
+            return file.read(LARGEST_FILE).decode("utf-8-sig")
     except OSError as error:
         raise table.refuse("file", f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:

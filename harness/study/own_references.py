@@ -1,11 +1,5 @@
 """References that a study's own file defines: a formula in the language of its expressions.
 
-    [references.our_laboratory]
-    formula = "10.5 + 1.5 * alpha_c"
-    label = "Our laboratory 2026"
-    source = "calibration chamber, unpublished"
-    range = { Ir = [80, 120] }
-
 The formula has parameters of the scene, in SI units, and the symbols of the references that ship.
 """
 
@@ -73,32 +67,22 @@ class OwnReference(ConeFactor):
         return {OWN_LABEL: self.label, "range": json.dumps(self.ranges)}
 
 
-def read_own_references(table: Table, known: Collection[str]) -> tuple[OwnReference, ...]:
-    """The references in the table [references] of a study.
-
-    Raises:
-        StudyError: a key or a value is not allowed.
-    """
-    return tuple(_read(name, table.table(name), (*known, *SYMBOLS)) for name in table.values)
-
-
 def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReference:
-    """A reference as the file of a result keeps it.
-
-    Raises:
-        StudyError: the file is damaged there.
-    """
+    """A reference as the file of a result keeps it."""
     keys = ("formula", OWN_LABEL, "source", *OPTIONAL)
     said = {key: attributes[key] for key in keys if key in attributes}
     try:
         ranges = json.loads(attributes.get("range", "{}"))
     except (TypeError, ValueError):
         ranges = None
-    return _read(name, Table(f"reference {name}:", said | {"range": ranges}), None)
+    return read_own_reference(name, Table(f"reference {name}:", said | {"range": ranges}), None)
 
 
-def _read(name: str, table: Table, known: Collection[str] | None) -> OwnReference:
-    """One reference; its formula may have the names `known`, or any where that is None."""
+def read_own_reference(name: str, table: Table, known: Collection[str] | None) -> OwnReference:
+    """A reference from its table [references.NAME].
+
+    Its formula may have the parameters `known` and `SYMBOLS`, or any name where that is None.
+    """
     table.allow("formula", "label", "source", *OPTIONAL, "range")
     if not re.fullmatch(REFERENCE_NAME, name):
         raise StudyError(f"{table.where}: a name is small letters, digits and '_', a letter first")
@@ -109,16 +93,17 @@ def _read(name: str, table: Table, known: Collection[str] | None) -> OwnReferenc
         formula = Expression.parsed(text)
     except ExpressionError as error:
         raise table.refuse("formula", str(error)) from None
+    every = None if known is None else (*known, *SYMBOLS)
     if formula.is_condition:
         raise table.refuse("formula", "is a condition; it must give a number")
     ranges = table.table("range")
     for key, names in (("formula", sorted(formula.names)), ("range", list(ranges.values))):
         for it in names:
-            if known is not None and it not in known:
-                problem = f"unknown parameter or symbol {it!r}{nearest_name(it, known)}"
+            if every is not None and it not in every:
+                problem = f"unknown parameter or symbol {it!r}{nearest_name(it, every)}"
                 raise table.refuse(key, problem)
     bounds = {name: _span(ranges, name) for name in ranges.values}
-    optional = OPTIONAL | {key: table.text(key, "") for key in OPTIONAL if key in table.values}
+    optional = OPTIONAL | {key: table.text(key) for key in OPTIONAL if key in table.values}
     return OwnReference(
         id=name,
         label=table.text("label", "; its name in pictures, as authors and year"),

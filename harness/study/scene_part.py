@@ -58,11 +58,6 @@ class ScenePart:
     snapshots: tuple[float, ...]
 
     @property
-    def of_other_laws(self) -> tuple[str, ...]:
-        """The parameters that laws of other packages add to the scene."""
-        return self.scene.of_other_laws
-
-    @property
     def assigned(self) -> set[str]:
         """The parameters that the study gives values to; all others are left to the scene."""
         return {
@@ -86,9 +81,6 @@ def read_part(
         settings: parameters and their values, which hold whatever the definition says; those of
             parameters that the scene does not have are left out. In the design `one_at_a_time` a
             parameter that a setting varies keeps its fixed value in the first case.
-
-    Raises:
-        StudyError: something in it is not allowed.
     """
     known = parameters_of(scene)
     settings = {key: value for key, value in settings.items() if key in known}
@@ -134,21 +126,21 @@ def read_part(
 
 
 def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
-    """Read at which moments the soil is to be kept: a list of numbers, or a range with a count.
-
-    Raises:
-        StudyError: the scene takes none, or a moment is not allowed.
-    """
+    """Read at which moments the soil is to be kept: a list of numbers, or a range with a count."""
     if scene.snapshots_over is None:
         raise table.refuse(SNAPSHOTS, f"{name} takes no snapshots")
-    farthest = parameters_of(scene)[scene.snapshots_over]
-    meaning = f"moment at which the soil is kept, measured as the {farthest.name} is"
-    moment = replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0, meaning=meaning)
-    moments = _variation(
-        Assignments(table.where, table.values, {SNAPSHOTS: moment}), SNAPSHOTS, Design(kind=FULL)
-    )
+    known = {SNAPSHOTS: moment_of(scene, scene.snapshots_over)}
+    given = Assignments(table.where, table.values, known)
+    moments = _variation(given, SNAPSHOTS, Design(kind=FULL))
     assert isinstance(moments, tuple)  # a range without a count is a Latin hypercube's alone
     return tuple(sorted(float(moment) for moment in moments))
+
+
+def moment_of(scene: Scene, over: str) -> Parameter:
+    """What a moment at which the soil is kept may be: as the parameter that it is measured over."""
+    farthest = parameters_of(scene)[over]
+    meaning = f"moment at which the soil is kept, measured as the {over} is"
+    return replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0, meaning=meaning)
 
 
 def _fixed(table: Assignments) -> dict[str, Value]:
@@ -243,10 +235,9 @@ def _listed(
     cases = table.list("case")
     if not cases:
         raise StudyError(f"{table.where} case: is missing; each case is a table [[case]]")
+    listed = []
     for number, case in enumerate(cases, 1):
         if not isinstance(case, dict):
             raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
-    return tuple(
-        Assignments(f"{table.where} [[case]] {number}:", case, known).all_values()
-        for number, case in enumerate(cases, 1)
-    )
+        listed.append(Assignments(f"{table.where} [[case]] {number}:", case, known).all_values())
+    return tuple(listed)

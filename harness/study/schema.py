@@ -5,7 +5,6 @@ at once, such as the sum of cases, is left to the harness.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from harness.references.registry import experience_ids, reference_ids
@@ -13,10 +12,10 @@ from harness.study.compared import REFERENCE_STUDY
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
 from harness.study.own_references import OPTIONAL, OWN_REFERENCES, REFERENCE_NAME, SYMBOLS
-from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS
-from harness.study.study import LARGEST_SEED, MOST_REPEATS
+from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
+from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE
 from mpm_warp.parameters import Parameter, parameters_of
-from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
+from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.sounding.profile import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -26,7 +25,6 @@ Schema = dict[str, Any]
 
 def study_schema() -> Schema:
     """The schema of a study's definition."""
-    texts = {"type": "array", "items": _expression("condition on cases that are not run")}
     line = {"type": "string", "pattern": "\\S"}
     references = _ids(reference_ids(), "cone factors of the literature")
     # Where the study, or its base, defines some of its own these may be named too.
@@ -49,12 +47,7 @@ def study_schema() -> Schema:
         "design": {"enum": list(DESIGNS), "description": "how varied values are combined"},
         "samples": _integer("cases of a Latin hypercube", 1, LARGEST_STUDY),
         "seed": _integer("of a Latin hypercube's random numbers", 0, LARGEST_SEED),
-        "fixed": {"type": "object"},
-        "vary": {"type": "object"},
-        "derived": {"type": "object", "additionalProperties": _expression("from the others")},
-        "exclude": texts,
-        "case": {"type": "array", "items": {"type": "object"}},
-        SNAPSHOTS: {},
+        **{key: {} for key in OF_SCENE},  # what they hold depends on the scene
         PROFILE: {
             "type": "object",
             "description": "ground by depth: columns as 'depth [m]', or file, a CSV file",
@@ -113,7 +106,8 @@ def _own_reference(line: Schema) -> Schema:
 
 def _of_scene(name: str) -> Schema:
     """The tables that depend on the scene."""
-    parameters = parameters_of(scene_class(name)).values()
+    scene = scene_class(name)
+    parameters, over = parameters_of(scene).values(), scene.snapshots_over
     values = {parameter.name: value_schema(parameter) for parameter in parameters}
     fixed = _table(values)
     return _table(
@@ -121,20 +115,11 @@ def _of_scene(name: str) -> Schema:
             "fixed": fixed,
             "vary": _table({parameter.name: _variation(parameter) for parameter in parameters}),
             "derived": _table({it.name: _expression(it.meaning) for it in parameters}),
-            "exclude": {"type": "array", "items": _expression("condition")},
+            "exclude": {"type": "array", "items": _expression("cases that are not run")},
             "case": {"type": "array", "items": fixed},
-            **_snapshots(scene_class(name)),
+            **({} if over is None else {SNAPSHOTS: _variation(moment_of(scene, over))}),
         }
     )
-
-
-def _snapshots(scene: type[CatalogueScene]) -> Schema:
-    """The moments at which the soil is kept, of a scene that takes snapshots."""
-    if scene.snapshots_over is None:
-        return {}
-    farthest = parameters_of(scene)[scene.snapshots_over]
-    meaning = f"{farthest.meaning}: moments at which the soil is kept"
-    return {SNAPSHOTS: _variation(replace(farthest, minimum=None, above=0.0, meaning=meaning))}
 
 
 def value_schema(parameter: Parameter) -> Schema:

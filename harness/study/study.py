@@ -1,34 +1,17 @@
 """A study: what to run and what to compare it with, read from TOML and changed by ``--set``.
 
-A definition is data, nothing in it is executed::
-
-    title = "Cone factor against the adhesion of the cone face"
-    scene = "cone_penetration"
-
-    [fixed]
-    rigidity_index = 100
-
-    [vary]
-    adhesion_factor = [0, 0.5, 1]
-
-    [compare]
-    references = ["lu_2004"]
-
-    [timing]
-    repeats = 5
-
-harness/README.md has all keys.
+A definition is data, nothing in it is executed. harness/README.md has its keys, with examples.
 """
 
 import functools
+import itertools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.references.cone_factors import ConeFactor
 from harness.study.cases import Case, cases_of
-from harness.study.compared import read_compared
+from harness.study.compared import Compared, read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
 from harness.study.files import find_study, joined, lineage, study_names, with_profile
 from harness.study.own_references import OWN_REFERENCES
@@ -42,11 +25,7 @@ from harness.study.scene_part import (
 )
 from harness.study.tables import Assignments, StudyError, Table, parse_setting, parse_value, shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.parameters import (
-    known_names,
-    nearest_name,
-    parameters_of,
-)
+from mpm_warp.parameters import known_names, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000
@@ -70,10 +49,7 @@ class Study:
         title: one line on what the study shows.
         parts: one for each scene.
         design: how the varied values are combined.
-        references: of the literature or its own, to compare with.
-        reference_result: result whose cases stand for the true values of errors; or none.
-        experience: bands of factors measured in the field, to set beside the result.
-        tolerances: largest deviation from a reference, or largest size of a result, by name.
+        compared: what its result is compared with.
         timing_repeats: times to run each case again, alone on the machine, to measure its run
             time; 0 where a study does not ask for it.
         source: the definition's file.
@@ -83,21 +59,13 @@ class Study:
     title: str
     parts: tuple[ScenePart, ...]
     design: Design
-    references: tuple[ConeFactor, ...]
-    reference_result: Path | None
-    experience: tuple[str, ...]
-    tolerances: Mapping[str, float]
+    compared: Compared
     timing_repeats: int
     source: Path
 
     @functools.cached_property
     def cases(self) -> tuple[Case, ...]:
-        """All cases, each once, scene by scene in the order of the design; worked out once.
-
-        Raises:
-            StudyError: a scene does not allow a combination of values; or there are too many
-                cases, or none.
-        """
+        """All cases, each once, scene by scene in the order of the design; worked out once."""
         return cases_of(self.parts, self.design, str(self.source))
 
     @property
@@ -137,9 +105,6 @@ def with_snapshots(study: Study, moments: str) -> Study:
     Args:
         study: the study.
         moments: as on the command line: ``5, 10``, or the list or the range of a study in TOML.
-
-    Raises:
-        StudyError: they are malformed, or no scene takes any.
     """
     option = f"--{SNAPSHOTS}"
     given = moments if moments.lstrip().startswith(("[", "{")) else f"[{moments}]"
@@ -154,11 +119,7 @@ def with_snapshots(study: Study, moments: str) -> Study:
 
 
 def is_scene(subject: str) -> bool:
-    """Whether what is named is a scene; otherwise it is a study, or should be the file of one.
-
-    Raises:
-        StudyError: it is neither; the nearest name is given.
-    """
+    """Whether what is named is a scene; otherwise it is a study, or should be the file of one."""
     known = (*scene_names(), *study_names())
     if subject not in known and "." not in subject and "/" not in subject:
         raise StudyError(f"{subject}: neither a scene nor a study{nearest_name(subject, known)}")
@@ -166,17 +127,13 @@ def is_scene(subject: str) -> bool:
 
 
 def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
-    """A study of one scene as it is, with settings; it has no file, and no results.
-
-    Raises:
-        StudyError: there is no such scene, or a setting is malformed.
-    """
+    """A study of one scene as it is, with settings; it has no file, and no results."""
     assignments = dict(parse_setting(setting) for setting in settings)
     return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
 
 
 def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    return joined(base, own, {**base, **own}.get("design", DESIGNS[0]))
+    return joined(base, own, {**base, **own}.get("design", FULL))
 
 
 def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
@@ -193,19 +150,15 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         of_scene = own.table(name)
         of_scene.allow(*OF_SCENE)
         where = of_scene.where if of_scene.values else document.where
-        _check_assignments(document, of_scene)
+        _check_derived(document, of_scene)
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
-    compared = read_compared(document, parts, path.parent)
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
-        references=compared.references,
-        reference_result=compared.reference_result,
-        experience=compared.experience,
-        tolerances=compared.tolerances,
+        compared=read_compared(document, parts, path.parent),
         timing_repeats=_timing_repeats(document),
         source=path,
     )
@@ -252,14 +205,13 @@ def _check_settings(settings: Mapping[str, Any], scenes: Iterable[Scene]) -> Non
         table.definition(key)
 
 
-def _check_assignments(*tables: Table) -> None:
+def _check_derived(*tables: Table) -> None:
     """Refuse a parameter that one and the same table both derives and fixes or varies."""
     for table in tables:
         derived = table.table("derived")
-        for name in ("fixed", "vary"):
-            for key in table.table(name).values:
-                if key in derived.values:
-                    raise derived.refuse(key, f"is under [{name}] as well; keep one of them")
+        for name, key in itertools.product(("fixed", "vary"), derived.values):
+            if key in table.table(name).values:
+                raise derived.refuse(key, f"is under [{name}] as well; keep one of them")
 
 
 def _timing_repeats(document: Table) -> int:

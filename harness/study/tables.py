@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from harness.errors import HarnessError, printable, shortened
@@ -21,7 +21,10 @@ LONGEST_TEXT = 1000
 
 
 class StudyError(HarnessError):
-    """A study file is wrong; the message is one printable line of bounded length."""
+    """A study file is wrong; the message is one printable line of bounded length.
+
+    Whatever reads a study or a setting may raise it.
+    """
 
     def __init__(self, message: str) -> None:
         super().__init__(shortened(printable(message), LONGEST_MESSAGE))
@@ -60,11 +63,14 @@ class Table:
             raise self.refuse(key, f"must be a table [{key}]")
         return Table(f"{self.where} [{key}]", value)
 
-    def text(self, key: str, remedy: str) -> str:
-        """A text of one line that must be there; `remedy` says what to do where it is not."""
+    def _given(self, key: str, remedy: str) -> Any:
         if key not in self.values:
             raise StudyError(f"{self.where} {key}: is missing{remedy}")
-        value = self.values[key]
+        return self.values[key]
+
+    def text(self, key: str, remedy: str = "") -> str:
+        """A text of one line that must be there; `remedy` says what to do where it is not."""
+        value = self._given(key, remedy)
         if not (isinstance(value, str) and value.strip() and value.isprintable()):
             raise self.refuse(key, "must be a text of one line")
         if len(value) > LONGEST_TEXT:
@@ -72,9 +78,9 @@ class Table:
             raise self.refuse(key, problem)
         return value
 
-    def word(self, key: str, choices: Sequence[str]) -> str:
+    def word(self, key: str, choices: Collection[str]) -> str:
         """One of `choices`; the first where the key is not there."""
-        value = self.values.get(key, choices[0])
+        value = self.values.get(key, next(iter(choices)))
         if not isinstance(value, str) or value not in choices:
             near = did_you_mean(value, choices) if isinstance(value, str) else ""
             raise self.refuse(key, f"must be one of {', '.join(choices)}{near}")
@@ -82,17 +88,13 @@ class Table:
 
     def integer(self, key: str, least: int, most: int) -> int:
         """An integer that must be there."""
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing; an integer, {least} to {most}")
-        value = self.values[key]
+        value = self._given(key, f"; an integer, {least} to {most}")
         if type(value) is not int or not least <= value <= most:
             raise self.refuse(key, f"must be an integer, {least} to {most}")
         return value
 
     def positive(self, key: str) -> float:
-        """A finite number above 0 that must be there."""
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing; a number > 0")
+        """A finite number above 0; the key is there."""
         value = self.values[key]
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e300:
             raise self.refuse(key, "must be a number > 0")
@@ -164,11 +166,7 @@ class Assignments(Table):
 
 
 def parse_setting(setting: str) -> tuple[str, Any]:
-    """Key and TOML value of a ``key=value`` from the command line; a bare word is a text.
-
-    Raises:
-        StudyError: it is none.
-    """
+    """Key and TOML value of a ``key=value`` from the command line; a bare word is a text."""
     key, equals, text = (part.strip() for part in setting.partition("="))
     if not (key and equals and text):
         raise StudyError(f"--set {setting}: must be key=value, without blanks around the =")
@@ -178,11 +176,7 @@ def parse_setting(setting: str) -> tuple[str, Any]:
 
 
 def parse_value(option: str, key: str, text: str) -> Any:
-    """The TOML value of a key, given with an option of the command line.
-
-    Raises:
-        StudyError: it is none.
-    """
+    """The TOML value of a key, given with an option of the command line."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):

@@ -1,5 +1,6 @@
 """Studies that run in no time."""
 
+import itertools
 import os
 import time
 from collections.abc import Callable
@@ -11,7 +12,8 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.archive.conventions import FORMAT_VERSION
+from harness.archive.atomic_files import prepare
+from harness.archive.conventions import COMPLETED, FORMAT_VERSION
 from harness.cli.main import main
 from harness.compare.finest_error import with_finest_error
 from harness.study.study import Study, load_study
@@ -30,6 +32,16 @@ SMALL = """
     adhesion_factor = [0, 0.5, 1]
 """
 
+HEAD = 'title = "t"\nscene = "cone_penetration"\n'
+HYPERCUBE = """design = "latin_hypercube"
+samples = 20
+seed = 3
+[vary]
+adhesion_factor = { from = 0, to = 1 }
+rigidity_index = { from = 5, to = 500, spacing = "logarithmic" }
+material = ["tresca", "von_mises"]
+"""
+
 Refusal = Callable[[list[str]], str]
 """Runs a command that is to be refused, and gives the one line with which it is."""
 Written = Callable[[Study, Path], dict[str, tuple[int, int]]]
@@ -43,6 +55,33 @@ DONE = xr.Dataset(
     {"cone_factor": ((), 10.0, {"role": "headline", "units": "1", "long_name": "cone factor"})}
 )
 """What a case has at the least that has completed: a headline."""
+
+
+def study_in(folder: Path, text: str, *settings: str, name: str = "s") -> Study:
+    """The study of a definition, which is written into a folder."""
+    path = folder / f"{name}.toml"
+    path.write_text(text)
+    return load_study(str(path), settings)
+
+
+def values(study: Study, *names: str) -> list[tuple[object, ...]]:
+    """Parameters of each case of a study."""
+    return [tuple(case.parameters.get(name) for name in names) for case in study.cases]
+
+
+def prepared(study: Study, out: Path) -> Path:
+    """The folder of a study's cases in `out`, ready to be written to."""
+    folder = case_files.case_folder(out, study)
+    prepare(folder)
+    return folder
+
+
+def keep(study: Study, out: Path, *results: xr.Dataset) -> Path:
+    """Write a result of each case, or the same of all; the folder of the study's cases."""
+    folder = prepared(study, out)
+    for case, result in zip(study.cases, results or itertools.repeat(DONE), strict=False):
+        case_files.write_case(folder, case, result, COMPLETED)
+    return folder
 
 
 @pytest.fixture

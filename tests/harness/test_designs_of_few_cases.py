@@ -5,13 +5,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive.atomic_files import prepare
-from harness.archive.case_files import case_folder, write_case
-from harness.archive.conventions import COMPLETED
+from harness.archive.case_files import write_case
 from harness.cli.main import main
-from harness.study.study import load_study
+from tests.harness.conftest import HEAD, keep, study_in
 
-HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 AT_RANDOM = """design = "latin_hypercube"
 samples = {}
 seed = 1
@@ -71,17 +68,13 @@ def test_every_command_ends_well(
     text = HEAD + DESIGNS[design][0]
     if design == "two scenes":
         text = text.replace('"cone_penetration"', '["cone_penetration", "t_bar_penetration"]')
-    file = tmp_path / "s.toml"
-    file.write_text(text + '\n[references.own]\nformula = "10"\nlabel = "We"\nsource = "here"\n')
-    study = load_study(str(file))
+    own = '\n[references.own]\nformula = "10"\nlabel = "We"\nsource = "here"\n'
+    study = study_in(tmp_path, text + own)
+    file = study.source
     assert len(study.cases) == DESIGNS[design][1]
-    folder = case_folder(tmp_path, study)
-    prepare(folder)
-    for number, case in enumerate(study.cases):
-        if number < completed:
-            write_case(folder, case, result(number), COMPLETED)
-        else:
-            write_case(folder, case, xr.Dataset(), FAILED, "velocity of particle 3")
+    folder = keep(study, tmp_path, *map(result, range(len(study.cases))))
+    for case in study.cases[completed:]:
+        write_case(folder, case, xr.Dataset(), FAILED, "velocity of particle 3")
     is_whole = completed == len(study.cases)
     stored = str(tmp_path / "s.nc")
     page = str(tmp_path / "page.html")

@@ -14,7 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.cli.main import COMMANDS, main
+from harness.cli.help import HELP
+from harness.cli.main import main
 from harness.errors import LONGEST_LINE
 from harness.references.registry import reference_ids
 from harness.study.designs import DESIGNS, SPACINGS
@@ -65,7 +66,7 @@ studies = st.fixed_dictionaries(
     },
     optional={name: table | nested for name, table in tables.items()}
     | {
-        "design": st.sampled_from(DESIGNS) | words,
+        "design": st.sampled_from(list(DESIGNS)) | words,
         "samples": st.integers(-1, 9) | scalars,
         "seed": scalars,
         "exclude": st.lists(expressions, max_size=3),
@@ -113,7 +114,7 @@ def test_any_study_is_read_or_refused_in_one_line(study: dict[str, Any], tmp_pat
 
 
 @given(
-    command=st.sampled_from([it for it in COMMANDS if it not in ("bench", "verify")]) | words,
+    command=st.sampled_from([it for it in HELP if it not in ("bench", "verify")]) | words,
     rest=st.lists(
         words.filter(lambda word: word not in scene_names())
         | st.sampled_from(

@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.atomic_files import prepare
-from harness.archive.case_files import case_folder, write_case
-from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import read_study
 from harness.cli.main import main
 from harness.compare.compared import misses
@@ -18,7 +15,7 @@ from harness.report.report import page
 from harness.run.collect_and_clean import collect_and_write
 from harness.study.description import study_text
 from harness.study.study import load_study
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import DONE, Refusal, keep, study_in
 from tests.harness.pictures.conftest import figures
 
 STUDY = """
@@ -43,18 +40,13 @@ def computed(tmp_path: Path) -> Callable[[str], xr.Dataset]:
     """Collects a study whose cone factors are given, and reads its file; the study is gone then."""
 
     def made(text: str) -> xr.Dataset:
-        file = tmp_path / "s.toml"
-        file.write_text(text)
-        study = load_study(str(file))
-        folder = case_folder(tmp_path, study)
-        prepare(folder)
-        for place, case in enumerate(study.cases):
-            labels = {"role": "headline", "units": "1", "long_name": "cone factor"}
-            write_case(
-                folder, case, xr.Dataset({"cone_factor": ((), 10.35 + place, labels)}), COMPLETED
-            )
+        study = study_in(tmp_path, text)
+        factors = [DONE.assign(cone_factor=DONE.cone_factor + 0.35 + it) for it in range(3)]
+        for it in factors:
+            it.cone_factor.attrs = DONE.cone_factor.attrs
+        keep(study, tmp_path, *factors)
         collect_and_write(study, tmp_path)
-        file.unlink()
+        study.source.unlink()
         return read_study(tmp_path / "s.nc")
 
     return made
@@ -112,44 +104,7 @@ def test_it_is_inherited_from_a_base_and_changed_there(tmp_path: Path) -> None:
     (tmp_path / "base.toml").write_text(STUDY)
     (tmp_path / "s.toml").write_text('base = "base.toml"\n' + FORMULA)
     study = load_study(str(tmp_path / "s.toml"))
-    assert [it.id for it in study.references] == ["our_lab", "it"]
-
-
-REFUSED = {
-    "no formula": ('[references.it]\nlabel = "l"\nsource = "s"', "formula: is missing"),
-    "not an expression": (FORMULA.replace('"Ir"', '"2 *"'), "is no expression"),
-    "unknown parameter": (
-        FORMULA.replace('"Ir"', '"rigidity_indx"'),
-        "unknown parameter or symbol 'rigidity_indx'; did you mean 'rigidity_index'?",
-    ),
-    "a condition": (FORMULA.replace('"Ir"', '"Ir > 2"'), "must give a number"),
-    "unknown key": (FORMULA + "labels = 1", "unknown key; did you mean 'label'?"),
-    "name of one that ships": (
-        FORMULA.replace(".it]", ".lu_2004]"),
-        "the harness has a reference of this name",
-    ),
-    "range of what is unknown": (
-        FORMULA + "range = { It = [1, 2] }",
-        "unknown parameter or symbol",
-    ),
-    "range of one number": (FORMULA + "range = { Ir = [1] }", "must be two numbers"),
-    "range upside down": (FORMULA + "range = { Ir = [2, 1] }", "must be two numbers"),
-    "no table": ("references = 3", "must be a table"),
-    "of a scene without a cone factor": (
-        FORMULA.replace("Ir", "2"),
-        "no scene here gives a cone_factor",
-    ),
-}
-
-
-@pytest.mark.parametrize(("text", "reason"), REFUSED.values(), ids=REFUSED)
-def test_a_wrong_one_is_refused_in_a_line(
-    text: str, reason: str, tmp_path: Path, refusal: Refusal
-) -> None:
-    scene = "strip_footing" if "without" in reason or "gives" in reason else "cone_penetration"
-    file = tmp_path / "s.toml"
-    file.write_text(f'title = "t"\nscene = "{scene}"\n{text}')
-    assert reason in refusal(["describe", str(file)])
+    assert [it.id for it in study.compared.references] == ["our_lab", "it"]
 
 
 def test_a_damaged_one_in_a_result_is_reported_in_a_line(
@@ -168,5 +123,5 @@ def test_a_new_study_has_one_to_be_filled_in(tmp_path: Path) -> None:
     file = tmp_path / "s.toml"
     file.write_text(text + "\n".join(line.removeprefix("#") for line in lines))
     assert main(["describe", str(file)]) == 0
-    (own,) = load_study(str(file)).references
+    (own,) = load_study(str(file)).compared.references
     assert own.label == "Our laboratory 2026"

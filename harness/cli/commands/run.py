@@ -20,7 +20,7 @@ from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device
 from harness.run.run_study import on_cluster, on_this_machine, run_study
-from harness.run.verify import as_dataset, checks_of, heading, table_rows, verify
+from harness.run.verify import HEADING, as_dataset, checks_of, table_rows, verify
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of
@@ -116,7 +116,7 @@ def verify_scenes(options: argparse.Namespace) -> int:
     checks = checks_of(options.scene, extreme=options.extreme)
     if options.out is not None:
         prepare(options.out)
-    lines, results = [heading()], []
+    lines, results = [HEADING], []
     print(lines[0])
     for check in checks:
         results.append(verify(check))

@@ -8,10 +8,11 @@ import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
 from harness.archive import collection as archive
-from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, varied_names
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from tests.harness.conftest import prepared
 
 
 def result(depths: list[float], cone_factor: float) -> xr.Dataset:
@@ -38,13 +39,12 @@ def complete(folder: Path, cases: Sequence[Case]) -> None:
 
 @pytest.fixture
 def folder(tmp_path: Path, small: Study) -> Path:
-    folder = case_files.case_folder(tmp_path, small)
-    prepare(folder)
-    return folder
+    return prepared(small, tmp_path)
 
 
 def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
     case = small.cases[0]
+    assert case_files.read_case(folder, case) is None
     written = result([0.1, 0.2, 0.3], 31 / 3)
     case_files.write_case(folder, case, written, "diverged", "why")
     read = case_files.read_case(folder, case)
@@ -66,7 +66,7 @@ def test_a_file_is_read_as_xarray_reads_it(tmp_path: Path) -> None:
     kept = kept.assign_coords(none=("none", np.empty(0)), alone=("aside", [1.0, 2.0]))
     path = tmp_path / "kept.nc"
     netcdf_files.write_netcdf(kept.assign_attrs(format_version=1, whole=2.5), path)
-    read = netcdf_files.read_fields_netcdf(path)
+    read = netcdf_files.read_netcdf(path, as_result=False)
     with xr.open_dataset(path) as known:
         xr.testing.assert_identical(read.assign_attrs(known.attrs), known.load())
         assert read.attrs == {k: it for k, it in known.attrs.items() if k != netcdf_files.DIGEST}
@@ -75,10 +75,6 @@ def test_a_file_is_read_as_xarray_reads_it(tmp_path: Path) -> None:
         }
         assert list(read.variables) == list(known.variables)
         assert list(read.coords) == list(known.coords)
-
-
-def test_a_case_that_has_not_run_is_none(folder: Path, small: Study) -> None:
-    assert case_files.read_case(folder, small.cases[0]) is None
 
 
 def test_the_file_of_another_case_is_refused(folder: Path, small: Study) -> None:
@@ -149,15 +145,6 @@ def test_a_study_of_which_nothing_completed_still_says_so(folder: Path, small: S
     assert dataset.sizes == {"adhesion_factor": 3}
 
 
-def test_a_study_comes_back_bit_for_bit(folder: Path, tmp_path: Path, small: Study) -> None:
-    complete(folder, small.cases)
-    dataset = archive.collect(small, folder)
-    study_files.write_study(tmp_path / "small.nc", dataset)
-    read = study_files.read_study(tmp_path / "small.nc")
-    xr.testing.assert_equal(read, dataset)
-    assert read.status.values.tolist() == [COMPLETED] * 3
-
-
 def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
     case = small.cases[0]
     complete(folder, [case])
@@ -187,16 +174,10 @@ def test_parameters_that_a_scene_returns_are_those_of_the_case(folder: Path, sma
 def test_what_a_scene_derives_from_varied_parameters_is_no_coordinate(
     folder: Path, small: Study
 ) -> None:
-    derived = [
-        dataclasses.replace(
-            case,
-            parameters={
-                **case.parameters,
-                "shaft_adhesion_factor": case.parameters["adhesion_factor"],
-            },
-        )
-        for case in small.cases
-    ]
+    derived = []
+    for case in small.cases:
+        own = {"shaft_adhesion_factor": case.parameters["adhesion_factor"]}
+        derived.append(dataclasses.replace(case, parameters={**case.parameters, **own}))
     vars(small)["cases"] = tuple(derived)
     complete(folder, derived)
     dataset = archive.collect(small, folder)
@@ -215,77 +196,47 @@ def test_numbers_keep_their_type_where_all_cases_have_them(folder: Path, small: 
 Change = Callable[[xr.Dataset], xr.Dataset]
 
 
-def with_attribute(name: str, key: str, value: object) -> Change:
-    def change(dataset: xr.Dataset) -> xr.Dataset:
-        dataset[name].attrs[key] = value
-        return dataset
-
-    return change
+def said(name: str, **attributes: object) -> Change:
+    return lambda dataset: dataset.assign({name: dataset[name].assign_attrs(attributes)})
 
 
 FAULTS: list[tuple[str, Change]] = [
-    ("there is no case", lambda dataset: dataset.isel(adhesion_factor=slice(0, 0))),
-    (
-        "adhesion_factor has a value twice",
-        lambda dataset: dataset.isel(adhesion_factor=[0, 0, 1]),
-    ),
-    ("status is no text", lambda dataset: dataset.assign(status=dataset.cone_factor)),
+    ("there is no case", lambda it: it.isel(adhesion_factor=slice(0, 0))),
+    ("adhesion_factor has a value twice", lambda it: it.isel(adhesion_factor=[0, 0, 1])),
+    ("status is no text", lambda it: it.assign(status=it.cone_factor)),
     (
         "cone_factor is no number",
-        lambda dataset: dataset.assign(cone_factor=dataset.status.assign_attrs(units="1")),
+        lambda it: it.assign(cone_factor=it.status.assign_attrs(units="1")),
     ),
-    (
-        "accuracy is no number",
-        lambda dataset: dataset.assign(
-            accuracy=dataset.accuracy.assign_attrs(role="error", units="1")
-        ),
-    ),
-    ("the role of cone_factor is unknown", with_attribute("cone_factor", "role", "guess")),
-    ("long_name of cone_factor is no text", with_attribute("cone_factor", "long_name", 7)),
-    ("limit of cone_factor is no number", with_attribute("cone_factor", "limit", "much")),
+    ("accuracy is no number", said("accuracy", role="error", units="1")),
+    ("the role of cone_factor is unknown", said("cone_factor", role="guess")),
+    ("long_name of cone_factor is no text", said("cone_factor", long_name=7)),
+    ("limit of cone_factor is no number", said("cone_factor", limit="much")),
     (
         "penetration_resistance has a dim without a coordinate",
-        lambda dataset: dataset.drop_vars("penetration"),
+        lambda it: it.drop_vars("penetration"),
     ),
     (
         "penetration_resistance has not all dims of the cases",
-        lambda dataset: dataset.expand_dims(rigidity_index=[50.0, 100.0]).assign(
-            penetration_resistance=dataset.penetration_resistance
+        lambda it: it.expand_dims(rigidity_index=[50.0, 100.0]).assign(
+            penetration_resistance=it.penetration_resistance
         ),
     ),
     (
         "penetration_resistance has more than one value a case",
-        with_attribute("penetration_resistance", "role", "headline"),
+        said("penetration_resistance", role="headline"),
     ),
 ]
 
 
-@pytest.fixture
-def collected(tmp_path: Path, small: Study) -> xr.Dataset:
-    folder = case_files.case_folder(tmp_path, small)
-    archive_result = xr.Dataset(
-        {
-            "cone_factor": ((), 10.0, {"units": "1", "role": "headline"}),
-            "penetration_resistance": ("penetration", [1.0, 2.0], {"units": "Pa"}),
-        },
-        {"penetration": ("penetration", [0.1, 0.2], {"units": "1"})},
-    )
-    folder.mkdir(parents=True)
-    for case in small.cases:
-        case_files.write_case(folder, case, archive_result, COMPLETED)
-    return archive.collect(small, folder)
-
-
-def test_what_is_collected_is_well_formed(collected: xr.Dataset, tmp_path: Path) -> None:
-    netcdf_files.write_netcdf(collected, tmp_path / "a.nc")
-    assert netcdf_files.read_netcdf(tmp_path / "a.nc").identical(collected)
-
-
 @pytest.mark.parametrize(("fault", "change"), FAULTS, ids=[fault for fault, _ in FAULTS])
 def test_a_fault_is_told_in_words(
-    collected: xr.Dataset, fault: str, change: Change, tmp_path: Path
+    folder: Path, small: Study, fault: str, change: Change, tmp_path: Path
 ) -> None:
-    path = tmp_path / "a.nc"
+    complete(folder, small.cases)
+    collected, path = archive.collect(small, folder), tmp_path / "a.nc"
+    netcdf_files.write_netcdf(collected, path)
+    assert netcdf_files.read_netcdf(path).identical(collected)
     netcdf_files.write_netcdf(change(collected), path)
     with pytest.raises(ArchiveError, match=f"^{path}: is no whole result: {fault}$"):
         netcdf_files.read_netcdf(path)

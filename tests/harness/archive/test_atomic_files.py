@@ -61,6 +61,7 @@ def test_no_name_that_is_guessed_leads_a_file_elsewhere(
     with pytest.raises(ArchiveError, match="cannot be written to: File exists"):
         prepare(folder)
     assert outside.read_bytes() == b"another's"
+    assert len(list(folder.iterdir())) == 2  # nor is it removed
 
 
 def test_names_of_half_written_files_are_not_to_be_guessed(

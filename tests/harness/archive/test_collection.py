@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.atomic_files import prepare
-from harness.archive.case_files import case_folder, write_case
+from harness.archive.case_files import write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, HALF_WIDTH, reasons_of, without_incomplete_curves
 from harness.archive.study_files import read_study, write_study
@@ -17,41 +16,22 @@ from harness.compare.result_table import cone_factor_table
 from harness.pictures.pictures import draw
 from harness.report.report import page
 from harness.run.rerun import read_for_rerun, verdict
-from harness.run.worker import compute, run_case
+from harness.run.worker import run_case
 from harness.study.study import Study, load_study
-from mpm_warp.errors import SimulationDiverged
 from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty.interval import stated_value
-
-HEAD = 'title = "t"\nscene = "cone_penetration"\n'
-HYPERCUBE = """design = "latin_hypercube"
-samples = 20
-seed = 3
-[vary]
-adhesion_factor = { from = 0, to = 1 }
-rigidity_index = { from = 5, to = 500, spacing = "logarithmic" }
-material = ["tresca", "von_mises"]
-"""
-
-
-def study(folder: Path, text: str) -> Study:
-    path = folder / "s.toml"
-    path.write_text(text)
-    return load_study(str(path))
+from tests.harness.conftest import DONE, HEAD, HYPERCUBE, keep, prepared, study_in
 
 
 def collected(tmp_path: Path, text: str) -> xr.Dataset:
     """The dataset of a study whose cases have invented results."""
-    made = study(tmp_path, text)
-    folder = case_folder(tmp_path, made)
-    prepare(folder)
-    cases = made.cases
-    for place, case in enumerate(cases):
-        factor = (), 10.0 + place, {"role": "headline"}
-        result = xr.Dataset({"cone_factor": factor, "run_time": 1.0})
-        write_case(folder, case, result, COMPLETED)
-    return collect(made, folder)
+    made = study_in(tmp_path, text)
+    factors = [
+        xr.Dataset({"cone_factor": ((), 10.0 + place, {"role": "headline"}), "run_time": 1.0})
+        for place in range(len(made.cases))
+    ]
+    return collect(made, keep(made, tmp_path, *factors))
 
 
 def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
@@ -94,15 +74,9 @@ def test_results_of_one_name_over_other_dims_are_told_apart(
     tmp_path: Path, difference: str
 ) -> None:
     results = [it.assign(factor=FACTOR) for it in OF_TWO_SCENES[difference]]
-    text = 'title = "t"\nscene = ["strip_footing", "material_point"]\n'
-    made = study(tmp_path, text)
-    folder = case_folder(tmp_path, made)
-    prepare(folder)
-    cases = made.cases
-    for case, result in zip(cases, results, strict=True):
-        write_case(folder, case, result, COMPLETED)
-    write_study(tmp_path / "s.nc", collect(made, folder))
-    for case, result in zip(cases, results, strict=True):
+    made = study_in(tmp_path, 'title = "t"\nscene = ["strip_footing", "material_point"]\n')
+    write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, *results)))
+    for case, result in zip(made.cases, results, strict=True):
         _, before = read_for_rerun(tmp_path / "s.nc", case.key)
         again = result.assign_attrs(status=COMPLETED)
         assert verdict(before, again) == (True, "bit-identical")
@@ -113,7 +87,7 @@ def test_a_case_of_several_scenes_is_found_again(tmp_path: Path) -> None:
     dataset = collected(tmp_path, text)
     assert dataset["scene"].values.tolist() == ["strip_footing", "material_point"]
     write_study(tmp_path / "s.nc", dataset)
-    for case in study(tmp_path, text).cases:
+    for case in study_in(tmp_path, text).cases:
         found, _ = read_for_rerun(tmp_path / "s.nc", case.key)
         assert found.scene == case.scene
         assert found.parameters == case.parameters
@@ -136,8 +110,7 @@ def one(small_file: Path) -> Study:
 def test_curves_of_the_only_case_are_collected_where_it_diverged(
     one: Study, tmp_path: Path
 ) -> None:
-    folder = case_folder(tmp_path, one)
-    folder.mkdir(parents=True)
+    folder = prepared(one, tmp_path)
     write_case(folder, one.cases[0], results_of(2.0), "diverged", "why")
     dataset = collect(one, folder)
     assert dataset.penetration_resistance.values.tolist() == [[2.0, 2.0, 2.0]]
@@ -150,8 +123,7 @@ def test_curves_of_the_only_case_are_collected_where_it_diverged(
 def test_dims_mean_the_same_whatever_became_of_the_cases(
     status: str | None, one: Study, tmp_path: Path
 ) -> None:
-    folder = case_folder(tmp_path, one)
-    folder.mkdir(parents=True)
+    folder = prepared(one, tmp_path)
     if status is not None:
         kept = xr.Dataset() if status == "failed" else results_of(2.0)
         write_case(folder, one.cases[0], kept, status)
@@ -164,8 +136,7 @@ def test_dims_mean_the_same_whatever_became_of_the_cases(
 def test_scalars_of_an_incomplete_case_are_no_numbers_beside_its_curve(
     small: Study, tmp_path: Path
 ) -> None:
-    folder = case_folder(tmp_path, small)
-    folder.mkdir(parents=True)
+    folder = prepared(small, tmp_path)
     first, second, _ = small.cases
     write_case(folder, first, results_of(1.0), "completed")
     write_case(folder, second, results_of(2.0).isel(penetration=slice(2)), "diverged", "why")
@@ -188,9 +159,7 @@ def test_a_failed_case_keeps_its_traceback_for_who_asks(
         raise ZeroDivisionError("of the test")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
-    folder = case_folder(tmp_path, small)
-    folder.mkdir(parents=True)
-    run_case(small.cases[0], folder)
+    run_case(small.cases[0], folder := prepared(small, tmp_path))
     arguments = ["status", str(small_file), f"--out={tmp_path}"]
     assert main(arguments) == 1
     told = capsys.readouterr()
@@ -204,25 +173,11 @@ def test_a_failed_case_keeps_its_traceback_for_who_asks(
     assert "Traceback" not in str(collected.attrs) + str(collected.message.values)
 
 
-def test_a_case_that_ends_by_name_has_no_traceback(
-    small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def diverge(*given: object) -> NoReturn:
-        raise SimulationDiverged("of the test")
-
-    monkeypatch.setattr(ConePenetration, "run", diverge)
-    result = compute(small.cases[0])
-    assert result.outcome.status == "diverged"
-    assert "traceback" not in result.dataset.attrs
-
-
 def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_path: Path) -> None:
     """In one of two cases; the collected file says what was built, and so does not say Tresca."""
-    made = study(tmp_path, HEAD + "[vary]\nadhesion_factor = [0, 1]\n")
-    folder = case_folder(tmp_path, made)
-    prepare(folder)
-    laws = ("tresca", "their_clay.Hardening")
-    for case, law in zip(made.cases, laws, strict=True):
+    made = study_in(tmp_path, HEAD + "[vary]\nadhesion_factor = [0, 1]\n")
+    laws, results = ("tresca", "their_clay.Hardening"), []
+    for law in laws:
         parts = {"mesh": 0.1}
         reasons = [] if law == "tresca" else [f"law: nobody has measured {law}"]
         known = stated_value(
@@ -230,9 +185,8 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
         )
         shear = variable(0.0, unit="1", meaning="shear part")
         built = variable(law, unit=None, meaning="law as built", role="built")
-        result = xr.Dataset(known | {"cone_factor_shear": shear, "built_law": built})
-        write_case(folder, case, result, COMPLETED)
-    write_study(tmp_path / "s.nc", collect(made, folder))
+        results.append(xr.Dataset(known | {"cone_factor_shear": shear, "built_law": built}))
+    write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, *results)))
     dataset = read_study(tmp_path / "s.nc")
     assert dataset.cone_factor.values.tolist() == [10.1, 10.0]
     assert np.isnan(dataset.cone_factor_uncertainty.values).tolist() == [False, True]
@@ -246,14 +200,7 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
 
 
 def test_texts_that_only_one_scene_gives_are_empty_for_the_others(tmp_path: Path) -> None:
-    text = 'title = "t"\nscene = ["cone_penetration", "t_bar_penetration"]\n'
-    made = study(tmp_path, text)
-    folder = case_folder(tmp_path, made)
-    prepare(folder)
-    for case in made.cases:
-        factor = (), 10.0, {"role": "headline"}
-        told = {"why_no_uncertainty": ((), "law: none", {"role": "reason"})}
-        own = told if case.scene == "cone_penetration" else {}
-        write_case(folder, case, xr.Dataset({"cone_factor": factor, **own}), COMPLETED)
-    write_study(tmp_path / "s.nc", collect(made, folder))
+    made = study_in(tmp_path, 'title = "t"\nscene = ["cone_penetration", "t_bar_penetration"]\n')
+    told = DONE.assign(why_no_uncertainty=((), "law: none", {"role": "reason"}))
+    write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, told, DONE)))
     assert reasons_of(read_study(tmp_path / "s.nc")) == ["law: none", ""]

@@ -10,22 +10,21 @@ import pytest
 import xarray as xr
 
 from harness.archive import netcdf_content, netcdf_files
-from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import (
     case_file,
     case_folder,
     is_complete,
     read_case,
     read_outcome,
-    write_case,
 )
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import run_case
-from harness.study.study import Study, load_study
-from tests.harness.conftest import DONE, Depth, Refusal
+from harness.study.study import Study
+from tests.harness.conftest import Depth, Refusal, keep, prepared, study_in
 
 STUDIES = {
     "cone_penetration": (
@@ -41,14 +40,9 @@ COMMANDS = ("compare", "plot", "report", "rerun", "recommend")
 def computed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """A study of one case, computed and collected; the results stand beside its file."""
     folder = tmp_path_factory.mktemp(request.param)
-    source = folder / "one.toml"
-    source.write_text(
-        f'title = "one"\nscene = "{request.param}"\n[fixed]\n{STUDIES[request.param]}\n'
-    )
-    study = load_study(str(source))
-    place = case_folder(folder, study)
-    prepare(place)
-    assert run_case(study.cases[0], place).status == COMPLETED
+    text = f'title = "one"\nscene = "{request.param}"\n[fixed]\n{STUDIES[request.param]}\n'
+    study = study_in(folder, text, name="one")
+    assert run_case(study.cases[0], prepared(study, folder)).status == COMPLETED
     collect_and_write(study, folder)
     return study
 
@@ -76,22 +70,18 @@ def is_same(one: xr.Dataset, other: xr.Dataset) -> bool:
     return one.identical(other) and next(dtypes) == next(dtypes)
 
 
-def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
-    computed: Study, tmp_path: Path, depth: Depth
+@pytest.mark.parametrize("collected", [False, True])
+def test_a_flipped_bit_of_a_result_is_noticed_or_changes_nothing(
+    collected: bool, computed: Study, tmp_path: Path, depth: Depth
 ) -> None:
-    (case,) = computed.cases
-    assert computed.source is not None
-    content = case_file(case_folder(computed.source.parent, computed), case).read_bytes()
+    out, (case,) = computed.source.parent, computed.cases
+    whole = out / "one.nc" if collected else case_file(case_folder(out, computed), case)
     path = case_file(tmp_path, case)
-    path.write_bytes(content)
-    before = read_case(tmp_path, case)
-    assert before is not None
-    stand = read_outcome(tmp_path, case)
-    noticed = 0
+    path.write_bytes(content := whole.read_bytes())
+    before, stand, noticed = read_netcdf(path), read_outcome(tmp_path, case), 0
     for bit in flips(content, depth(50, 5000) // len(STUDIES)):
         path.write_bytes(flipped(content, bit))
-        outcome = read_outcome(tmp_path, case)
-        after = read(path)
+        outcome, after = read_outcome(tmp_path, case), read(path)
         if isinstance(after, str):
             assert after.startswith(f"{path}: ")
             assert outcome.status == DAMAGED
@@ -100,23 +90,6 @@ def test_a_flipped_bit_of_a_case_is_noticed_or_changes_nothing(
             assert is_same(after, before)
             assert outcome == stand
     assert noticed
-
-
-def test_a_flipped_bit_of_a_collected_file_is_noticed_or_changes_nothing(
-    computed: Study, tmp_path: Path, depth: Depth
-) -> None:
-    assert computed.source is not None
-    content = (computed.source.parent / "one.nc").read_bytes()
-    path = tmp_path / "one.nc"
-    path.write_bytes(content)
-    before = read_netcdf(path)
-    for bit in flips(content, depth(50, 5000) // len(STUDIES)):
-        path.write_bytes(flipped(content, bit))
-        after = read(path)
-        if isinstance(after, str):
-            assert after.startswith(f"{path}: ")
-        else:
-            assert is_same(after, before)
 
 
 def test_a_flipped_bit_at_the_edges_of_netcdf_and_digest_is_noticed(tmp_path: Path) -> None:
@@ -132,10 +105,7 @@ def test_a_flipped_bit_at_the_edges_of_netcdf_and_digest_is_noticed(tmp_path: Pa
 @pytest.fixture
 def result(small: Study, tmp_path: Path) -> Path:
     """The collected file of a study of which all cases are complete."""
-    folder = case_folder(tmp_path, small)
-    prepare(folder)
-    for case in small.cases:
-        write_case(folder, case, DONE, COMPLETED)
+    keep(small, tmp_path)
     collect_and_write(small, tmp_path)
     return tmp_path / "small.nc"
 

@@ -11,13 +11,13 @@ from harness.archive.case_files import (
     case_file,
     case_folder,
     discard,
-    fields_fault,
     fields_file,
     find_fields,
     has_fields,
     is_complete,
     read_fields,
 )
+from harness.archive.netcdf_files import write_netcdf
 from harness.run.collect_and_clean import collect_and_write, outcomes, stray_files
 from harness.run.worker import run_case
 from harness.study.study import Study, load_study, with_snapshots
@@ -94,10 +94,21 @@ def test_damage_shows(own: tuple[Study, Path]) -> None:
     path.write_bytes(content)
     with pytest.raises(ArchiveError, match="was damaged or changed"):
         read_fields(path)
-    assert "was damaged" in str(fields_fault(path))
     (found,) = stray_files(study, out)
     assert found.path == path
+    assert "was damaged" in found.what
     assert [it.status for it in outcomes(study, out)] == ["no_fields"]
+
+
+@pytest.mark.parametrize("taken", ["[[0.5], [3.0]]", "3", "{", '{"0.5": 1}', "[0.5]"])
+def test_moments_that_another_program_wrote_are_no_error(
+    own: tuple[Study, Path], taken: str
+) -> None:
+    study, out = own
+    folder, (case,) = case_folder(out, study), study.cases
+    path = fields_file(folder, case)
+    write_netcdf(read_fields(path).assign_attrs(snapshots=taken), path)
+    assert not has_fields(folder, case)
 
 
 def test_a_case_without_its_snapshots_is_not_done(own: tuple[Study, Path]) -> None:

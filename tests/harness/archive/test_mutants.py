@@ -8,17 +8,18 @@ result.
 import random
 import shutil
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 
 from harness.archive import netcdf_files
-from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.case_files import case_file, case_folder, read_case, read_outcome, write_case
+from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import case_file, case_folder, read_case, read_outcome
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.study_files import read_study
 from harness.cli.commands import run as run_commands
@@ -28,9 +29,8 @@ from harness.pictures.drawing.plot_parts import MAKER
 from harness.report import report as page
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute
-from harness.study.cases import Case
-from harness.study.study import Study, load_study
-from tests.harness.conftest import Depth
+from harness.study.study import Study
+from tests.harness.conftest import Depth, Refusal, keep, study_in
 
 pytestmark = pytest.mark.slow
 
@@ -47,12 +47,16 @@ WRONG: tuple[Any, ...] = (7, -1.5, float("nan"), "", "\x1b[2J", "a\nb", np.arang
 """What an attribute may be instead."""
 
 
+Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+"""Dims, values and attributes."""
+
+
 @dataclass(frozen=True)
 class Content:
     """What a file of netCDF holds, whether it goes together or not."""
 
-    attributes: dict[str, Any] = field(default_factory=dict)
-    variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = field(default_factory=dict)
+    attributes: dict[str, Any]
+    variables: dict[str, Variable]
 
     @classmethod
     def read(cls, path: Path) -> "Content":
@@ -86,19 +90,28 @@ class Content:
 Mutation = Callable[[random.Random, Content], tuple[str, Content]]
 
 
-def with_variable(content: Content, name: str, other: Any) -> Content:
-    return replace(content, variables=content.variables | {name: other})
-
-
 def without(source: random.Random, content: Content) -> tuple[str, Content]:
     name = source.choice(list(content.variables))
     others = {key: it for key, it in content.variables.items() if key != name}
     return f"no {name}", replace(content, variables=others)
 
 
-def retyped(source: random.Random, content: Content) -> tuple[str, Content]:
-    name = source.choice(list(content.variables))
-    dims, values, said = content.variables[name]
+def of_variable(
+    change: Callable[[random.Random, str, Variable], tuple[str, Variable]],
+) -> Mutation:
+    """A mutation that changes one variable: its dims, its values or its attributes."""
+
+    def mutated(source: random.Random, content: Content) -> tuple[str, Content]:
+        name = source.choice(list(content.variables))
+        what, other = change(source, name, content.variables[name])
+        return f"{name} {what}", replace(content, variables=content.variables | {name: other})
+
+    return mutated
+
+
+@of_variable
+def retyped(source: random.Random, name: str, old: Variable) -> tuple[str, Variable]:
+    dims, values, said = old
     if values.dtype.kind in "OU":
         other = np.arange(values.size, dtype=float).reshape(values.shape)
     else:
@@ -107,12 +120,12 @@ def retyped(source: random.Random, content: Content) -> tuple[str, Content]:
             whole = values.astype("i1")
         other = source.choice([text, values.astype("S1"), whole, values * np.nan])
     said = {key: it for key, it in said.items() if key != "_FillValue"}
-    return f"{name} as {other.dtype}", with_variable(content, name, (dims, other, said))
+    return f"as {other.dtype}", (dims, other, said)
 
 
-def resized(source: random.Random, content: Content) -> tuple[str, Content]:
-    name = source.choice(list(content.variables))
-    dims, values, said = content.variables[name]
+@of_variable
+def resized(source: random.Random, name: str, old: Variable) -> tuple[str, Variable]:
+    dims, values, said = old
     sizes: list[tuple[tuple[str, ...], Any]] = [
         ((*dims, "another"), np.stack([values, values], axis=-1)),
         (("nothing",), np.zeros(0)),
@@ -126,20 +139,19 @@ def resized(source: random.Random, content: Content) -> tuple[str, Content]:
     if dims and name not in dims:  # netCDF itself writes no dim whose variable has another one
         sizes.append((("shorter", *dims[1:]), values[:1]))
     other_dims, other = source.choice(sizes)
-    changed = (other_dims, other, said)
-    return f"{name} over {other_dims}", with_variable(content, name, changed)
+    return f"over {other_dims}", (other_dims, other, said)
 
 
-def another_attribute(source: random.Random, content: Content) -> tuple[str, Content]:
-    name = source.choice(list(content.variables))
-    dims, values, said = content.variables[name]
+@of_variable
+def another_attribute(source: random.Random, name: str, old: Variable) -> tuple[str, Variable]:
+    dims, values, said = old
     extra = ["_FillValue", "scale_factor", "coordinates", "role", "limit", "exact_of", "dtype"]
     key = source.choice([*said, *extra])
     other = {it: value for it, value in said.items() if it != "_FillValue"}
     other[key] = source.choice(WRONG)
     if key == "_FillValue":
         other[key] = values.ravel()[0] if values.size and values.dtype.kind in "biuf" else None
-    return f"{key} of {name}: {other[key]!r}", with_variable(content, name, (dims, values, other))
+    return f"with {key} {other[key]!r}", (dims, values, other)
 
 
 def another_word(source: random.Random, content: Content) -> tuple[str, Content]:
@@ -152,10 +164,7 @@ def another_word(source: random.Random, content: Content) -> tuple[str, Content]
     return f"{key}: {other!r}", replace(content, attributes=others | {key: other})
 
 
-MUTATIONS: tuple[Mutation, ...] = (
-    *(without, retyped, resized),
-    *(another_attribute, another_word),
-)
+MUTATIONS = (without, retyped, resized, another_attribute, another_word)
 
 
 def mutants(path: Path, count: int) -> Iterator[str]:
@@ -171,15 +180,12 @@ def mutants(path: Path, count: int) -> Iterator[str]:
 def computed(tmp_path_factory: pytest.TempPathFactory) -> Study:
     """A study of four cases, collected, beside its file; one case was computed for all of them."""
     folder = tmp_path_factory.mktemp("mutants")
-    (folder / "many.toml").write_text(STUDY)
-    study = load_study(str(folder / "many.toml"))
-    place = case_folder(folder, study)
-    prepare(place)
+    study = study_in(folder, STUDY, name="many")
     result = compute(study.cases[0]).dataset
-    for number, case in enumerate(study.cases):
-        changed = {it: result[it] * (1 + 0.1 * number) for it in ("cone_factor", "run_time")}
-        kept = {it: changed[it].assign_attrs(result[it].attrs) for it in changed}
-        write_case(place, case, result.assign(kept), COMPLETED)
+    names = ["cone_factor", "run_time"]
+    with xr.set_options(keep_attrs=True):
+        results = [result.assign(result[names] * (1 + 0.1 * number)) for number in range(4)]
+    keep(study, folder, *results)
     collect_and_write(study, folder)
     return study
 
@@ -192,13 +198,20 @@ def out(computed: Study, tmp_path: Path) -> Path:
     return place
 
 
-def fault_of(folder: Path, case: Case) -> str:
-    """Why the file of a case cannot be read; "" where it can."""
+def fault_of(read: Callable[[], object]) -> str:
+    """Why a file cannot be read; "" where it can."""
     try:
-        read_case(folder, case)
+        read()
     except ArchiveError as error:
         return str(error)
     return ""
+
+
+def told_safely(capsys: pytest.CaptureFixture[str]) -> str:
+    """What was said on standard error; nothing that was said controls a terminal."""
+    told = capsys.readouterr()
+    assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n")
+    return told.err
 
 
 def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
@@ -209,7 +222,7 @@ def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
     path = case_file(folder, case)
     damaged = 0
     for what in mutants(path, count):
-        outcome, fault = read_outcome(folder, case), fault_of(folder, case)
+        outcome, fault = read_outcome(folder, case), fault_of(lambda: read_case(folder, case))
         assert (outcome.status == DAMAGED) == bool(fault), (what, outcome, fault)
         if fault:
             assert outcome.message == fault, what
@@ -218,19 +231,10 @@ def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
             if damaged > 2:
                 continue  # what is damaged is collected in the same way
         code = main(["collect", str(computed.source), "--out", str(out)])
-        told = capsys.readouterr()
+        told_safely(capsys)
         assert code == (0 if outcome.status == COMPLETED else 1), what
-        assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n"), what
         assert read_study(out / "many.nc").attrs["study"] == "many", what
     assert damaged > count // 4
-
-
-def can_be_read(path: Path) -> bool:
-    try:
-        read_study(path)
-    except ArchiveError:
-        return False
-    return True
 
 
 def commands(path: Path, whole: Path, key: str) -> list[list[str]]:
@@ -252,43 +256,36 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
     monkeypatch: pytest.MonkeyPatch,
     depth: Depth,
 ) -> None:
-    count = depth(32, 1000)
-    case = computed.cases[1]
-    whole = shutil.copy(out / "many.nc", tmp_path / "whole.nc")
+    count, case, path = depth(32, 1000), computed.cases[1], out / "many.nc"
+    whole = shutil.copy(path, tmp_path / "whole.nc")
     again = read_case(case_folder(out, computed), case)
     monkeypatch.setattr(run_commands, "rerun", lambda *_, **__: again)  # takes seconds each
     for module in (pictures, page):  # and so does each picture
         monkeypatch.setattr(module, "image", lambda *_, **__: MAKER.encode())
     refused = 0
-    for number, what in enumerate(mutants(out / "many.nc", count)):
-        every = commands(out / "many.nc", whole, case.key)
+    for number, what in enumerate(mutants(path, count)):
+        every = commands(path, whole, case.key)
         # What cannot be read is refused in the same place by all of them.
-        one = every[number % len(every)]
-        for command in every if can_be_read(out / "many.nc") else [one]:
-            code = main(command)
-            told = capsys.readouterr()
+        is_refused = fault_of(lambda: read_study(path))
+        for command in [every[number % len(every)]] if is_refused else every:
+            code, told = main(command), told_safely(capsys)
             assert code in (0, 1, 2), (what, command)
-            assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n"), what
             if code == 2:
-                (line,) = told.err.splitlines()
+                (line,) = told.splitlines()
                 # A result without what a command is for is none that it is meant for.
-                names_it = f"{out / 'many.nc'}" in line or "no result" in line
-                assert names_it or "nothing to compare" in line, (what, line)
+                known = (str(path), "no result", "nothing to compare")
+                assert any(it in line for it in known), (what, line)
                 assert len(line) < 400 + len(str(out)), what
                 refused += 1
     assert refused > count // 4
 
 
 def test_a_result_with_an_unknown_reference_is_told_by_its_file(
-    computed: Study, out: Path, capsys: pytest.CaptureFixture[str]
+    computed: Study, out: Path, refusal: Refusal
 ) -> None:
-    whole = Content.read(out / "many.nc")
-    renamed_reference = {
-        f"{name}_" if name == "reference_lu_2004" else name: it
-        for name, it in whole.variables.items()
-    }
-    replace(whole, variables=renamed_reference).write(out / "many.nc")
-    assert main(["compare", str(out / "many.nc")]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert str(out / "many.nc") in line
+    path, known = out / "many.nc", "reference_lu_2004"
+    variables = dict((whole := Content.read(path)).variables)
+    replace(whole, variables=variables | {f"{known}_": variables.pop(known)}).write(path)
+    line = refusal(["compare", str(path)])
+    assert str(path) in line
     assert "unknown reference 'lu_2004_'" in line

@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,9 @@ from pathlib import Path
 import pytest
 
 from harness.cli.commands import studies
-from harness.cli.main import COMMANDS, main
+from harness.cli.help import HELP
+from harness.cli.main import main
+from harness.cli.options import make_parser
 from harness.cli.process import DEFECT
 from tests.harness.conftest import Refusal
 
@@ -33,9 +36,12 @@ def test_help_loads_nothing_that_computes() -> None:
     assert result.stderr.strip() == "set()"
 
 
+EXAMPLES = [told.examples[0] for told in HELP.values() if told.examples]
+
+
 def test_every_command_that_has_help_can_be_loaded() -> None:
-    for place in COMMANDS.values():
-        module, function = place.split(".")
+    for example in EXAMPLES:
+        module, function = make_parser().parse_args(shlex.split(example)).function.split(".")
         assert callable(
             getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
         )

@@ -8,6 +8,8 @@ import pytest
 from tests.harness.conftest import Refusal
 
 FILES = {
+    "file.txt": "",
+    "..toml": "",
     "text.toml": 'title = "t"\nscene = cone_penetration\n',
     "comma.toml": 'title = "t"\nscene = "cone_penetration"\n[fixed]\nadhesion_factor = 0,5\n',
     "colon.toml": 'title = "t"\nscene: "cone_penetration"\n',
@@ -47,6 +49,19 @@ MISTAKES = {
     "run mesh_size --set material=von-mises": "two kinds of quotes: 'material=\"von-mises\"'",
     "run mesh_size rigidity_index=50": "a parameter is changed by --set rigidity_index=50",
     "run mesh_size --set rigidity_index": "must be key=value",
+    "run mesh_size --set rigidity_index=": "must be key=value",
+    "run mesh_size --set =1": "must be key=value",
+    "run mesh_size --set rigidity_index=high": "rigidity_index = 'high' is not allowed",
+    "run mesh_size --set adhesion_factor=1.5": "must be a number >= 0 and <= 1; it is the adhesion",
+    "run mesh_size --set adhesion_factor=[]": "must be a list of one value or more",
+    "run mesh_size --set adhesion_factor='1\ndensity=2'": "not a TOML value",
+    "run mesh_size --set adhesion_factr=1": "did you mean 'adhesion_factor'?",
+    "run there/mesh_sizes.toml": "no such file; did you mean 'mesh_size'?",
+    "run folder.toml": "not a file",
+    "run file.txt": "no such study",
+    "run ./file.txt": "is called NAME.toml",
+    "run ..toml": "is called NAME.toml",
+    "run ../x/./.toml": "no such file",
     "run mesh_size --fres": "unrecognized arguments: --fres; did you mean '--fresh'?",
     "describe cone_penetratoin": "neither a scene nor a study; did you mean 'cone_penetration'?",
     "plan adhesion_facotr": "neither a scene nor a study; did you mean 'adhesion_factor'?",
@@ -70,4 +85,6 @@ def test_a_mistake_is_answered_by_what_to_do(
     monkeypatch.chdir(tmp_path)
     for name, text in FILES.items():
         Path(name).write_text(text)
+    Path("folder.toml").mkdir()
     assert MISTAKES[line] in refusal(shlex.split(line))
+    assert set(tmp_path.iterdir()) == {tmp_path / name for name in (*FILES, "folder.toml")}

@@ -1,29 +1,38 @@
 """Studies that are run in worker processes, and how their cases end."""
 
-from collections.abc import Iterable
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.archive import collection as archive
-from harness.archive.atomic_files import prepare
 from harness.archive.case_files import Outcome
+from harness.archive.collection import collect
 from harness.run.pool import Watcher, run_cases
-from harness.run.resources import RunOptions
+from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from tests.harness.conftest import prepared
 
 
 class Record:
-    """A watcher that remembers the outcomes, by the cases' keys."""
+    """A watcher that remembers the outcomes, by the cases' keys.
 
-    def __init__(self) -> None:
+    Args:
+        act: what else it does when a case advances.
+    """
+
+    def __init__(self, act: Callable[[Case, float], object] = lambda case, fraction: None) -> None:
+        self.act = act
         self.outcomes: dict[str, Outcome] = {}
 
     def advanced(self, case: Case, fraction: float) -> None:
         assert 0 <= fraction <= 1
+        self.act(case, fraction)
 
     def finished(self, case: Case, outcome: Outcome) -> None:
         assert case.key not in self.outcomes
@@ -34,23 +43,20 @@ class Record:
         return [self.outcomes[case.key].status for case in cases]
 
 
-def prepared(study: Study, out: Path) -> Path:
-    """The folder of a study's cases in `out`, ready to be written to."""
-    folder = case_files.case_folder(out, study)
-    prepare(folder)
-    return folder
+def kill_workers(number: int = signal.SIGKILL) -> None:
+    """Kill all workers of this process by a signal."""
+    for worker in multiprocessing.active_children():
+        assert worker.pid is not None
+        os.kill(worker.pid, number)
 
 
-def run(study: Study, out: Path, workers: int, watcher: Watcher) -> xr.Dataset:
+def run(
+    study: Study, out: Path, workers: int, watcher: Watcher, options: RunOptions = DEFAULTS
+) -> xr.Dataset:
     """Run a study in `out` and collect it."""
     folder = prepared(study, out)
-    run_cases(study.cases, folder, workers, watcher)
-    return collected(study, folder)
-
-
-def collected(study: Study, folder: Path) -> xr.Dataset:
-    """What was computed."""
-    return archive.collect(study, folder)
+    run_cases(study.cases, folder, workers, watcher, options)
+    return collect(study, folder)
 
 
 @pytest.fixture

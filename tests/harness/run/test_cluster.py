@@ -1,10 +1,12 @@
 """Studies on a Dask cluster: a real scheduler and real workers, some of which are killed."""
 
+import contextlib
 import json
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,8 +16,10 @@ import pytest
 from harness.archive import case_files, netcdf_files, study_files
 from harness.cli.main import main
 from harness.compare.differences import differing
-from harness.study.study import Study, load_study
-from tests.harness.conftest import Refusal, Written
+from harness.run import cluster as cluster_module
+from harness.run.worker import compute
+from harness.study.study import Study
+from tests.harness.conftest import Refusal, Written, study_in
 
 pytestmark = pytest.mark.slow
 
@@ -37,41 +41,36 @@ poissons_ratio = {[0.4 * i / CASE_COUNT for i in range(CASE_COUNT)]}
 class Cluster:
     """A scheduler and workers of one thread each, in processes of their own."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.scheduler_file = folder / "scheduler.json"
-        self.processes: list[subprocess.Popen[bytes]] = []
+    def __init__(self, folder: Path, processes: ExitStack) -> None:
+        self.folder, self.processes = folder, processes
+        self.scheduler = self.start("scheduler", "--port", "0")
+        wait_until((folder / "scheduler.json").exists)
+        self.address = json.loads((folder / "scheduler.json").read_text())["address"]
 
-    def start(self) -> None:
-        self.scheduler = self._start("scheduler", "--port", "0")
-        wait_until(self.scheduler_file.exists)
-        self.workers = [self.add_worker(), self.add_worker()]
+    def add_workers(self, count: int, *options: str) -> list[subprocess.Popen[str]]:
+        more = ("--nthreads", "1", "--no-nanny", *options)
+        return [self.start("worker", *more) for _ in range(count)]
 
-    @property
-    def address(self) -> str:
-        address: str = json.loads(self.scheduler_file.read_text())["address"]
-        return address
+    def start(self, role: str, *options: str) -> subprocess.Popen[str]:
+        where = ("--scheduler-file", str(self.folder / "scheduler.json"), "--no-dashboard")
+        command = [sys.executable, "-m", "dask", role, *options, *where]
+        return self.processes.enter_context(process(command, stderr=subprocess.DEVNULL))
 
-    def add_worker(self, *options: str) -> subprocess.Popen[bytes]:
-        return self._start("worker", "--nthreads", "1", "--no-nanny", *options)
+    def run(self, study: Study, out: Path, *more: str) -> subprocess.Popen[str]:
+        """The run of a study on the cluster."""
+        options = ["--out", str(out), "--dask", self.address, *more]
+        command = [sys.executable, "-m", "harness", "run", str(study.source), *options]
+        return self.processes.enter_context(process(command, stderr=subprocess.PIPE))
 
-    def _start(self, role: str, *options: str) -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            [
-                *(sys.executable, "-m", "dask", role, *options),
-                *("--scheduler-file", str(self.scheduler_file), "--no-dashboard"),
-            ],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        self.processes.append(process)
-        return process
 
-    def stop(self) -> None:
-        for process in self.processes:
-            process.kill()
-            process.wait()
+@contextmanager
+def process(command: list[str], stderr: int) -> Iterator[subprocess.Popen[str]]:
+    """A process that does not outlive the test."""
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr, text=True) as started:
+        try:
+            yield started
+        finally:
+            started.kill()
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
@@ -83,56 +82,27 @@ def wait_until(condition: Callable[[], bool]) -> None:
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[Cluster]:
-    folder = tmp_path / "cluster"
-    folder.mkdir()
-    cluster = Cluster(folder)
-    try:
-        cluster.start()
-        yield cluster
-    finally:
-        cluster.stop()
+    (tmp_path / "cluster").mkdir()
+    with ExitStack() as processes:
+        yield Cluster(tmp_path / "cluster", processes)
 
 
 @pytest.fixture
 def twenty(tmp_path: Path) -> Study:
-    path = tmp_path / "twenty.toml"
-    path.write_text(DEFINITION)
-    return load_study(str(path))
-
-
-@pytest.fixture
-def start(cluster: Cluster) -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """Starts the run of a study on the cluster."""
-    runs = []
-
-    def started(study: Study, out: Path, *more: str) -> subprocess.Popen[str]:
-        options = ["--out", str(out), "--dask", cluster.address, *more]
-        run = subprocess.Popen(
-            [sys.executable, "-m", "harness", "run", str(study.source), *options],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        runs.append(run)
-        return run
-
-    yield started
-    for run in runs:
-        run.kill()
-        run.communicate()
+    return study_in(tmp_path, DEFINITION, name="twenty")
 
 
 def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
     cluster: Cluster,
-    start: Callable[..., subprocess.Popen[str]],
     twenty: Study,
     tmp_path: Path,
     written: Written,
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
-    run = start(twenty, out)
+    worker, _ = cluster.add_workers(2)
+    run = cluster.run(twenty, out)
     wait_until(lambda: len(written(twenty, out)) >= 5)
-    cluster.workers[0].kill()
+    worker.kill()
     told = run.communicate(timeout=LIMIT)[1]
     assert run.returncode == 0, told
     assert "distributed" not in told
@@ -149,13 +119,13 @@ def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
 
 def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     cluster: Cluster,
-    start: Callable[..., subprocess.Popen[str]],
     twenty: Study,
     tmp_path: Path,
     written: Written,
 ) -> None:
     out = tmp_path / "out"
-    run = start(twenty, out)
+    cluster.add_workers(2)
+    run = cluster.run(twenty, out)
     wait_until(lambda: len(written(twenty, out)) >= 5)
     cluster.scheduler.kill()
     told = run.communicate(timeout=LIMIT)[1].splitlines()
@@ -181,110 +151,73 @@ GravityColumn.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
 
 
 def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
-    cluster: Cluster, start: Callable[..., subprocess.Popen[str]], twenty: Study, tmp_path: Path
+    cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
     """After four deaths the scheduler no longer takes the workers for the reason."""
     deadly = tmp_path / "deadly.py"
     deadly.write_text(DEADLY)
-    for worker in cluster.workers:
-        worker.kill()
-        worker.wait()
-    cluster.workers = [cluster.add_worker("--preload", str(deadly)) for _ in range(4)]
-    out = tmp_path / "out"
-    run = start(twenty, out, "--set", "poissons_ratio=0.3")
+    cluster.add_workers(4, "--preload", str(deadly))
+    run = cluster.run(twenty, tmp_path / "out", "--set", "poissons_ratio=0.3")
     told = run.communicate(timeout=LIMIT)[1]
     assert run.returncode == 1, told
     assert "crashed: each of 4 workers that ran the case died" in told
 
 
-@pytest.mark.parametrize(
-    ("address", "reason"),
-    [
-        ("tcp://127.0.0.1:9", "Timed out trying to connect to tcp://127.0.0.1:9"),
-        ("nonsense://x", "unknown address scheme 'nonsense'"),
-        ("127.0.0.1:none", "invalid literal for int() with base 10: 'none'"),
-    ],
-)
-def test_a_scheduler_that_is_not_there_is_one_line(
-    address: str, reason: str, twenty: Study, tmp_path: Path
-) -> None:
-    out = tmp_path / "out"
-    script = (
-        "import sys, harness.run.cluster as cluster, harness.cli.main as cli\n"
-        "cluster.PATIENCE = 0.5\n"
-        "sys.exit(cli.main(sys.argv[1:]))"
-    )
-    run = ["run", str(twenty.source), "--out", str(out), "--dask", address]
-    result = subprocess.run(
-        [sys.executable, "-c", script, *run],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=LIMIT,
-    )
-    assert result.returncode == 2
-    (line,) = result.stderr.splitlines()
-    assert line.startswith(f"harness: --dask {address}: cannot be reached: {reason}")
-    assert not out.exists()
+REFUSED = {
+    "--dask=tcp://127.0.0.1:9": "cannot be reached: Timed out trying to connect to tcp://127.0.0.1:9",
+    "--dask=nonsense://x": "cannot be reached: unknown address scheme 'nonsense'",
+    "--dask=127.0.0.1:none": "cannot be reached: invalid literal for int() with base 10: 'none'",
+    "--dask=tcp://h:1 --case-timeout=5": "--case-timeout ends workers of this machine",
+    "--dask=tcp://h:1 --memory-limit=8e9": "--memory-limit are of this machine; leave them out",
+    "--dask=tcp://h:1 --workers=2": "argument --workers: not allowed with argument --dask",
+}
 
 
-def test_local_workers_and_their_time_limit_do_not_go_with_a_cluster(
-    twenty: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("options", REFUSED)
+def test_what_no_cluster_can_do_is_one_line(
+    options: str,
+    twenty: Study,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    out = tmp_path / "out"
-    run = ["run", str(twenty.source), "--out", str(out), "--dask", "tcp://127.0.0.1:9"]
-    assert main([*run, "--case-timeout", "5"]) == 2
-    assert "--case-timeout ends workers of this machine" in capsys.readouterr().err
-    with pytest.raises(SystemExit, match="2"):
-        main([*run, "--workers", "2"])
-    assert "not allowed with argument" in capsys.readouterr().err
-    assert not out.exists()
+    monkeypatch.setattr(cluster_module, "PATIENCE", 0.5)
+    with contextlib.suppress(SystemExit):
+        assert main(["run", str(twenty.source), f"--out={tmp_path / 'out'}", *options.split()]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert REFUSED[options] in line
+    assert not (tmp_path / "out").exists()
 
 
 def test_without_dask_the_missing_package_is_named(
-    twenty: Study,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    small_file: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delitem(sys.modules, "harness.cluster", raising=False)
+    monkeypatch.delitem(sys.modules, "harness.run.cluster")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    run = ["run", str(twenty.source), "--out", str(tmp_path / "out"), "--dask", "tcp://h:1"]
-    assert main(run) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = refusal(["run", str(small_file), "--dask", "tcp://h:1"])
     assert line.endswith(": pip install 'mpm-warp[cluster]'")
     assert "distributed" in line
 
 
-def test_timed_runs_do_not_go_with_a_cluster(
-    twenty: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    twenty.source.write_text(DEFINITION + "[timing]\nrepeats = 2\n")
-    run = ["run", str(twenty.source), "--out", str(tmp_path / "out"), "--dask", "tcp://h:1"]
-    assert main(run) == 2
-    assert "cases are timed on this machine, without --dask" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+def test_timed_runs_do_not_go_with_a_cluster(small_file: Path, refusal: Refusal) -> None:
+    small_file.write_text(small_file.read_text() + "[timing]\nrepeats = 2\n")
+    line = refusal(["run", str(small_file), "--dask", "tcp://h:1"])
+    assert "cases are timed on this machine, without --dask" in line
 
 
 def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Study) -> None:
-    from harness.run.worker import compute
-
     case = twenty.cases[0]
-    older = replace(case, scene_version=case.scene_version - 1)
-    outcome = compute(older).outcome
+    outcome = compute(replace(case, scene_version=case.scene_version - 1)).outcome
     assert outcome.status == "failed"
-    asked, here = older.scene_version, case.scene_version
+    asked, here = case.scene_version - 1, case.scene_version
     assert f"version {asked} of gravity_column is asked for; here is {here}" in outcome.message
 
 
 def test_tls_without_certificates_is_one_line(small_file: Path, refusal: Refusal) -> None:
-    line = refusal(["run", str(small_file), "--dask", "tls://127.0.0.1:9"])
+    run = ["run", str(small_file), "--dask", "tls://127.0.0.1:9"]
+    line = refusal(run)
     assert "--dask tls://127.0.0.1:9: there is no certificate: set DASK_DISTRIBUTED__COMM" in line
-
-
-def test_a_certificate_that_is_not_there_is_one_line(small_file: Path, refusal: Refusal) -> None:
     names = ("ca-file", "client.cert", "client.key")
     settings = {f"distributed.comm.tls.{name}": "/nowhere/cert.pem" for name in names}
     with dask.config.set(settings):
-        line = refusal(["run", str(small_file), "--dask", "tls://127.0.0.1:9"])
-    assert "cannot be reached: " in line
+        assert "cannot be reached: " in refusal(run)

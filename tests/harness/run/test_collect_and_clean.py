@@ -1,5 +1,6 @@
 """`status`, `collect` and `clean`, as the command line has them."""
 
+import io
 import os
 import subprocess
 import sys
@@ -10,22 +11,20 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files, study_files
-from harness.archive.atomic_files import partial_ending, prepare
+from harness.archive.atomic_files import partial_ending
 from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
 from harness.cli.main import main
 from harness.run.measuring import case_time
 from harness.study.cases import Case
 from harness.study.study import Study
-from tests.harness.conftest import DONE
+from tests.harness.conftest import DONE, prepared
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
 def folder(tmp_path: Path, small: Study) -> Path:
-    folder = case_files.case_folder(tmp_path / "out", small)
-    prepare(folder)
-    return folder
+    return prepared(small, tmp_path / "out")
 
 
 @pytest.fixture
@@ -70,18 +69,8 @@ def test_status_says_why_a_case_has_no_half_width_and_what_one_means(
         assert lines[-1] == f"U: {HALF_WIDTH}"
 
 
-def test_status_of_a_damaged_case_names_the_reason(
-    folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    case_files.case_file(folder, half_done[2]).write_bytes(b"noise")
-    assert main(command("status", small_file)) == 1
-    line = capsys.readouterr().out.splitlines()[3]
-    assert line.split()[1] == "damaged"
-    assert "cannot be read: it is no netCDF-4 file" in line
-
-
 def test_collect_writes_what_there_is(
-    half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(command("collect", small_file)) == 1
     captured = capsys.readouterr()
@@ -91,11 +80,6 @@ def test_collect_writes_what_there_is(
     dataset = study_files.read_study(path)
     assert dataset.status.values.tolist() == [COMPLETED, CRASHED, "missing"]
     assert dataset.cone_factor.values[0] == 10
-
-
-def test_collect_of_a_complete_study_succeeds(
-    folder: Path, half_done: list[Case], small_file: Path
-) -> None:
     for case in half_done:
         case_files.write_case(folder, case, DONE, COMPLETED)
     assert main(command("collect", small_file)) == 0
@@ -106,12 +90,7 @@ def test_collect_of_a_complete_study_succeeds(
 def leftovers(folder: Path, half_done: list[Case]) -> set[Path]:
     """One of each kind of file that belongs to no case."""
     case = half_done[0]
-    stranger = Case(
-        scene=case.scene,
-        scene_version=case.scene_version,
-        parameters={**case.parameters, "rigidity_index": 50.0},
-        label="",
-    )
+    stranger = replace(case, parameters={**case.parameters, "rigidity_index": 50.0})
     case_files.write_case(folder, stranger, DONE, COMPLETED)
     damaged = case_files.case_file(folder, half_done[2])
     damaged.write_bytes(b"noise")
@@ -129,21 +108,18 @@ def removed(folder: Path, leftovers: set[Path]) -> set[Path]:
     return {path for path in leftovers if path not in set(folder.iterdir())}
 
 
-@pytest.mark.parametrize("answer", ["", "n\n", "yes please\n"])
+@pytest.mark.parametrize("answer", [None, "", "n\n", "yes please\n"])
 def test_clean_removes_nothing_without_a_yes(
-    answer: str,
+    answer: str | None,
     folder: Path,
     leftovers: set[Path],
     small_file: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    read, write = os.pipe()
-    os.write(write, answer.encode())
-    os.close(write)
-    with os.fdopen(read) as stdin:
-        monkeypatch.setattr(sys, "stdin", stdin)
-        assert main(command("clean", small_file)) == 1
+    # Nobody can answer where standard input is closed.
+    monkeypatch.setattr(sys, "stdin", None if answer is None else io.StringIO(answer))
+    assert main(command("clean", small_file)) == 1
     captured = capsys.readouterr()
     assert {Path(line.partition(": ")[0]) for line in captured.out.splitlines()} == leftovers
     assert "rigidity_index=50.0" in captured.out
@@ -191,27 +167,3 @@ def test_clean_says_what_each_file_is(
         str(older): f"{stranger} 0, completed: {of_second}",
         str(stiff): f"{stranger} {version}, completed: rigidity_index=50.0, {of_second}",
     }
-
-
-def test_clean_whose_input_is_closed_removes_nothing(
-    folder: Path,
-    half_done: list[Case],
-    small_file: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    noise = folder / "noise.nc"
-    noise.write_bytes(b"noise")
-    monkeypatch.setattr(sys, "stdin", None)
-    assert main(command("clean", small_file)) == 1
-    question, answer = capsys.readouterr().err.splitlines()
-    assert question == "remove 1 file? [y/N] "
-    assert answer == "harness: nothing removed"
-    assert noise.exists()
-    assert main(command("clean", small_file, "--yes")) == 0
-    assert capsys.readouterr().err == "harness: 1 file removed\n"
-
-
-def test_one_case_is_not_several(small_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(command("status", small_file, "--set", "adhesion_factor=0")) == 1
-    assert capsys.readouterr().out.splitlines()[-1] == "1 case: 1 missing; 0.0 s in all"

@@ -1,6 +1,5 @@
 """Runs that are interrupted, lose their reader or are killed: no process, no half file is left."""
 
-import contextlib
 import os
 import random
 import re
@@ -11,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
@@ -18,8 +18,8 @@ import xarray as xr
 from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.compare.differences import differing
-from harness.study.study import load_study
-from tests.harness.conftest import Depth, WaitForEnd, Written
+from harness.study.study import Study
+from tests.harness.conftest import Depth, WaitForEnd, Written, study_in
 
 pytestmark = pytest.mark.slow
 
@@ -30,37 +30,46 @@ LIMIT = 120
 """Seconds after which what is waited for does not come."""
 
 
+def run_of(study: Path, out: Path, workers: int, *more: str) -> list[str]:
+    run = [sys.executable, "-m", "harness", "run", str(study), "--out", str(out)]
+    return [*run, "--workers", str(workers), *more]
+
+
+@contextmanager
+def group(command: list[str], **streams: Any) -> Iterator[subprocess.Popen[str]]:
+    """A command in a group of processes of its own, which is killed where the test fails."""
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(
+        command, **(silent | streams), text=True, start_new_session=True
+    ) as process:
+        try:
+            yield process
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
+
+
 @contextmanager
 def running(
     small_file: Path, out: Path, until: str, speeds: str = "[0.03, 0.0001]"
 ) -> Iterator[subprocess.Popen[str]]:
-    """A command in a group of its own, that has said `until`; its last case takes a minute."""
+    """A command that has said `until`; its last case takes a minute."""
     settings = ["--set", "adhesion_factor=0", "--set", "penetration=20"]
     settings += ["--set", f"speed_ratio={speeds}"]
-    command = [sys.executable, "-m", "harness", "run", str(small_file), "--out", str(out)]
     # A process in the background of a shell ignores SIGINT, one under nohup SIGHUP, and so would
     # whatever it starts.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     before_of_terminal = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    with subprocess.Popen(
-        [*command, *settings, "--workers", "1"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as process:
+    command = run_of(small_file, out, 1, *settings)
+    with group(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         signal.signal(signal.SIGINT, before)
         signal.signal(signal.SIGHUP, before_of_terminal)
-        try:
-            assert process.stderr is not None
-            for line in process.stderr:
-                if line.startswith(until):
-                    break
-            yield process
-            process.wait(timeout=LIMIT)
-        except BaseException:
-            os.killpg(process.pid, signal.SIGKILL)
-            raise
+        assert process.stderr is not None
+        for line in process.stderr:
+            if line.startswith(until):
+                break
+        yield process
+        process.wait(timeout=LIMIT)
 
 
 def statuses_left(out: Path) -> list[str]:
@@ -134,56 +143,28 @@ def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> No
     assert int(held, 16) & 1 << (signal.SIGINT - 1)
 
 
-def test_workers_end_with_a_parent_that_was_killed(
-    small_file: Path, tmp_path: Path, wait_for_end: WaitForEnd
-) -> None:
-    out = tmp_path / "out"
-    with running(small_file, out, until="[1/2]") as process:
-        time.sleep(1)  # the worker is told of the next case only now
-        process.kill()
-    wait_for_end(process.pid)
-    assert statuses_left(out) == [COMPLETED]
-
-
 LONGEST_RUN = 600
 """Seconds after which a run is taken to hang: it needs less than a minute."""
 
 
-def definition(path: Path, case_count: int) -> Path:
+def many(folder: Path, case_count: int) -> Study:
     """A study of small cases."""
     values = [0.4 * i / case_count for i in range(case_count)]
-    path.write_text(
-        'title = "Many small cases"\nscene = "gravity_column"\n'
-        f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {values}\n"
-    )
-    return path
-
-
-def run_of(study: Path, out: Path) -> list[str]:
-    return [
-        *(sys.executable, "-m", "harness", "run", str(study), "--out", str(out)),
-        *("--workers", "2"),
-    ]
+    head = 'title = "Many small cases"\nscene = "gravity_column"\n'
+    text = f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {values}\n"
+    return study_in(folder, head + text, name="many")
 
 
 def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
     """Run a command, and kill its group of processes a moment after `done` case files are there."""
-    with subprocess.Popen(
-        command,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    ) as process:
-        try:
-            deadline = time.monotonic() + LONGEST_RUN
-            while len(list(folder.glob("*.nc"))) < done:
-                assert process.poll() is None
-                assert time.monotonic() < deadline
-                time.sleep(0.005)
-            time.sleep(delay)
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
+    with group(command) as process:
+        deadline = time.monotonic() + LONGEST_RUN
+        while len(list(folder.glob("*.nc"))) < done:
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.005)
+        time.sleep(delay)
+        os.killpg(process.pid, signal.SIGKILL)
     assert process.returncode == -signal.SIGKILL  # it had not ended by itself
     return process.pid
 
@@ -192,9 +173,8 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     tmp_path: Path, written: Written, wait_for_end: WaitForEnd, depth: Depth
 ) -> None:
     case_count, kills = depth(60, 200), depth(4, 10)
-    study_file = definition(tmp_path / "many.toml", case_count)
-    study = load_study(str(study_file))
-    undisturbed = run_of(study_file, tmp_path / "whole")
+    study = many(tmp_path, case_count)
+    undisturbed = run_of(study.source, tmp_path / "whole", 2)
     subprocess.run(undisturbed, check=True, capture_output=True, timeout=LONGEST_RUN)
 
     out = tmp_path / "killed"
@@ -204,12 +184,13 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     # Half of the cases are left at the last kill, so that it does not come too late.
     for done in sorted(moments.sample(range(case_count // 2), kills)):
         delay = moments.uniform(0, 0.1)
-        wait_for_end(kill_when(run_of(study_file, out), folder, done, delay))
+        wait_for_end(kill_when(run_of(study.source, out, 2), folder, done, delay))
         now = written(study, out)
         assert seen.items() <= now.items()
         seen = now
     assert 0 < len(seen) < case_count
-    subprocess.run(run_of(study_file, out), check=True, capture_output=True, timeout=LONGEST_RUN)
+    goes_on = run_of(study.source, out, 2)
+    subprocess.run(goes_on, check=True, capture_output=True, timeout=LONGEST_RUN)
 
     assert seen.items() <= written(study, out).items()
     assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in study.cases}
@@ -249,24 +230,14 @@ def test_no_worker_outlives_its_parent(
 ) -> None:
     study, moments = tmp_path / "long.toml", random.Random(0)
     study.write_text(LONG_STEPS)
-    command = [sys.executable, "-m", "harness", "run", str(study), "--out", str(tmp_path / "out")]
     for _ in range(depth(2, 20)):
-        with subprocess.Popen(
-            [*command, "--workers", "2"],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        ) as process:
-            try:
-                deadline = time.monotonic() + 60
-                while worker_count(process.pid) < 2:
-                    assert time.monotonic() < deadline
-                    time.sleep(0.05)
-                time.sleep(moments.uniform(0.0, LATEST))
-                process.kill()
-                process.wait()
-                wait_for_end(process.pid)
-            finally:
-                if process.poll() is None:
-                    os.killpg(process.pid, signal.SIGKILL)
+        with group(run_of(study, tmp_path / "out", 2)) as process:
+            deadline = time.monotonic() + 60
+            while worker_count(process.pid) < 2:
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+            time.sleep(moments.uniform(0.0, LATEST))
+            process.kill()
+            process.wait()
+            wait_for_end(process.pid)
     assert not list((tmp_path / "out").rglob("*.nc"))

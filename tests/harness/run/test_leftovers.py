@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from harness.archive.atomic_files import ArchiveError, partial_ending, prepare
-from harness.archive.case_files import case_file, case_folder, discard
+from harness.archive.case_files import case_file, discard
 from harness.cli.main import main
 from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.study.study import Study
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Refusal, prepared
 
 
 @pytest.fixture
@@ -46,8 +46,7 @@ def test_a_linked_folder_is_refused_and_left_as_it_is(
 def test_the_folder_of_results_itself_may_be_a_link(
     small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = case_folder(tmp_path / "real", small)
-    prepare(folder)
+    folder = prepared(small, tmp_path / "real")
     (folder / "noise.nc").write_bytes(b"noise")
     (tmp_path / "out").symlink_to(tmp_path / "real")
     assert main(["clean", str(small.source), "--out", str(tmp_path / "out"), "--yes"]) == 0
@@ -58,8 +57,7 @@ def test_the_folder_of_results_itself_may_be_a_link(
 def test_links_go_and_what_they_lead_to_stays_and_a_folder_stops_nothing(
     outside: Path, small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = case_folder(tmp_path / "out", small)
-    prepare(folder)
+    folder = prepared(small, tmp_path / "out")
     links = {
         folder / "file.nc": outside / "precious.nc",
         folder / "folder.nc": outside / "cases",
@@ -85,8 +83,7 @@ def test_links_go_and_what_they_lead_to_stays_and_a_folder_stops_nothing(
 def test_what_was_written_anew_since_it_was_listed_is_kept(
     small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = case_folder(tmp_path, small)
-    prepare(folder)
+    folder = prepared(small, tmp_path)
     path = case_file(folder, small.cases[0])
     path.write_bytes(b"noise")
     (folder / "noise.nc").write_bytes(b"noise")

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from harness.cli.main import main
-from harness.cli.options import make_parser
 from harness.run import resources
 from harness.run.resources import (
     PROCESS_MEMORY,
@@ -32,9 +31,9 @@ from mpm_warp.scenes.cavity.cylinder_and_sphere import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing
+from mpm_warp.scenes.run_size import shortest_crossing
 from mpm_warp.scenes.sounding.sounding import Sounding
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import values
 
 from .conftest import Record
 
@@ -144,17 +143,6 @@ def test_a_long_standing_wave_takes_no_more_than_a_short_one() -> None:
     )
 
 
-def test_a_limit_is_a_number_with_or_without_a_unit(small_file: Path, refusal: Refusal) -> None:
-    for text in ("8GB", "8e9", "8000MB", "8gb", "8000000000"):
-        assert make_parser().parse_args(["run", "s", "--memory-limit", text]).memory_limit == 8e9
-    line = refusal(["run", str(small_file), "--memory-limit", "8e9", "--dask", "tcp://localhost:1"])
-    assert "--memory-limit" in line
-    for text in ("0", "-1GB", "much", "GB", "inf", "nan"):
-        with pytest.raises(SystemExit) as end:
-            make_parser().parse_args(["run", "s", f"--memory-limit={text}"])
-        assert end.value.code == 2
-
-
 def test_the_default_is_most_of_a_container(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -178,18 +166,7 @@ def test_a_case_of_days_is_told_of_in_one_line(
     assert " days on one thread; --case-timeout ends such cases" in line
 
 
-def test_nothing_is_told_of_short_cases(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    study = load_study(str(small_file))
-    run_study(study, tmp_path, on_this_machine(study, 1), fresh=False)
-    assert "24 hours" not in capsys.readouterr().err
-
-
-def test_memory_and_work_of_a_size() -> None:
-    size = RunSize(cell_count=10, particle_count=100, step_count=1000)
-    assert size.byte_count == 10 * 1000 + 100 * 130
-    assert size.particle_updates == 100_000
+LENGTHS = ("penetration", "adhesion_factor")
 
 
 @pytest.fixture
@@ -198,20 +175,16 @@ def mixed(small_file: Path) -> Study:
     return load_study(str(small_file), ["penetration=[1, 3]", "adhesion_factor=[0, 1]"])
 
 
-def lengths(cases: list[Case]) -> list[tuple[object, object]]:
-    return [(it.parameters["penetration"], it.parameters["adhesion_factor"]) for it in cases]
-
-
 def test_the_costliest_case_is_first_and_equal_ones_stay_in_their_order(mixed: Study) -> None:
-    assert sorted(lengths(list(mixed.cases))) == [(1, 0), (1, 1), (3, 0), (3, 1)]
-    times = [predicted_time(case) for case in mixed.cases]
-    assert len(set(times)) == 2
+    assert sorted(values(mixed, *LENGTHS)) == [(1, 0), (1, 1), (3, 0), (3, 1)]
+    assert len({predicted_time(case) for case in mixed.cases}) == 2
     ordered = costliest_first(mixed.cases)
-    assert lengths(ordered) == [(3, 0), (3, 1), (1, 0), (1, 1)]
+    lengths = [tuple(case.parameters[name] for name in LENGTHS) for case in ordered]
+    assert lengths == [(3, 0), (3, 1), (1, 0), (1, 1)]
     # A predicted time is that of points times steps, at the speed that is told of everywhere.
     size = mixed.parts[0].scene(**ordered[0].parameters).run_size()
     assert size is not None
-    assert predicted_time(ordered[0]) == size.particle_updates / UPDATE_RATE
+    assert predicted_time(ordered[0]) == size.particle_count * size.step_count / UPDATE_RATE
 
 
 def test_a_case_of_unknown_time_is_last(small_file: Path) -> None:

@@ -9,12 +9,11 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.archive.conventions import COMPLETED
-from harness.compare.differences import differing
 from harness.run import measuring
 from harness.run.measuring import Measurement, with_samples
 from harness.run.pool import run_cases
 from harness.run.progress import Display
+from harness.run.resources import RunOptions
 from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from mpm_warp.parameters import Value
@@ -98,26 +97,6 @@ def test_warm_run_times_are_all_kept() -> None:
     assert all("long_name" in variable.attrs for variable in timed.drop_vars(first).values())
 
 
-def test_a_case_with_repeats_keeps_as_many_samples_and_is_complete(tmp_path: Path) -> None:
-    case = case_of("gravity_column", cell_count=4)
-    plain = run_case(case, tmp_path)
-    before = case_files.read_case(tmp_path, case)
-    assert plain.status == COMPLETED
-    assert case_files.is_complete(tmp_path, case)
-    assert not case_files.is_complete(tmp_path, case, repeats=3)
-
-    fractions: list[float] = []
-    run_case(case, tmp_path, fractions.append, repeats=3)
-    result = case_files.read_case(tmp_path, case)
-    assert before is not None
-    assert result is not None
-    assert result.run_time_sample.size == 3
-    assert result.run_time == np.median(result.run_time_sample)
-    assert differing(before, result) == []
-    assert case_files.is_complete(tmp_path, case, repeats=3)
-    assert not case_files.is_complete(tmp_path, case, repeats=4)
-
-
 def test_a_repeat_that_gives_other_numbers_fails_the_case(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -131,6 +110,8 @@ def test_a_repeat_that_gives_other_numbers_fails_the_case(
         return results[-1]
 
     monkeypatch.setattr(GravityColumn, "run", drifting)
-    outcome = run_case(case_of("gravity_column", cell_count=4), tmp_path, repeats=2)
+    outcome = run_case(
+        case_of("gravity_column", cell_count=4), tmp_path, options=RunOptions(repeats=2)
+    )
     assert outcome.status == "failed"
     assert "run 2 gave another " in outcome.message

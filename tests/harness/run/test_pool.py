@@ -8,14 +8,16 @@ import signal
 import time
 from collections.abc import Iterable
 from pathlib import Path
+from textwrap import dedent
 from typing import NoReturn
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from harness.archive import case_files
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import Outcome
+from harness.archive.case_files import Outcome, case_folder
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
@@ -24,38 +26,47 @@ from harness.run.resources import RunOptions
 from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import DONE
+from tests.harness.conftest import DONE, SMALL, prepared, study_in
 
-from .conftest import Record, collected, prepared, run
+from .conftest import Record, kill_workers, run
 
 pytestmark = pytest.mark.slow
 
 
-def test_every_case_is_run_once_and_kept(tmp_path: Path, small: Study) -> None:
+@pytest.fixture(scope="module")
+def one(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    """The study done by one worker, a case after the other."""
+    folder = tmp_path_factory.mktemp("one")
+    return run(study_in(folder, dedent(SMALL), name="small"), folder, 1, Record())
+
+
+@pytest.mark.parametrize(
+    ("workers", "options"),
+    [
+        (2, RunOptions()),
+        (1, RunOptions(threads=1)),
+        (1, RunOptions(threads=2)),
+        (1, RunOptions(batch=10)),
+    ],
+)
+def test_every_case_is_run_once_and_has_the_same_bits(
+    workers: int, options: RunOptions, one: xr.Dataset, tmp_path: Path, small: Study
+) -> None:
     record = Record()
-    dataset = run(small, tmp_path, 2, record)
+    dataset = run(small, tmp_path, workers, record, options)
     assert record.statuses(small.cases) == [COMPLETED] * 3
-    assert dataset.status.values.tolist() == [COMPLETED] * 3
-    assert dataset.cone_factor.notnull().all()
-    assert not multiprocessing.active_children()
-
-
-def test_the_number_of_workers_does_not_change_a_bit(tmp_path: Path, small: Study) -> None:
-    one = run(small, tmp_path / "1", 1, Record())
-    two = run(small, tmp_path / "2", 2, Record())
     assert "time_step" in one
-    assert differing(one, two) == []
+    assert differing(one, dataset) == []
+    assert (dataset.case_time >= dataset.run_time).all()
+    assert not multiprocessing.active_children()
+    together = 3 if options.batch > 1 else 1
+    assert run_together(case_folder(tmp_path, small), small.cases) == [together] * 3
 
 
-def test_the_threads_of_a_case_do_not_change_a_bit(tmp_path: Path, small: Study) -> None:
-    cases = small.cases
-    datasets = []
-    for threads in (1, 2, None):
-        folder = prepared(small, tmp_path / str(threads))
-        run_cases(cases, folder, 1, Record(), RunOptions(threads=threads))
-        datasets.append(collected(small, folder))
-    assert differing(datasets[0], datasets[1]) == []
-    assert differing(datasets[0], datasets[2]) == []
+def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
+    """How many cases each of some was run with, itself among them."""
+    kept = [case_files.read_case(folder, case) for case in cases]
+    return [it.attrs["cases_together"] for it in kept if it is not None]
 
 
 def test_a_case_has_its_threads_from_the_first_step_on(
@@ -90,14 +101,11 @@ def test_the_death_of_a_worker_takes_one_case(
     settings = ["adhesion_factor=0", "penetration=[200, 1]"]
     study = load_study(str(small_file), settings)
 
-    class Killer(Record):
-        def advanced(self, case: Case, fraction: float) -> None:
-            if case.parameters["penetration"] == 200:
-                (worker,) = multiprocessing.active_children()
-                assert worker.pid is not None
-                os.kill(worker.pid, number)
+    def kill(case: Case, fraction: float) -> None:
+        if case == study.cases[0]:
+            kill_workers(number)
 
-    record = Killer()
+    record = Record(kill)
     dataset = run(study, tmp_path, 1, record)
     assert dataset.status.values.tolist() == [CRASHED, COMPLETED]
     message = dataset.message.values[0]
@@ -112,12 +120,11 @@ def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
     folder, long, short = long_and_short
     fractions: list[float] = []
 
-    class Follower(Record):
-        def advanced(self, case: Case, fraction: float) -> None:
-            if case == long:
-                fractions.append(fraction)
+    def follow(case: Case, fraction: float) -> None:
+        if case == long:
+            fractions.append(fraction)
 
-    record = Follower()
+    record = Record(follow)
     run_cases([long, short], folder, 1, record, RunOptions(time_limit=5))
     assert record.outcomes[short.key].status == COMPLETED
     kept = case_files.read_outcome(folder, long)
@@ -134,16 +141,13 @@ def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
     folder = prepared(small, tmp_path)
     case = small.cases[0]
 
-    class Killer(Record):
-        """Kills the worker as it begins, after another has written the result."""
+    def kill(case: Case, fraction: float) -> None:
+        """Kill the worker as it begins, after another has written the result."""
+        if not case_files.case_file(folder, case).exists():
+            case_files.write_case(folder, case, DONE, COMPLETED)
+            kill_workers()
 
-        def advanced(self, case: Case, fraction: float) -> None:
-            if not case_files.case_file(folder, case).exists():
-                case_files.write_case(folder, case, DONE, COMPLETED)
-                (worker,) = multiprocessing.active_children()
-                worker.kill()
-
-    record = Killer()
+    record = Record(kill)
     run_cases([case], folder, 1, record)
     assert record.outcomes[case.key].status == COMPLETED
     assert case_files.read_outcome(folder, case).status == COMPLETED
@@ -155,14 +159,12 @@ def test_what_another_run_has_completed_meanwhile_is_not_run_again(
     folder = prepared(small, tmp_path)
     first, *others = small.cases
 
-    class Other(Record):
-        """Another run in the same folder, that has done the rest before the first case ends."""
+    def complete(case: Case, fraction: float) -> None:
+        """Another run in the same folder has done the rest before the first case ends."""
+        for other in others:
+            case_files.write_case(folder, other, DONE, COMPLETED)
 
-        def advanced(self, case: Case, fraction: float) -> None:
-            for other in others:
-                case_files.write_case(folder, other, DONE, COMPLETED)
-
-    record = Other()
+    record = Record(complete)
     run_cases([first, *others], folder, 1, record)
     messages = [record.outcomes[case.key].message for case in (first, *others)]
     assert messages == ["", "by another run", "by another run"]
@@ -171,22 +173,20 @@ def test_what_another_run_has_completed_meanwhile_is_not_run_again(
 
 
 def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, small: Study) -> None:
-    class Interrupter(Record):
-        def advanced(self, case: Case, fraction: float) -> NoReturn:
-            raise KeyboardInterrupt
+    def interrupt(case: Case, fraction: float) -> NoReturn:
+        raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(small, tmp_path, 2, Interrupter())
+        run(small, tmp_path, 2, Record(interrupt))
     assert not multiprocessing.active_children()
 
 
 def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: Path) -> None:
-    path = tmp_path / "blocks.toml"
-    path.write_text(
+    study = study_in(
+        tmp_path,
         'title = "t"\nscene = "sliding_block"\ndesign = "latin_hypercube"\nsamples = 4\nseed = 1\n'
-        "[fixed]\ntravel = 0.1\n[vary]\ncells_per_length = { from = 6, to = 13 }\n"
+        "[fixed]\ntravel = 0.1\n[vary]\ncells_per_length = { from = 6, to = 13 }\n",
     )
-    study = load_study(str(path))
     dataset = run(study, tmp_path, 2, Record())
     expected = np.where(dataset.cells_per_length < 10, "refused", COMPLETED)
     assert dataset.status.values.tolist() == expected.tolist()
@@ -237,24 +237,6 @@ def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
     assert idle.process.exitcode == -signal.SIGKILL
 
 
-def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
-    """How many cases each of some was run with, itself among them."""
-    kept = [case_files.read_case(folder, case) for case in cases]
-    return [it.attrs["cases_together"] for it in kept if it is not None]
-
-
-def test_cases_that_are_run_together_have_the_same_bits(tmp_path: Path, small: Study) -> None:
-    alone = run(small, tmp_path / "alone", 1, Record())
-    folder = prepared(small, tmp_path / "together")
-    record = Record()
-    run_cases(small.cases, folder, 1, record, RunOptions(batch=10))
-    together = collected(small, folder)
-    assert differing(alone, together) == []
-    assert record.statuses(small.cases) == [COMPLETED] * 3
-    assert run_together(folder, small.cases) == [3, 3, 3]
-    assert (together.case_time >= together.run_time).all()
-
-
 def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
     folder = prepared(small, tmp_path)
     run_cases(small.cases, folder, 2, Record(), RunOptions(batch=10))
@@ -273,8 +255,7 @@ def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run
         def finished(self, case: Case, outcome: Outcome) -> None:
             super().finished(case, outcome)
             if len(self.outcomes) == 1:
-                (worker,) = multiprocessing.active_children()
-                worker.kill()
+                kill_workers()
 
     record = Killer()
     run_cases(study.cases, folder, 1, record, RunOptions(batch=4))
@@ -297,14 +278,11 @@ def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
     study = load_study(str(small_file), ["adhesion_factor=0", "penetration=[200, 1, 2]"])
     folder = prepared(study, tmp_path)
 
-    class Killer(Record):
-        """Kills each worker that has come on with the long case."""
+    def kill(case: Case, fraction: float) -> None:
+        """Kill each worker that has come on with the long case."""
+        if case == study.cases[0] and fraction > 0:
+            kill_workers()
 
-        def advanced(self, case: Case, fraction: float) -> None:
-            if case.parameters["penetration"] == 200 and fraction > 0:
-                for worker in multiprocessing.active_children():
-                    worker.kill()
-
-    record = Killer()
+    record = Record(kill)
     run_cases(study.cases, folder, 1, record, RunOptions(batch=3))
     assert record.statuses(study.cases) == [CRASHED, COMPLETED, COMPLETED]

@@ -44,19 +44,12 @@ def test_the_bar_shows_cases_done_running_and_time_left(
     assert any(it.startswith(f"{bar} {line}") for it in shown)
 
 
-def test_a_case_that_computes_nothing_yet_is_being_set_up(small: Study) -> None:
+def test_a_case_is_being_set_up_until_it_computes_and_the_line_is_left_clean(small: Study) -> None:
     stream = Terminal()
     with Display(3, stream) as display:
         display.advanced(small.cases[0], 0.0)
         display.bar.refresh()
-    assert "0/3 cases, 1 setting up, after" in stream.getvalue()
-
-
-def test_the_line_of_the_bar_is_left_clean(small: Study) -> None:
-    stream = Terminal()
-    with Display(3, stream) as display:
-        display.advanced(small.cases[0], 0.5)
-        assert "0/3 cases" in stream.getvalue()
+        assert "0/3 cases, 1 setting up, after" in stream.getvalue()
     assert re.search(r"\r +\r$", stream.getvalue())
 
 
@@ -77,24 +70,27 @@ def test_times_to_start_and_to_compile_are_told_apart(small: Study) -> None:
     assert stream.getvalue().endswith("completed, 2.5 s (2.0 s to start, 4.5 s to compile)\n")
 
 
-@pytest.mark.parametrize(("status", "code"), [("completed", 32), ("diverged", 31)])
-def test_a_terminal_has_the_status_in_colour(
-    status: str, code: int, small: Study, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("status", "environment", "told"),
+    [
+        ("completed", {"TERM": "xterm"}, "\033[32mcompleted\033[0m"),
+        ("diverged", {"TERM": "xterm"}, "\033[31mdiverged\033[0m"),
+        ("completed", {"TERM": "xterm", "NO_COLOR": "1"}, ": completed"),
+        ("completed", {"TERM": "dumb"}, ": completed"),
+    ],
+)
+def test_a_terminal_has_the_status_in_colour_where_that_is_wanted(
+    status: str,
+    environment: dict[str, str],
+    told: str,
+    small: Study,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.delenv("NO_COLOR", raising=False)
-    monkeypatch.setenv("TERM", "xterm")
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
     stream = Terminal()
     with Display(1, stream) as display:
         display.finished(small.cases[0], Outcome(status))
-    assert f"\033[{code}m{status}\033[0m" in stream.getvalue()
-
-
-@pytest.mark.parametrize(("name", "value"), [("NO_COLOR", "1"), ("TERM", "dumb")])
-def test_colour_is_left_out_where_it_is_not_wanted(
-    name: str, value: str, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv(name, value)
-    stream = Terminal()
-    with Display(1, stream) as display:
-        display.finished(small.cases[0], Outcome("completed"))
-    assert "\033[3" not in stream.getvalue()
+    assert told in stream.getvalue()
+    assert ("\033[3" in stream.getvalue()) == ("\033[3" in told)

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.archive.atomic_files import prepare
-from harness.archive.case_files import Outcome, read_case
+from harness.archive.case_files import read_case
 from harness.archive.conventions import COMPLETED
 from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
@@ -23,6 +22,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 from tests.harness.conftest import Depth
+
+from .conftest import Record
 
 pytestmark = pytest.mark.slow
 
@@ -86,32 +87,13 @@ def random_cases(count: int) -> list[Case]:
     return cases
 
 
-class Ends:
-    """Takes down how cases end."""
-
-    def __init__(self) -> None:
-        self.outcomes: list[tuple[Case, Outcome]] = []
-
-    def advanced(self, case: Case, fraction: float) -> None:
-        pass
-
-    def finished(self, case: Case, outcome: Outcome) -> None:
-        self.outcomes.append((case, outcome))
-
-
 def test_a_random_case_ends_with_a_result_or_with_a_reason(tmp_path: Path, depth: Depth) -> None:
-    prepare(tmp_path)
-    count = depth(6, 100)
-    ends = Ends()
-    run_cases(
-        random_cases(count),
-        tmp_path,
-        1,
-        ends,
-        RunOptions(threads=1, time_limit=SECONDS, memory_limit=BYTES),
-    )
-    assert len(ends.outcomes) == count
-    for case, outcome in ends.outcomes:
+    cases, record = random_cases(depth(6, 100)), Record()
+    options = RunOptions(threads=1, time_limit=SECONDS, memory_limit=BYTES)
+    run_cases(cases, tmp_path, 1, record, options)
+    assert len(record.outcomes) == len(cases)
+    for case in cases:
+        outcome = record.outcomes[case.key]
         what = f"{case.scene}: {case.label}: {outcome}"
         assert outcome.status in NAMED, what
         assert (outcome.status == COMPLETED) == (outcome.message == ""), what

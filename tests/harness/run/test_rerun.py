@@ -1,7 +1,7 @@
 """A case again from its file alone."""
 
 import json
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
 from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
 from harness.study.study import Study, load_study
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Refusal, keep
 
 pytestmark = pytest.mark.slow
 
@@ -95,79 +95,75 @@ def test_a_case_that_had_crashed_is_run_but_not_compared(
     assert "not to be compared: crashed before, completed again" in capsys.readouterr().out
 
 
-def test_what_cannot_be_run_again_is_one_line(
-    done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+CHANGES: list[tuple[dict[str, object], str]] = [
+    ({"rigidity_index": 51.0}, "the parameters there are not those of case"),
+    ({"parameters": "{"}, "a parameter is missing or malformed; it cannot be run again"),
+    ({"parameters": "[1]"}, "a parameter is missing or malformed; it cannot be run again"),
+    ({"scene_version": "new"}, "scene, scene_version or status is missing or malformed"),
+    ({"scene_version": 0}, "was computed by version 0 of cone_penetration, this simulator has"),
+    ({"scene": "spiral"}, "unknown scene 'spiral'"),
+]
+
+
+@pytest.mark.parametrize(("changes", "told"), CHANGES)
+def test_a_case_file_that_cannot_be_run_again_is_one_line(
+    changes: dict[str, object], told: str, small: Study, tmp_path: Path, refusal: Refusal
 ) -> None:
-    one, other = done.cases
-    folder = case_files.case_folder(tmp_path, done)
-    path = case_files.case_file(folder, one)
-    changed = netcdf_files.read_netcdf(path)
-    parameters = json.loads(changed.attrs["parameters"])
-    forged, older = tmp_path / "forged.nc", tmp_path / "older.nc"
-    attributes = {"parameters": json.dumps({**parameters, "rigidity_index": 51.0})}
-    netcdf_files.write_netcdf(changed.assign_attrs(attributes), forged)
-    case_files.write_case(tmp_path, old := replace(one, scene_version=0), changed, "completed")
-    case_files.case_file(tmp_path, old).rename(older)
-    text, list_, unversioned, unread = (tmp_path / f"{name}.nc" for name in range(4))
-    for path_, attributes_ in (
-        (text, {"parameters": "{"}),
-        (list_, {"parameters": "[1]"}),
-        (unversioned, {"scene_version": "new"}),
-        (unread, {"scene": "spiral"}),
-    ):
-        netcdf_files.write_netcdf(changed.assign_attrs(attributes_), path_)
+    path = case_files.case_file(keep(small, tmp_path), small.cases[0])
+    whole = netcdf_files.read_netcdf(path)
+    if "rigidity_index" in changes:
+        changes = {"parameters": json.dumps({**json.loads(whole.attrs["parameters"]), **changes})}
+    netcdf_files.write_netcdf(whole.assign_attrs(changes), path)
+    assert told in refusal(["rerun", str(path)])
+
+
+def test_a_case_that_is_not_in_the_file_is_one_line(
+    small: Study, tmp_path: Path, refusal: Refusal
+) -> None:
+    one, other, _ = small.cases
+    folder = keep(small, tmp_path)
+    path, result = case_files.case_file(folder, one), tmp_path / "small.nc"
+    study_files.write_study(result, archive.collect(small, folder))
     stranger = tmp_path / "stranger.nc"
     netcdf_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
-    refusals = {
-        (str(path), other.key): f"is the file of case {one.key} alone",
+    for arguments, told in (
+        ((path, other.key), f"is the file of case {one.key} alone"),
+        ((result,), "no case is named; there are 3, `harness status small` lists them"),
+        ((result, one.key[:-1]), f"did you mean '{one.key}'?"),
+        ((stranger,), "is neither the file of a case nor the result of a study"),
+        ((tmp_path / "none.nc",), "none.nc: no such file"),
+    ):
+        assert told in refusal(["rerun", *map(str, arguments)])
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        # Of another version, before its parameters are read.
         (
-            str(tmp_path / "small.nc"),
-        ): "no case is named; there are 2, `harness status small` lists them",
-        (str(tmp_path / "small.nc"), one.key[:-1]): f"did you mean '{one.key}'?",
-        (str(forged),): f"the parameters there are not those of case {one.key}",
-        (str(older),): "was computed by version 0 of cone_penetration, this simulator has version",
-        (str(text),): "a parameter is missing or malformed; it cannot be run again",
-        (str(list_),): "a parameter is missing or malformed; it cannot be run again",
-        (str(unversioned),): "scene, scene_version or status is missing or malformed",
-        (str(unread),): "unknown scene 'spiral'",
-        (str(stranger),): "is neither the file of a case nor the result of a study",
-        (str(tmp_path / "none.nc"),): "none.nc: no such file",
-    }
-    capsys.readouterr()
-    for arguments, expected in refusals.items():
-        assert main(["rerun", *arguments]) == 2
-        (line,) = capsys.readouterr().err.splitlines()
-        assert expected in line
-
-
-@pytest.fixture
-def collected(small: Study, tmp_path: Path) -> xr.Dataset:
-    """A result of which no case has been run."""
-    return archive.collect(small, tmp_path)
-
-
-def test_a_result_of_another_version_is_told_before_its_parameters_are_read(
-    collected: xr.Dataset, tmp_path: Path, refusal: Refusal
+            lambda it: it.drop_vars("friction_coefficient").assign_attrs(scene_version=0),
+            "was computed by version 0 of cone_penetration, this simulator has version",
+        ),
+        (
+            lambda it: it.drop_vars("friction_coefficient"),
+            ": a parameter is missing or malformed; it cannot be run again",
+        ),
+        (
+            lambda it: it.assign(friction_coefficient="rough"),
+            ": a parameter is missing or malformed; it cannot be run again",
+        ),
+    ],
+)
+def test_a_result_that_cannot_be_run_again_is_one_line(
+    change: Callable[[xr.Dataset], xr.Dataset],
+    told: str,
+    small: Study,
+    tmp_path: Path,
+    refusal: Refusal,
 ) -> None:
-    path = tmp_path / "older.nc"
-    older = collected.drop_vars("friction_coefficient").assign_attrs(scene_version=0)
-    study_files.write_study(path, older)
-    line = refusal(["rerun", str(path), str(older.case_key.values[1])])
-    assert "was computed by version 0 of cone_penetration, this simulator has version" in line
-
-
-@pytest.mark.parametrize("change", ["missing", "text"])
-def test_a_result_without_a_parameter_is_told(
-    collected: xr.Dataset, tmp_path: Path, change: str, refusal: Refusal
-) -> None:
-    path, name = tmp_path / "changed.nc", "friction_coefficient"
-    changed = {
-        "missing": collected.drop_vars(name),
-        "text": collected.assign({name: "rough"}),
-    }[change]
-    study_files.write_study(path, changed)
-    line = refusal(["rerun", str(path), str(collected.case_key.values[1])])
-    assert line.endswith(": a parameter is missing or malformed; it cannot be run again")
+    path = tmp_path / "changed.nc"
+    study_files.write_study(path, change(archive.collect(small, tmp_path)))
+    assert told in refusal(["rerun", str(path), small.cases[1].key])
 
 
 def test_snapshots_are_no_result(tmp_path: Path) -> None:

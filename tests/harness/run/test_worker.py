@@ -13,50 +13,48 @@ from harness.archive import case_files
 from harness.cli.main import main
 from harness.run.worker import run_case
 from harness.study.study import Study, load_study
-from mpm_warp.errors import SceneError
+from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.results import variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 pytestmark = pytest.mark.slow
 
 
+class Cavitated(Exception):
+    """Of a scene of another package, which names its status."""
+
+    status = "cavitated"
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "message"),
+    [
+        (ArithmeticError("on\ntwo lines"), "failed", "ArithmeticError: on two lines"),
+        (Cavitated("too fast"), "cavitated", "too fast"),
+        (SceneError("bodies 0 and 1 overlap"), "refused", "bodies 0 and 1 overlap"),
+        (SimulationDiverged("at once"), "diverged", "at once"),
+    ],
+)
 def test_an_exception_of_the_scene_is_the_outcome(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+    error: Exception,
+    status: str,
+    message: str,
+    tmp_path: Path,
+    small: Study,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def fail(*given: object) -> NoReturn:
-        raise ArithmeticError("on\ntwo lines")
+        raise error
 
     monkeypatch.setattr(ConePenetration, "run", fail)
     case = small.cases[0]
     outcome = run_case(case, tmp_path)
-    assert (outcome.status, outcome.message) == ("failed", "ArithmeticError: on two lines")
+    assert (outcome.status, outcome.message) == (status, message)
     result = case_files.read_case(tmp_path, case)
     assert result is not None
-    assert result.attrs["message"] == outcome.message
-
-
-def test_an_exception_may_name_the_status(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class DivergedError(Exception):
-        status = "diverged"
-
-    def diverge(*given: object) -> NoReturn:
-        raise DivergedError("too fast")
-
-    monkeypatch.setattr(ConePenetration, "run", diverge)
-    assert run_case(small.cases[0], tmp_path).status == "diverged"
-
-
-def test_a_scene_that_can_not_be_made_is_refused(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*given: object) -> NoReturn:
-        raise SceneError("bodies 0 and 1 overlap")
-
-    monkeypatch.setattr(ConePenetration, "run", refuse)
-    outcome = run_case(small.cases[0], tmp_path)
-    assert (outcome.status, outcome.message) == ("refused", "bodies 0 and 1 overlap")
+    assert result.attrs["message"] == message
+    # An end that has a name needs no place in the program.
+    assert ("traceback" in result.attrs) == (status == "failed")
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf])

@@ -8,9 +8,9 @@ import pytest
 
 from harness.study import study as studies
 from harness.study.description import unusual_values
-from harness.study.study import load_study
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.material.material_point import MaterialPoint
+from tests.harness.conftest import study_in
 
 STUDY = 'title = "t"\nscene = "material_point"\n'
 
@@ -36,26 +36,20 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_case_without_the_law_keeps_its_name(
     tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
-    file = tmp_path / "s.toml"
-    file.write_text(STUDY)
-    (before,) = load_study(str(file)).cases
+    (before,) = study_in(tmp_path, STUDY).cases
     request.getfixturevalue("installed")
-    (after,) = load_study(str(file)).cases
+    (after,) = study_in(tmp_path, STUDY).cases
     assert after.key == before.key
 
 
 @pytest.mark.usefixtures("installed")
 def test_its_parameters_are_varied_and_name_the_case(tmp_path: Path) -> None:
-    file = tmp_path / "s.toml"
-    file.write_text(STUDY + "[vary]\nyield_stress = [2e4, 3e4]\n")
-    study = load_study(str(file))
+    study = study_in(tmp_path, STUDY + "[vary]\nyield_stress = [2e4, 3e4]\n")
     assert [case.parameters["yield_stress"] for case in study.cases] == [2e4, 3e4]
     assert len({case.key for case in study.cases}) == 2
 
 
 @pytest.mark.usefixtures("installed")
 def test_a_stress_that_looks_like_kilopascals_is_told(tmp_path: Path) -> None:
-    file = tmp_path / "s.toml"
-    file.write_text(STUDY + "[fixed]\nyield_stress = 20\n")
-    (line,) = unusual_values(load_study(str(file)))
+    (line,) = unusual_values(study_in(tmp_path, STUDY + "[fixed]\nyield_stress = 20\n"))
     assert line == "yield_stress = 20 is in Pa; if 20 kPa is meant, give 20000"

@@ -11,8 +11,8 @@ from harness.study.files import studies_folder, study_names
 from harness.study.schema import study_schema, value_schema
 from mpm_warp.parameters import Parameter
 from mpm_warp.scenes import scene_names
+from tests.harness.conftest import HEAD
 
-HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 SCHEMA = Draft202012Validator(study_schema())
 
 VALID = {

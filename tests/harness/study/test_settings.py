@@ -4,10 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.study.cases import Case
-from harness.study.study import Study, load_study
 from harness.study.tables import StudyError
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Refusal, study_in, values
 
 LISTED = """title = "t"
 scene = "cone_penetration"
@@ -38,66 +36,55 @@ radius_ratio = 2
 """
 
 
-def study(folder: Path, text: str, *settings: str, name: str = "s") -> Study:
-    path = folder / f"{name}.toml"
-    path.write_text(text)
-    return load_study(str(path), settings)
-
-
-def values(cases: list[Case], *names: str) -> list[tuple[object, ...]]:
-    return [tuple(case.parameters.get(name) for name in names) for case in cases]
-
-
 def test_a_setting_holds_in_every_case_of_a_list(tmp_path: Path) -> None:
     names = "rigidity_index", "adhesion_factor", "cells_per_radius"
-    cases = study(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0").cases
-    assert values(cases, *names) == [(50, 0, 1), (70, 0, 1)]
-    assert [case.label for case in cases] == ["rigidity_index=50.0", "rigidity_index=70.0"]
+    study = study_in(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0")
+    assert values(study, *names) == [(50, 0, 1), (70, 0, 1)]
+    assert [case.label for case in study.cases] == ["rigidity_index=50.0", "rigidity_index=70.0"]
 
 
 def test_cases_of_a_list_that_a_setting_makes_alike_are_one(tmp_path: Path) -> None:
-    cases = study(
-        tmp_path, LISTED, "rigidity_index=60", "cells_per_radius=1", "adhesion_factor=0"
-    ).cases
-    assert values(cases, "rigidity_index", "cells_per_radius") == [(60, 1)]
+    settings = "rigidity_index=60", "cells_per_radius=1", "adhesion_factor=0"
+    study = study_in(tmp_path, LISTED, *settings)
+    assert values(study, "rigidity_index", "cells_per_radius") == [(60, 1)]
 
 
 @pytest.mark.parametrize("value", ["[50, 60]", "{from = 50, to = 60, count = 2}"])
 def test_a_setting_that_varies_does_not_go_with_a_list(tmp_path: Path, value: str) -> None:
     with pytest.raises(StudyError, match=r'^--set rigidity_index = .* design = "list" .* a number'):
-        study(tmp_path, LISTED, f"rigidity_index={value}")
+        study_in(tmp_path, LISTED, f"rigidity_index={value}")
 
 
 def test_what_is_varied_beside_a_list_is_told_of_the_file(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match=r"s.toml: \[vary\] density = \[1\]: does not go with"):
-        study(tmp_path, LISTED.replace("[fixed]", "[vary]\ndensity = [1]\n[fixed]"), "density=1")
+        study_in(tmp_path, LISTED.replace("[fixed]", "[vary]\ndensity = [1]\n[fixed]"), "density=1")
 
 
 def test_a_setting_that_varies_leaves_what_one_at_a_time_begins_with(tmp_path: Path) -> None:
-    cases = study(tmp_path, IN_TURN, "cells_per_radius=[1, 3]").cases
+    study = study_in(tmp_path, IN_TURN, "cells_per_radius=[1, 3]")
     expected = [(0, 2), (0.5, 2), (1, 2), (0, 1), (0, 3)]
-    assert values(cases, "adhesion_factor", "cells_per_radius") == expected
+    assert values(study, "adhesion_factor", "cells_per_radius") == expected
 
 
 def test_a_study_that_varies_leaves_what_its_base_begins_with(tmp_path: Path) -> None:
-    study(tmp_path, IN_TURN, name="base")
+    study_in(tmp_path, IN_TURN, name="base")
     text = 'base = "base.toml"\n[vary]\ncells_per_radius = [1, 3]\n'
-    cases = study(tmp_path, text).cases
+    study = study_in(tmp_path, text)
     expected = [(0, 2), (0.5, 2), (1, 2), (0, 1), (0, 3)]
-    assert values(cases, "adhesion_factor", "cells_per_radius") == expected
-    (part,) = study(tmp_path, 'design = "full"\n' + text).parts
+    assert values(study, "adhesion_factor", "cells_per_radius") == expected
+    (part,) = study_in(tmp_path, 'design = "full"\n' + text).parts
     assert part.fixed == {}
 
 
 def test_a_scene_that_varies_leaves_what_all_begin_with(tmp_path: Path) -> None:
     own = "[scenes.cone_penetration.vary]\ncells_per_radius = [1, 3]\n"
-    (part,) = study(tmp_path, IN_TURN + own).parts
+    (part,) = study_in(tmp_path, IN_TURN + own).parts
     assert part.fixed == {"cells_per_radius": 2}
 
 
 def test_what_stands_under_a_scene_is_joined_key_by_key(tmp_path: Path) -> None:
-    study(tmp_path, TWO_SCENES, name="base")
-    part, _ = study(
+    study_in(tmp_path, TWO_SCENES, name="base")
+    part, _ = study_in(
         tmp_path, 'base = "base.toml"\n[scenes.thick_cylinder.fixed]\nsection = "plane_strain"\n'
     ).parts
     assert part.fixed == {"radius_ratio": 2, "section": "plane_strain"}
@@ -105,42 +92,26 @@ def test_what_stands_under_a_scene_is_joined_key_by_key(tmp_path: Path) -> None:
 
 
 def test_a_setting_is_for_the_scenes_that_have_the_parameter(tmp_path: Path) -> None:
-    cases = study(tmp_path, TWO_SCENES, "cell_count=5", "grid_angle=[0, 20]").cases
-    assert [case.scene for case in cases] == ["thick_cylinder", "sliding_block", "sliding_block"]
-    assert values(cases, "cell_count", "grid_angle") == [(5, None), (None, 0), (None, 20)]
+    study = study_in(tmp_path, TWO_SCENES, "cell_count=5", "grid_angle=[0, 20]")
+    assert [case.scene for case in study.cases] == [
+        "thick_cylinder",
+        "sliding_block",
+        "sliding_block",
+    ]
+    assert values(study, "cell_count", "grid_angle") == [(5, None), (None, 0), (None, 20)]
 
 
 def test_a_setting_of_no_scene_is_answered_with_the_nearest(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match=r"^--set cell_cuont = 5: .* did you mean 'cell_count'"):
-        study(tmp_path, TWO_SCENES, "cell_cuont=5")
+        study_in(tmp_path, TWO_SCENES, "cell_cuont=5")
 
 
 def test_a_name_that_is_a_file_here_is_told_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
 ) -> None:
-    study(tmp_path, IN_TURN, name="mine")
+    study_in(tmp_path, IN_TURN, name="mine")
     with pytest.raises(StudyError, match=r"base = 'mine': .*; a file here is called mine\.toml$"):
-        study(tmp_path, 'base = "mine"\n')
+        study_in(tmp_path, 'base = "mine"\n')
     assert "called" not in refusal(["status", "mine"])
     monkeypatch.chdir(tmp_path)
     assert refusal(["status", "mine"]).endswith("; a file here is called mine.toml")
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("[vary]\nrigidity_index = [[50]]", "[vary] rigidity_index = [50] is not allowed: must be"),
-        (
-            "[vary]\nrigidity_index = {from = [2], to = 3, count = 2}",
-            "from = [2] is not allowed: must be a number",
-        ),
-        ('design = "list"\n[[case]]\ndensity = [1]', "[[case]] 1: density = [1] is not allowed"),
-    ],
-)
-def test_a_list_that_could_not_vary_is_answered_with_what_is_allowed(
-    tmp_path: Path, text: str, told: str
-) -> None:
-    with pytest.raises(StudyError) as caught:
-        study(tmp_path, f'title = "t"\nscene = "cone_penetration"\n{text}\n')
-    assert told in str(caught.value)
-    assert "[vary]" not in str(caught.value).partition("not allowed")[2]

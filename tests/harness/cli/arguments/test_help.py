@@ -5,17 +5,16 @@ import shlex
 import pytest
 
 from harness.cli.help import HELP
-from harness.cli.main import COMMANDS, main
+from harness.cli.main import main
 from harness.cli.options import make_parser
 
-EXAMPLES = [example for _, examples in HELP.values() for example in examples]
+EXAMPLES = [example for told in HELP.values() for example in told.examples]
 
 
 def test_every_command_has_help_and_an_example() -> None:
-    assert HELP.keys() == COMMANDS.keys()
-    for name, (sentence, examples) in HELP.items():
-        assert sentence.endswith(".")
-        assert examples or name == "completion"
+    for name, told in HELP.items():
+        assert told.description.endswith(".")
+        assert told.examples or name == "completion"
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
@@ -39,7 +38,7 @@ def test_help_of_everything_names_every_command(capsys: pytest.CaptureFixture[st
     with pytest.raises(SystemExit, match="0"):
         main(["help"])
     out = capsys.readouterr().out
-    assert all(f"\n    {name}" in out for name in COMMANDS)
+    assert all(f"\n    {name}" in out for name in HELP)
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,45 +8,71 @@ import pytest
 import xarray as xr
 
 from harness.cli.main import main
+from harness.cli.options import make_parser
 from harness.run import pool
 from tests.harness.conftest import Refusal
 
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["report", "a.nc", "-o", "b.nc"], "'b.nc' is not allowed: must end in .html"),
-        (["run", "mesh_size", "--case-timeout=nan"], "must be a number > 0"),
-        (["compare", "a.nc", "b.nc", "--tolerance=-1"], "must be a number >= 0"),
-    ],
-)
+COUNT = "must be an integer from 1 to 999999"
+SIZE = "must be > 0, as 8e9 or 8GB"
+WRONG = {
+    "report a.nc -o b.nc": "'b.nc' is not allowed: must end in .html",
+    "compare a.nc b.nc --tolerance=-1": "must be a number >= 0",
+    "compare a.nc --tolerance=0.5": "is for two results",
+    "recommend s --error=0%": "'0%' is not allowed: must be > 0, as 1% or 0.01",
+    "run mesh_size --threads=3": "choose from 1, 2, 4",
+    "run mesh_size --device=cuda:7": "--device cuda:7: there is none here; known: cpu",
+    "run mesh_size --device=gpu": "--device gpu: there is none here; known: cpu",
+    **{f"run mesh_size --workers={it}": COUNT for it in ("0", "-1", "two", "1.5", "9" * 5000)},
+    "run mesh_size --batch=0": COUNT,
+    "run mesh_size --batch=2 --dask=tcp://h:1": "leave them out with --dask",
+    "run bench --workers=2": "cases are timed one at a time, without --workers",
+    "run bench --batch=2": "cases are timed one at a time, without --batch",
+    **{
+        f"run mesh_size --case-timeout={it}": f"'{it}' is not allowed: must be a number > 0"
+        for it in ("0", "-1", "soon", "nan", "inf")
+    },
+    **{
+        f"run mesh_size --memory-limit={it}": SIZE
+        for it in ("0", "-1GB", "much", "GB", "inf", "nan")
+    },
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
 def test_an_option_that_is_not_allowed_is_one_line(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+    line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(SystemExit, match="2"):
-        main(arguments)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    monkeypatch.chdir(tmp_path)
+    try:
+        code: str | int | None = main(line.split())
+    except SystemExit as end:
+        code = end.code
+    assert code == 2
+    (told,) = capsys.readouterr().err.splitlines()
+    assert WRONG[line] in told
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("text", ["8GB", "8e9", "8000MB", "8gb", "8000000000", "8000000000B"])
+def test_a_size_has_a_unit_or_none(text: str) -> None:
+    assert make_parser().parse_args(["run", "s", "--memory-limit", text]).memory_limit == 8e9
+
+
+@pytest.mark.parametrize(("text", "share"), [("2%", 0.02), ("0.02", 0.02), ("0.5%", 0.005)])
+def test_an_error_is_a_share(text: str, share: float) -> None:
+    assert make_parser().parse_args(["recommend", "s", "--error", text]).error == share
 
 
 @pytest.mark.parametrize("option", ["--workers=2", "--batch=2"])
-@pytest.mark.parametrize("timing", ["", "[timing]\nrepeats = 1\n"])
 def test_what_is_timed_runs_alone(
-    option: str, timing: str, small_file: Path, tmp_path: Path, refusal: Refusal
+    option: str, small_file: Path, tmp_path: Path, refusal: Refusal
 ) -> None:
-    small_file.write_text(small_file.read_text() + timing)
-    study = str(small_file) if timing else "bench"
-    line = refusal(["run", study, option, f"--out={tmp_path}"])
+    small_file.write_text(small_file.read_text() + "[timing]\nrepeats = 1\n")
+    line = refusal(["run", str(small_file), option, f"--out={tmp_path}"])
     assert line.endswith(f"cases are timed one at a time, without {option.partition('=')[0]}")
-
-
-def test_a_tolerance_for_two_results_is_not_ignored_where_there_is_one(
-    tmp_path: Path, refusal: Refusal
-) -> None:
-    line = refusal(["compare", str(tmp_path / "a.nc"), "--tolerance=0.5"])
-    assert "is for two results" in line
 
 
 def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:

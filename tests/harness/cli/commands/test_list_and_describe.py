@@ -10,6 +10,7 @@ from harness.study.study import Study, load_study
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from tests.harness.conftest import study_in
 
 
 def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -48,12 +49,12 @@ def test_a_study_of_very_many_cases_is_described_at_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     conditions = [f"rigidity_index > {1000 + it} and density > 1" for it in range(excluded)]
-    path = tmp_path / "many.toml"
-    path.write_text(
+    study = study_in(
+        tmp_path,
         'title = "t"\nscene = "cone_penetration"\n'
         f"exclude = {conditions}\n"
-        "[vary]\nrigidity_index = { from = 50, to = 250, count = 99999 }\n"
+        "[vary]\nrigidity_index = { from = 50, to = 250, count = 99999 }\n",
     )
     monkeypatch.setattr(Study, "cases", property(lambda _: pytest.fail("each case was made")))
-    assert main(["describe", str(path)]) == 0
+    assert main(["describe", str(study.source)]) == 0
     assert "cases        99999 at most, all combinations" in capsys.readouterr().out
