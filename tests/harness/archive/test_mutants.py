@@ -241,7 +241,7 @@ def commands(path: Path, whole: Path, key: str) -> list[list[str]]:
     return [
         ["compare", str(path)],
         ["compare", str(path), str(whole)],
-        ["recommend", "cone_penetration", "--error", "1", "--results", str(path.parent)],
+        ["recommend", "cone_penetration", "--error", "100%", "--results", str(path.parent)],
         ["plot", str(path)],
         ["report", str(path), "-o", str(path.with_suffix(".html"))],
         ["rerun", str(path), key],
