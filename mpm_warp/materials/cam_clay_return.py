@@ -175,17 +175,18 @@ def make_update(by_angle: bool) -> Any:
         J2 = j2(s)
         M = slope(s, J2, properties)
         if is_outside(p, pc, J2, M):
-            # Once more, in parts.
-            s, p = one * before, one * state[0]
             length = two * G * wp.sqrt(three * j2(e)) / (M * pc)
             parts = wp.min(1 + int(length / longest), wp.static(MOST_PARTS))
             part = one / real(parts)
+            if parts > 1:  # once more, from the start
+                s, p = one * before, one * state[0]
             for _k in range(parts):
-                G = shear_modulus(p, properties)
-                s += (two * G * part) * e
-                p = wp.max(p * growth(part * a_e_v), floor)
-                J2 = j2(s)
-                M = slope(s, J2, properties)
+                if parts > 1:
+                    G = shear_modulus(p, properties)
+                    s += (two * G * part) * e
+                    p = wp.max(p * growth(part * a_e_v), floor)
+                    J2 = j2(s)
+                    M = slope(s, J2, properties)
                 if is_outside(p, pc, J2, M):
                     returned = to_surface(p, pc, J2, G, M, properties)
                     p, pc = wp.max(returned[0], floor), returned[1]
