@@ -72,11 +72,6 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
     plan.add_launch(body_loads, plan.particle_count, half_step=0.5 * plan.time_step)
 
 
-def add_clock(plan: Plan) -> None:
-    """Add the time of the loads, which goes on at the end of a step."""
-    plan.add_launch(clock, 1)
-
-
 @wp.kernel(module="mpm_warp.body_loads", enable_backward=False)
 def body_loads(
     load_schedule: wp.array(dtype=vec2),
@@ -100,7 +95,7 @@ def body_loads(
 
 @wp.kernel(module="mpm_warp.clock", enable_backward=False)
 def clock(time_step: real, load_time: wp.array(dtype=real)):
-    """Time goes on by a step; launched once."""
+    """The time of the loads goes on by a step; launched once, at its end."""
     load_time[0] += time_step
 
 

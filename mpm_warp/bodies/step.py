@@ -33,7 +33,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import FROM_ONE, check_whole
-from mpm_warp.bodies.body import Body, add_clock, add_loads, add_particles
+from mpm_warp.bodies.body import Body, add_loads, add_particles, clock
 from mpm_warp.bodies.contact import add_contact
 from mpm_warp.bodies.grid import UniformGrid, first_node, local_coordinate, offsets, slopes, weights
 from mpm_warp.bodies.scene import BodyScene
@@ -74,7 +74,7 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
         add_contact(plan, scene.contact, scene.bodies, scene.grid)
     add_grid_to_body(plan, scene)
     if scene.loads:
-        add_clock(plan)
+        plan.add_launch(clock, 1)
     return plan
 
 

@@ -59,14 +59,6 @@ def test_the_traction_integrates_to_the_resistance(
     assert np.abs(shear).max() == pytest.approx(0.5 * short_test.undrained_shear_strength)
 
 
-def test_every_array_has_a_unit_and_a_meaning(run: tuple[xr.Dataset, xr.Dataset]) -> None:
-    _, fields = run
-    for name, variable in fields.data_vars.items():
-        if variable.attrs.get("role") != "parameter":
-            assert variable.attrs["long_name"], name
-            assert "units" in variable.attrs or name == "surface_part"
-
-
 def test_points_are_those_of_the_run(
     run: tuple[xr.Dataset, xr.Dataset], short_test: ConePenetration
 ) -> None:

@@ -116,27 +116,16 @@ def test_a_parameter_that_shares_its_name_with_a_result_is_there_too() -> None:
 
 @pytest.mark.parametrize("penetration", [6.0, 30.0])
 def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
-    penetration: float, capsys: pytest.CaptureFixture[str]
+    penetration: float, short_test: ConePenetration, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    test = ConePenetration(
-        cells_per_radius=1,
-        domain_radius=8,
-        domain_above=3,
-        domain_below=3,
-        approach=0,
-        penetration=penetration,
-        steady_tolerance=0.1,
+    test = dataclasses.replace(
+        short_test, penetration=penetration, approach=0.0, steady_tolerance=0.1
     )
     result = test.run(progress=True)
     assert float(result.penetration_reached) <= 6.5
     shown = capsys.readouterr().err
     assert shown.rstrip().split("\r")[-1].startswith("cone_penetration 100 %")
     assert "Warp" not in shown
-
-
-def test_an_unknown_scene_is_refused_by_name() -> None:
-    with pytest.raises(UnknownSceneError, match="did you mean 'cone_penetration'"):
-        scene_class("cone_penetraton")
 
 
 @dataclass(frozen=True, kw_only=True)
