@@ -1,8 +1,9 @@
-"""The numbers of all kernels: double precision. Importing them starts Warp.
+"""What all kernels share: the types of their numbers, in double precision. It starts Warp.
 
 A kernel takes every number in the type that it computes with, so constants have names here too.
 """
 
+import functools
 import os
 import sys
 from collections.abc import Iterator
@@ -56,15 +57,17 @@ with kernels_kept():
     _start_warp_in_silence()  # whatever is simulated needs the types below: all come by here
 
 
+kernel = functools.partial(wp.kernel, module="unique", enable_backward=False)
+"""Decorates a kernel. It is compiled by itself, under a name by all that is in it or captured."""
+
+
 def vector(length: int) -> Any:
     """The type of vectors of that length."""
     return wp.types.vector(length, real)
 
 
 real = wp.float64
-vec1, vec2, vec3, vec4, vec5, vec7, vec8, vec10 = (
-    vector(length) for length in (1, 2, 3, 4, 5, 7, 8, 10)
-)
+vec1, vec2, vec3, vec4, vec5, vec7, vec10 = (vector(length) for length in (1, 2, 3, 4, 5, 7, 10))
 mat22 = wp.types.matrix((2, 2), real)
 zero, quarter, third, half, one, two = (
     wp.constant(real(number)) for number in (0.0, 0.25, 1.0 / 3.0, 0.5, 1.0, 2.0)

@@ -19,7 +19,7 @@ in proportional shear f + G xi = G gamma to rounding, whatever the size of the s
 
 import functools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import warp as wp
@@ -29,7 +29,6 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, two, vec2, vec4
 from mpm_warp.materials.elasticity import elastic_increment
-from mpm_warp.materials.material import Law
 from mpm_warp.materials.perfectly_plastic import (
     STRENGTH,
     PerfectlyPlastic,
@@ -131,21 +130,19 @@ class EinavRandolph(UndrainedClay):
 
     def update(self) -> Any:
         """Return to the surface of the criterion, as large as strain and rate leave it."""
-        return _make_update(self.criterion, self.softens, self.depends_on_rate)
+        return self._functions[0]
 
     def yield_function(self) -> Any:
         """The measure of the criterion, and the strength k."""
-        return _make_yield_function(self.criterion, self.softens, self.depends_on_rate)
+        return self._functions[1]
 
     def turn(self) -> Any | None:
         """That of the criterion."""
         return self.criterion.turn(self)
 
-    def law(self) -> Law:
-        """See `Material`; the key has the criterion too, and what changes the strength."""
-        law = super().law()
-        kind = f"{self.criterion.__qualname__}.{'.'.join(self.state)}"
-        return replace(law, key=f"{law.key}.{kind}")
+    @property
+    def _functions(self) -> tuple[Any, Any]:
+        return _make_functions(self.criterion, self.softens, self.depends_on_rate)
 
     @property
     def _greatest_strength(self) -> float:
@@ -153,11 +150,17 @@ class EinavRandolph(UndrainedClay):
 
 
 @functools.cache
-def _make_strength(softens: bool) -> Any:
-    """The function (properties, 1 - S) -> (k / R, what of it strain can still take) [Pa]."""
+def _make_functions(
+    criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool
+) -> tuple[Any, Any]:
+    """The update and the yield function."""
+    measure, within, nearest = with_shape(criterion)
+    shape_of, shear_measure = make_shape(criterion), criterion.shear_measure
+    softened, nonlinear = criterion.softened, criterion.softened is not None
 
     @wp.func
     def strength(properties: Any, lost: real) -> vec2:
+        """(k / R, what of it strain can still take) [Pa]."""
         k, left = properties[wp.static(STRENGTH)], real(0.0)
         if wp.static(softens):
             remoulded = properties[3] * k
@@ -165,15 +168,9 @@ def _make_strength(softens: bool) -> Any:
             k = remoulded + left
         return vec2(k, left)
 
-    return strength
-
-
-@functools.cache
-def _make_memory(softens: bool, depends_on_rate: bool) -> tuple[Any, Any]:
-    """The functions state -> (1 - S, R - 1), and (state, 1 - S, R - 1) -> state."""
-
     @wp.func
     def recalled(state: Any) -> vec2:
+        """(1 - S, R - 1)."""
         lost, rate_effect = real(0.0), real(0.0)
         if wp.static(softens):
             lost = state[0]
@@ -189,33 +186,11 @@ def _make_memory(softens: bool, depends_on_rate: bool) -> tuple[Any, Any]:
             state[wp.static(int(softens))] = rate_effect
         return state
 
-    return recalled, remembered
-
-
-@functools.cache
-def _make_yield_function(
-    criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool
-) -> Any:
-    measure, shape_of = with_shape(criterion)[0], make_shape(criterion)
-    recalled, _ = _make_memory(softens, depends_on_rate)
-    strength = _make_strength(softens)
-
     @wp.func
     def measure_and_strength(stress: vec4, properties: Any, state: Any) -> vec2:
         known = recalled(state)
         k = (one + known[1]) * strength(properties, known[0])[0]
         return vec2(measure(stress, shape_of(properties, state)), k)
-
-    return measure_and_strength
-
-
-@functools.cache
-def _make_update(criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool) -> Any:
-    recalled, remembered = _make_memory(softens, depends_on_rate)
-    strength = _make_strength(softens)
-    measure, within, nearest = with_shape(criterion)
-    shape_of, shear_measure = make_shape(criterion), criterion.shear_measure
-    softened, nonlinear = criterion.softened, criterion.softened is not None
 
     @wp.func
     def soften_and_return(stress: vec4, strain: vec4, time_step: real, properties: Any, state: Any):
@@ -252,4 +227,4 @@ def _make_update(criterion: type[PerfectlyPlastic], softens: bool, depends_on_ra
             lost = one - (one - lost) * kept
         return nearest(trial, k, shape), remembered(state, lost, rate_effect)
 
-    return soften_and_return
+    return soften_and_return, measure_and_strength

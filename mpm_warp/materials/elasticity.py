@@ -156,23 +156,14 @@ def make_stress_update(law: Law) -> Any:
 
     It is that of any law: stress and axes are turned, then the law does the rest.
     """
-    properties_type, state_type = law.properties_type, law.state_type
-    update, turns = law.update, law.turn is not None
-    turn: Any = law.turn
 
     @wp.func
-    def stress_update(
-        stress: vec4,
-        motion: vec7,
-        time_step: real,
-        properties: properties_type,
-        state: state_type,
-    ):
+    def stress_update(stress: vec4, motion: vec7, time_step: real, properties: Any, state: Any):
         strain = vec4(motion[0], motion[1], motion[2], motion[3])
         turned = rotated(stress, motion)
-        if wp.static(turns):
-            state = turn(state, motion)
-        sigma, remembered = update(turned, strain, time_step, properties, state)
+        if wp.static(law.turn is not None):
+            state = law.turn(state, motion)
+        sigma, remembered = law.update(turned, strain, time_step, properties, state)
         return sigma, remembered
 
     return stress_update
@@ -185,26 +176,17 @@ def make_plastic_step(law: Law) -> Any:
     It gives the stress after the step, the elastic trial stress less it, and the moduli (G, K)
     that the trial is made with.
     """
-    properties_type, state_type = law.properties_type, law.state_type
-    update, moduli, turns = law.update, law.moduli, law.turn is not None
-    turn: Any = law.turn
 
     @wp.func
-    def plastic_step(
-        stress: vec4,
-        motion: vec7,
-        time_step: real,
-        properties: properties_type,
-        state: state_type,
-    ):
+    def plastic_step(stress: vec4, motion: vec7, time_step: real, properties: Any, state: Any):
         strain = vec4(motion[0], motion[1], motion[2], motion[3])
         turned = rotated(stress, motion)
-        if wp.static(turns):
-            state = turn(state, motion)
-        stiffness = moduli(turned, properties, state)
-        trial = turned + elastic_increment(strain, stiffness[0], stiffness[1])
-        sigma, _ = update(turned, strain, time_step, properties, state)
-        return sigma, trial - sigma, stiffness
+        if wp.static(law.turn is not None):
+            state = law.turn(state, motion)
+        moduli = law.moduli(turned, properties, state)
+        trial = turned + elastic_increment(strain, moduli[0], moduli[1])
+        sigma, _ = law.update(turned, strain, time_step, properties, state)
+        return sigma, trial - sigma, moduli
 
     return plastic_step
 

@@ -43,8 +43,6 @@ class Law:
     holds the material's `properties`, `state` what the point remembers, both as vectors.
 
     Attributes:
-        key: of this law alone: where its class is, and how many properties and numbers of state it
-            has, by which a class that was defined anew differs from the one before.
         update: (stress, strain, time step, properties, state) -> (stress, state) after a step. The
             stress has been turned by the spin already.
         moduli: (stress, properties, state) -> (G, K), the elastic moduli [Pa] at that stress.
@@ -59,18 +57,21 @@ class Law:
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
             kept.
         varies: whether each point has properties of its own.
+        properties_of: (properties, number of a point) -> those of the point.
+        state_of: (states, number of a point) -> what that point remembers.
     """
 
-    key: str
     update: Any
     moduli: Any
-    yield_function: Any | None
-    strength: Any | None
-    turn: Any | None
+    yield_function: Any
+    strength: Any
+    turn: Any
     properties_type: Any
     state_type: Any
     remembers: bool
     varies: bool
+    properties_of: Any
+    state_of: Any
 
     @property
     def properties_argument(self) -> Any:
@@ -245,20 +246,20 @@ class Material(Checked, ABC):
 
     def law(self) -> Law:
         """The material's functions on the device."""
-        name = f"{type(self).__module__}.{type(self).__qualname__}".replace("<locals>.", "")
-        varies = self.variation is not None
-        lengths = f"{len(self.properties)}.{len(self.state)}"
+        varies, remembers = self.variation is not None, len(self.state) > 0
+        state_type = vector(max(1, len(self.state)))
         return Law(
-            key=f"{'varied.' if varies else ''}{name}.{lengths}",
             update=self.update(),
             moduli=self.moduli(),
             yield_function=self.yield_function(),
             strength=self.strength_function(),
             turn=self.turn(),
             properties_type=vector(len(self.properties)),
-            state_type=vector(max(1, len(self.state))),
-            remembers=len(self.state) > 0,
+            state_type=state_type,
+            remembers=remembers,
             varies=varies,
+            properties_of=own_of_point if varies else common_to_points,
+            state_of=own_of_point if remembers else _make_no_state(state_type),
         )
 
     def launch_properties(self, law: Law) -> Any:
@@ -298,39 +299,20 @@ def built_name(part: object) -> str:
     return f"{kind.__module__}.{kind.__qualname__}".replace("<locals>.", "")
 
 
-@functools.cache
-def make_properties_of_point(law: Law) -> Any:
-    """The function (properties, number of a point) -> those of the point; see `Law`."""
-    properties_type, properties_argument = law.properties_type, law.properties_argument
+@wp.func
+def own_of_point(values: wp.array(dtype=Any), point: int):
+    """What an array holds for a point."""
+    return values[point]
 
-    if law.varies:
 
-        @wp.func
-        def own_properties(properties: properties_argument, point: int) -> properties_type:
-            return properties[point]
-
-        return own_properties
-
-    @wp.func
-    def common_properties(properties: properties_type, point: int) -> properties_type:
-        return properties
-
-    return common_properties
+@wp.func
+def common_to_points(values: Any, point: int):
+    """What is the same for all points."""
+    return values
 
 
 @functools.cache
-def make_state_of_point(law: Law) -> Any:
-    """The function (states, number of a point) -> what that point remembers; see `Law`."""
-    state_type = law.state_type
-
-    if law.remembers:
-
-        @wp.func
-        def own_state(states: wp.array(dtype=state_type), point: int) -> state_type:
-            return states[point]
-
-        return own_state
-
+def _make_no_state(state_type: Any) -> Any:
     @wp.func
     def no_state(states: wp.array(dtype=state_type), point: int) -> state_type:
         return state_type()

@@ -19,7 +19,7 @@ M is the same in all directions, or follows the Lode angle t as the criterion of
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,7 @@ from mpm_warp.materials.cam_clay_return import (
     moduli,
     strength_at_critical_state,
 )
-from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Law, Material
+from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Material
 from mpm_warp.parameters import parameter
 
 FLOOR = 1e-6
@@ -244,11 +244,6 @@ class ModifiedCamClay(Material):
     def strength_function(self) -> Any:
         """M p / sqrt(3) at the critical state: what shear leaves as it is."""
         return strength_at_critical_state
-
-    def law(self) -> Law:
-        """See `Material`; the key has the shape too."""
-        law = super().law()
-        return replace(law, key=f"{law.key}.{self.critical_state_shape}")
 
     @property
     def _by_angle(self) -> bool:

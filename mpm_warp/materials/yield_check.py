@@ -6,13 +6,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.kernel_types import one, real, vec4
-from mpm_warp.materials.material import (
-    Law,
-    Material,
-    make_properties_of_point,
-    make_state_of_point,
-)
+from mpm_warp.kernel_types import kernel, one, real, vec4
+from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 
 YIELD_ROUNDINGS = 64
@@ -64,18 +59,15 @@ def add_yield_share(plan: Plan, material: Material) -> None:
 
 @functools.cache
 def _make_yield_check(law: Law) -> Any:
-    properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
-    yield_function: Any = law.yield_function
     roundings = wp.constant(real(YIELD_ROUNDINGS * np.finfo(float).eps))
 
-    @wp.kernel(module=f"mpm_warp.yield_check.{law.key}", enable_backward=False)
+    @kernel
     def yield_check(
         count: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
-        properties: properties_argument,
+        particle_state: wp.array(dtype=law.state_type),
+        properties: law.properties_argument,
         yield_margin: wp.array(dtype=real),
         yield_particle: wp.array(dtype=int),
     ):
@@ -86,8 +78,8 @@ def _make_yield_check(law: Law) -> Any:
         for p in range(first, wp.min(first + wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
                 s = particle_stress[p]
-                remembered = state_of_point(particle_state, p)
-                measured = yield_function(s, properties_of_point(properties, p), remembered)
+                remembered = law.state_of(particle_state, p)
+                measured = law.yield_function(s, law.properties_of(properties, p), remembered)
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
                 beyond = f / k - one - roundings * (one + greatest / k)
@@ -103,21 +95,18 @@ def _make_yield_check(law: Law) -> Any:
 @functools.cache
 def _make_yield_share(law: Law) -> Any:
     """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
-    properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
-    yield_function: Any = law.yield_function
 
-    @wp.kernel(module=f"mpm_warp.yield_share.{law.key}", enable_backward=False)
+    @kernel
     def yield_share(
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
-        properties: properties_argument,
+        particle_state: wp.array(dtype=law.state_type),
+        properties: law.properties_argument,
         yield_share: wp.array(dtype=real),
     ):
         p = wp.tid()
-        remembered = state_of_point(particle_state, p)
-        own = properties_of_point(properties, p)
-        measured = yield_function(particle_stress[p], own, remembered)
+        remembered = law.state_of(particle_state, p)
+        own = law.properties_of(properties, p)
+        measured = law.yield_function(particle_stress[p], own, remembered)
         yield_share[p] = measured[0] / measured[1]
 
     return yield_share

@@ -17,13 +17,8 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.kernel_types import real, vec2, vec4, zero
-from mpm_warp.materials.material import (
-    ADHESION_RATIO,
-    Law,
-    make_properties_of_point,
-    make_state_of_point,
-)
+from mpm_warp.kernel_types import kernel, real, vec2, vec4, zero
+from mpm_warp.materials.material import ADHESION_RATIO, Law
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
@@ -79,33 +74,27 @@ def add_changing_adhesion(
 @functools.cache
 def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
     """The kernel, launched over slots of particles."""
-    properties_type, state_type = law.properties_type, law.state_type
-    properties_argument = law.properties_argument
-    strength: Any = law.strength
-    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
 
-    key = f"{'adhesion.' if varies_adhesion else ''}{law.key}"
-
-    @wp.kernel(module=f"mpm_warp.sum_of_strength.{key}", enable_backward=False)
+    @kernel
     def sum_of_strength(
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
+        particle_state: wp.array(dtype=law.state_type),
         particle_mass: wp.array(dtype=real),
         particle_adhesion_ratio: wp.array(dtype=real),
-        properties: properties_argument,
-        common: properties_type,
-        at_first: state_type,
+        properties: law.properties_argument,
+        common: law.properties_type,
+        at_first: law.state_type,
         contact_strength_sum: wp.array(dtype=vec2),
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
         if cell[0] == 0:
-            remembered = state_of_point(particle_state, p)
-            own = properties_of_point(properties, p)
-            k = strength(particle_stress[p], own, remembered)
-            k0 = strength(vec4(), common, at_first)
+            remembered = law.state_of(particle_state, p)
+            own = law.properties_of(properties, p)
+            k = law.strength(particle_stress[p], own, remembered)
+            k0 = law.strength(vec4(), common, at_first)
             if wp.static(varies_adhesion):
                 k *= particle_adhesion_ratio[p]
             m = particle_mass[p]
@@ -118,7 +107,7 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
 def _make_adhesion(share_count: int) -> Any:
     """The kernel, launched over the surface's nodes; one without soil keeps what it has."""
 
-    @wp.kernel(module=f"mpm_warp.adhesion_beside.{share_count}", enable_backward=False)
+    @kernel
     def adhesion_beside(
         offset: int,
         contact_nodes: wp.array(dtype=int),
@@ -142,7 +131,7 @@ def _make_adhesion(share_count: int) -> Any:
     return adhesion_beside
 
 
-@wp.kernel(module="mpm_warp.clear_strength", enable_backward=False)
+@kernel
 def clear_strength(contact_strength_sum: wp.array2d(dtype=vec2)):
     """Launched over the sums: (shares, rows)."""
     share, row = wp.tid()

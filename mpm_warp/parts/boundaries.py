@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_nodes
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
-from mpm_warp.kernel_types import one, real, vec2, vec4, zero
+from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene, refuse_together
@@ -78,7 +78,7 @@ class Fixed(Part):
         plan.add_launch(fixed, len(self.nodes))
 
 
-@wp.kernel(module="mpm_warp.fixed", enable_backward=False)
+@kernel
 def fixed(
     offset: int,
     fixed_nodes: wp.array(dtype=int),
@@ -112,7 +112,7 @@ class RadialMotion(Part):
         plan.add_launch(radial_motion, grid.node_count, column_count=grid.column_count)
 
 
-@wp.kernel(module="mpm_warp.radial_motion", enable_backward=False)
+@kernel
 def radial_motion(
     offset: int,
     column_count: int,
@@ -209,7 +209,7 @@ def raise_springs(run: Run, *, lowest: Floats | float) -> None:
     run.assign("far_field.displacement", springs)
 
 
-@wp.kernel(module="mpm_warp.far_field", enable_backward=False)
+@kernel
 def far_field(
     offset: int,
     far_field_nodes: wp.array(dtype=int),

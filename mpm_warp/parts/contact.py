@@ -37,7 +37,7 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.kernel_types import real, vec2, vec3, vec4, zero
+from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.adhesion import add_changing_adhesion, passes_soil_that_varies
 from mpm_warp.plan.plan import Plan
@@ -207,9 +207,8 @@ def _make_surface_contact(travelling: bool) -> Any:
     Args:
         travelling: whether the grid travels with the body; else the body has a speed of its own.
     """
-    key = "travelling" if travelling else "resting"
 
-    @wp.kernel(module=f"mpm_warp.surface_contact.{key}", enable_backward=False)
+    @kernel
     def surface_contact(
         offset: int,
         contact_nodes: wp.array(dtype=int),
@@ -249,7 +248,7 @@ def _make_surface_contact(travelling: bool) -> Any:
     return surface_contact
 
 
-@wp.kernel(module="mpm_warp.least_mass_reaction", enable_backward=False)
+@kernel
 def least_mass_reaction(
     offset: int,
     contact_on_axis: wp.array(dtype=int),

@@ -27,7 +27,7 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Range, check_number, checked
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.kernel_types import half, one, real, two, vec2, zero
+from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, zero
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
@@ -148,7 +148,7 @@ def rows_below(grid: Grid, stroke: float) -> int:
     return math.ceil(stroke / float(grid.rows[1] - grid.rows[0]))
 
 
-@wp.kernel(module="mpm_warp.rest_at_turn", enable_backward=False)
+@kernel
 def rest_at_turn(
     offset: int,
     time_step: real,
@@ -163,7 +163,7 @@ def rest_at_turn(
         particle_velocity[p] = vec2(zero)
 
 
-@wp.kernel(module="mpm_warp.advance_cyclic_window", enable_backward=False)
+@kernel
 def advance_cyclic_window(
     time_step: real,
     speed: real,
@@ -182,7 +182,7 @@ def advance_cyclic_window(
     window_motion[1] = (one - two * upward) * share * speed
 
 
-@wp.kernel(module="mpm_warp.leave_and_return", enable_backward=False)
+@kernel
 def leave_and_return(
     offset: int,
     time_step: real,

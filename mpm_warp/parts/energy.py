@@ -33,13 +33,9 @@ import warp as wp
 
 from mpm_warp.arguments import check_kind
 from mpm_warp.errors import SceneError
-from mpm_warp.kernel_types import half, real, vec2, vec4, vec5, vec7, zero
+from mpm_warp.kernel_types import half, kernel, real, vec2, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import Isotropic, make_plastic_step
-from mpm_warp.materials.material import (
-    Law,
-    make_properties_of_point,
-    make_state_of_point,
-)
+from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.window import MovingGrid
@@ -126,7 +122,7 @@ def _make_kinetic_energy(when: str) -> Any:
     """
     first, sign = {"before": (2, 1.0), "after": (0, -1.0)}[when]
 
-    @wp.kernel(module=f"mpm_warp.kinetic_energy.{when}", enable_backward=False)
+    @kernel
     def kinetic_energy(
         column_count: int,
         node_mass: wp.array(dtype=real),
@@ -147,7 +143,7 @@ def _make_kinetic_energy(when: str) -> Any:
     return kinetic_energy
 
 
-@wp.kernel(module="mpm_warp.keep_velocity", enable_backward=False)
+@kernel
 def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.array(dtype=vec2)):
     """Launched over nodes."""
     node = offset + wp.tid()
@@ -155,7 +151,7 @@ def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.a
     kept[node] = vec2(v[0], v[1])
 
 
-@wp.kernel(module="mpm_warp.work_of_nodes", enable_backward=False)
+@kernel
 def work_of_nodes(
     offset: int,
     node_velocities: wp.array(dtype=vec4),
@@ -188,7 +184,7 @@ def work_of_nodes(
 def _make_work_of_cells(share_count: int) -> Any:
     """The kernel, launched over cells; it leaves their volume over the mass of their points too."""
 
-    @wp.kernel(module=f"mpm_warp.work_of_cells.{share_count}", enable_backward=False)
+    @kernel
     def work_of_cells(
         offset: int,
         cell_mass: wp.array2d(dtype=real),
@@ -214,8 +210,6 @@ def _make_work_of_cells(share_count: int) -> Any:
 @functools.cache
 def _make_work_of_points(law: Law) -> Any:
     """The kernel, launched over slots of particles."""
-    properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     plastic_step = make_plastic_step(law)
     two, three, eighteen = (wp.constant(real(x)) for x in (2.0, 3.0, 18.0))
 
@@ -230,17 +224,17 @@ def _make_work_of_points(law: Law) -> Any:
         along_axes = sigma[0] * (e[0] - mean) + sigma[1] * (e[1] - mean) + sigma[3] * (e[3] - mean)
         return along_axes + two * sigma[2] * e[2]
 
-    @wp.kernel(module=f"mpm_warp.work_of_points.{law.key}", enable_backward=False)
+    @kernel
     def work_of_points(
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_mass: wp.array(dtype=real),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
+        particle_state: wp.array(dtype=law.state_type),
         cell_motion: wp.array(dtype=vec7),
         column_count: int,
         time_step: real,
-        properties: properties_argument,
+        properties: law.properties_argument,
         balance_specific_volume: wp.array(dtype=real),
         balance_points: wp.array(dtype=vec2),
     ):
@@ -254,8 +248,8 @@ def _make_work_of_points(law: Law) -> Any:
             before,
             cell_motion[c],
             time_step,
-            properties_of_point(properties, p),
-            state_of_point(particle_state, p),
+            law.properties_of(properties, p),
+            law.state_of(particle_state, p),
         )
         G, K = moduli[0], moduli[1]
         V = particle_mass[p] * balance_specific_volume[c]

@@ -12,7 +12,7 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, check_array, check_nodes, checked
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.kernel_types import one, real, vec2, vec4, zero
+from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Part, Scene
 
@@ -36,7 +36,7 @@ class Gravity(Part):
         )
 
 
-@wp.kernel(module="mpm_warp.gravity", enable_backward=False)
+@kernel
 def gravity(
     offset: int,
     change: real,
@@ -75,7 +75,7 @@ class NodalLoad(Part):
         plan.add_launch(nodal_load, len(self.nodes))
 
 
-@wp.kernel(module="mpm_warp.nodal_load", enable_backward=False)
+@kernel
 def nodal_load(
     load_nodes: wp.array(dtype=int),
     load_forces: wp.array(dtype=vec2),
@@ -107,7 +107,7 @@ class Damping(Part):
         plan.add_launch(damping, scene.grid.node_count, drag=self.rate * plan.time_step)
 
 
-@wp.kernel(module="mpm_warp.damping", enable_backward=False)
+@kernel
 def damping(offset: int, drag: real, node_velocities: wp.array(dtype=vec4)):
     """Launched over nodes."""
     node = offset + wp.tid()

@@ -22,13 +22,9 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import real, vec4, vec7
+from mpm_warp.kernel_types import kernel, real, vec4, vec7
 from mpm_warp.materials.elasticity import make_plastic_step
-from mpm_warp.materials.material import (
-    Law,
-    make_properties_of_point,
-    make_state_of_point,
-)
+from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
 from mpm_warp.materials.yield_check import add_yield_share
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan, Run
@@ -83,23 +79,19 @@ def displacement(run: Run, travel: float) -> Floats:
 @functools.cache
 def _make_record_plastic_strain(law: Law) -> Any:
     """The kernel, launched over slots of particles."""
-    properties_argument, state_type = law.properties_argument, law.state_type
-    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
     plastic_step = make_plastic_step(law)
     steps = wp.constant(real(AUDIT_INTERVAL))
 
-    key = f"{law.key}"
-
-    @wp.kernel(module=f"mpm_warp.record_plastic_strain.{key}", enable_backward=False)
+    @kernel
     def record_plastic_strain(
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
+        particle_state: wp.array(dtype=law.state_type),
         cell_motion: wp.array(dtype=vec7),
         column_count: int,
         time_step: real,
-        properties: properties_argument,
+        properties: law.properties_argument,
         particle_plastic_strain: wp.array(dtype=real),
     ):
         p = offset + wp.tid()
@@ -110,8 +102,8 @@ def _make_record_plastic_strain(law: Law) -> Any:
             particle_stress[p],
             cell_motion[cell[1] * column_count + cell[0]],
             time_step,
-            properties_of_point(properties, p),
-            state_of_point(particle_state, p),
+            law.properties_of(properties, p),
+            law.state_of(particle_state, p),
         )
         particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / moduli[0]
 

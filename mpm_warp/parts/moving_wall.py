@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.kernel_types import half, one, quarter, real, third, vec2, vec3, vec4, vec5
+from mpm_warp.kernel_types import half, kernel, one, quarter, real, third, vec2, vec3, vec4, vec5
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
@@ -119,7 +119,7 @@ def crossing_time(array: Callable[[str], NDArray[Any]], material: Material) -> f
     return float(lengths.min()) / material.pressure_wave_speed
 
 
-@wp.kernel(module="mpm_warp.move_wall", enable_backward=False)
+@kernel
 def move_wall(
     time_step: real,
     speed: real,
@@ -140,7 +140,7 @@ def move_wall(
     grid_rows[j] = vec5(row[0], row[1], row[2], radius, row[4])
 
 
-@wp.kernel(module="mpm_warp.refit_cells", enable_backward=False)
+@kernel
 def refit_cells(
     offset: int,
     grid_columns: wp.array(dtype=vec3),
@@ -173,7 +173,7 @@ def part(P: real, Q: real, t: vec5) -> vec3:
     return vec3(P * t[0] + Q * t[1], P * t[2] - Q * t[3], Q * t[4])
 
 
-@wp.kernel(module="mpm_warp.refit_sectors", enable_backward=False)
+@kernel
 def refit_sectors(
     offset: int,
     grid_columns: wp.array(dtype=vec3),
@@ -205,7 +205,7 @@ def refit_sectors(
     cell_volume[c] = P * w * wall_caps[j]
 
 
-@wp.kernel(module="mpm_warp.push", enable_backward=False)
+@kernel
 def push(
     column_count: int,
     wall_motion: wp.array(dtype=vec3),

@@ -38,7 +38,7 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Checked, check_array, check_nodes, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
-from mpm_warp.kernel_types import one, real, two, vec2, vec4, zero
+from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import FarField, raise_springs
 from mpm_warp.parts.window import Window
@@ -267,7 +267,7 @@ def _place(position: Floats, travel: float) -> Floats:
     return position - np.array([0.0, travel])
 
 
-@wp.kernel(module="mpm_warp.moving_ends", enable_backward=False)
+@kernel
 def moving_ends(
     offset: int,
     end_nodes: wp.array(dtype=int),
@@ -287,9 +287,8 @@ def moving_ends(
 @functools.cache
 def _make_moving_side(partly: bool) -> Any:
     """The kernel, launched over the nodes of the side; `partly`: there may be less soil at some."""
-    key = "partly" if partly else "full"
 
-    @wp.kernel(module=f"mpm_warp.moving_side.{key}", enable_backward=False)
+    @kernel
     def moving_side(
         offset: int,
         far_field_nodes: wp.array(dtype=int),

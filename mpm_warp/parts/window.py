@@ -20,7 +20,7 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Checked, Range, check_kind, check_number, checked
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Grid, Integers
-from mpm_warp.kernel_types import one, real, zero
+from mpm_warp.kernel_types import kernel, one, real, zero
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan, Run
@@ -188,7 +188,7 @@ def add_inflow(plan: Plan, scene: Scene) -> None:
         else:
             plan.add_array(of_layer, field.kind, field.initial[slots], field.counts)
         plan.between_steps[name.replace("particle.", "enter.")] = plan.launch(
-            _make_enter(field.kind, field.dtype), len(slots), layer=of_layer, field=name
+            _make_enter(field.dtype), len(slots), layer=of_layer, field=name
         )
 
 
@@ -293,9 +293,8 @@ def _make_advance_window(hurried: bool) -> Any:
     Args:
         hurried: whether it falls again at the end of an approach, linearly in travel.
     """
-    key = "hurried" if hurried else "steady"
 
-    @wp.kernel(module=f"mpm_warp.advance_window.{key}", enable_backward=False)
+    @kernel
     def advance_window(
         time_step: real,
         speed: real,
@@ -318,11 +317,10 @@ def _make_advance_window(hurried: bool) -> Any:
 
 
 @functools.cache
-def _make_enter(kind: str, dtype: Any) -> Any:
+def _make_enter(dtype: Any) -> Any:
     """The kernel that writes the values of a layer into its slots; over the layer's particles."""
-    scalar = getattr(dtype, "_wp_scalar_type_", dtype).__name__
 
-    @wp.kernel(module=f"mpm_warp.enter.{kind}.{scalar}", enable_backward=False)
+    @kernel
     def enter(
         layer_slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
     ):

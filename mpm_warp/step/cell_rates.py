@@ -14,7 +14,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.kernel_types import one, real, vec3, vec4, vec5, vec7, vec10, zero
+from mpm_warp.kernel_types import kernel, one, real, vec3, vec4, vec5, vec7, vec10, zero
 from mpm_warp.materials.elasticity import motion_of
 from mpm_warp.plan.plan import Plan
 from mpm_warp.step.mass_matrix_correction import correction_of_cell
@@ -69,17 +69,12 @@ def add_cell_rates(
 @functools.cache
 def _make_cell_rates(viscous: bool, corrected: bool, blended: bool, internal_flow: Any) -> Any:
     """The kernel, launched over cells; `blended`: those with a PIC fraction are not corrected."""
-    interpolated = internal_flow is not None
 
     @wp.func
     def rates(v: vec4, G: vec3) -> vec5:
         return vec5(v[0] * G[0], v[0] * G[1], v[1] * G[0], v[1] * G[1], v[0] * G[2])
 
-    parts = ("viscous" if viscous else "inviscid", "corrected" if corrected else "lumped")
-    flow = internal_flow.key if internal_flow is not None else "bilinear"
-    key = f"{'.'.join(parts)}{'.blended' if blended else ''}.{flow}"
-
-    @wp.kernel(module=f"mpm_warp.cell_rates.{key}", enable_backward=False)
+    @kernel
     def cell_rates(
         offset: int,
         node_velocities: wp.array(dtype=vec4),
@@ -115,7 +110,7 @@ def _make_cell_rates(viscous: bool, corrected: bool, blended: bool, internal_flo
                     weight = zero
             cell_correction[c] = correction_of_cell(v_00, v_10, v_01, v_11, weight)
         cell_motion[c] = motion_of(L, time_step)
-        if wp.static(interpolated):
+        if wp.static(internal_flow is not None):
             flow = internal_flow(v_00, v_10, v_01, v_11, cell_interpolation_weights[c])
             cell_internal_flow[c] = time_step * flow
 

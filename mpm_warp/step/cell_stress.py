@@ -13,7 +13,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.kernel_types import one, real, vec4, zero
+from mpm_warp.kernel_types import kernel, one, real, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
 
@@ -48,10 +48,8 @@ def add_cell_stress(
 @functools.cache
 def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> Any:
     """The kernel, launched over cells; it clears the particles' sums of all shares."""
-    key = f"{'viscous' if viscous else 'inviscid'}.{'partly' if free_surface else 'full'}"
-    key = f"{share_count}.{key}"
 
-    @wp.kernel(module=f"mpm_warp.cell_stress.{key}", enable_backward=False)
+    @kernel
     def cell_stress(
         offset: int,
         cell_stress_sum: wp.array2d(dtype=vec4),

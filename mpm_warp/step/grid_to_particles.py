@@ -18,14 +18,9 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
-from mpm_warp.kernel_types import real, vec2, vec3, vec4, vec5, vec7, zero
+from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import make_stress_update
-from mpm_warp.materials.material import (
-    Law,
-    Material,
-    make_properties_of_point,
-    make_state_of_point,
-)
+from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 
 
@@ -80,15 +75,9 @@ def _make_grid_to_particles(
     """The kernel, launched over slots of particles."""
     location = make_location(polar)
     natural, settle, outside_surface = location.natural, location.settle, location.outside_surface
-    stress_update, remembers = make_stress_update(law), law.remembers
-    properties_of_point, state_of_point = make_properties_of_point(law), make_state_of_point(law)
-    properties_argument, state_type = law.properties_argument, law.state_type
-    interpolated = flow_displacement is not None
-    flow = flow_displacement.key if flow_displacement is not None else "bilinear"
-    key = f"{'polar' if polar else 'rows'}.{law.key}.{flow}"
-    key = f"{key}.{'travelling' if travelling else 'resting'}{'.blended' if blended else ''}"
+    stress_update = make_stress_update(law)
 
-    @wp.kernel(module=f"mpm_warp.grid_to_particles.{key}", enable_backward=False)
+    @kernel
     def grid_to_particles(
         offset: int,
         node_velocities: wp.array(dtype=vec4),
@@ -100,11 +89,11 @@ def _make_grid_to_particles(
         fitted_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
-        properties: properties_argument,
+        properties: law.properties_argument,
         particle_position: wp.array(dtype=vec2),
         particle_velocity: wp.array(dtype=vec2),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
+        particle_state: wp.array(dtype=law.state_type),
         particle_cell: wp.array(dtype=wp.vec2i),
         window_motion: wp.array(dtype=real),
         top: real,
@@ -135,20 +124,19 @@ def _make_grid_to_particles(
             change += cell_pic_fraction[c] * (u - particle_velocity[p])
         particle_velocity[p] += change
 
-        remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],
             cell_motion[c],
             time_step,
-            properties_of_point(properties, p),
-            remembered,
+            law.properties_of(properties, p),
+            law.state_of(particle_state, p),
         )
         particle_stress[p] = sigma
-        if wp.static(remembers):
+        if wp.static(law.remembers):
             particle_state[p] = remembered
 
         x += time_step * v
-        if wp.static(interpolated):
+        if wp.static(flow_displacement is not None):
             x += flow_displacement(cell_internal_flow[c], xi, eta)
         if wp.static(travelling):
             x += vec2(zero, time_step * window_motion[1])

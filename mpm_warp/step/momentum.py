@@ -19,7 +19,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.kernel_types import half, one, real, vec2, vec3, vec4, zero
+from mpm_warp.kernel_types import half, kernel, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
 from mpm_warp.step.mass_matrix_correction import correction_at_node
@@ -61,9 +61,7 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
             stress[2] * G[0] + stress[1] * G[1],
         )
 
-    key = f"{share_count}.{'corrected' if corrected else 'lumped'}"
-
-    @wp.kernel(module=f"mpm_warp.momentum.{key}", enable_backward=False)
+    @kernel
     def momentum(
         offset: int,
         node_momentum: wp.array2d(dtype=vec4),

@@ -15,7 +15,7 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
-from mpm_warp.kernel_types import one, real, vec2, vec3, vec4, vec5, zero
+from mpm_warp.kernel_types import kernel, one, real, vec2, vec3, vec4, vec5, zero
 from mpm_warp.plan.launch import ShareRow
 from mpm_warp.plan.plan import Plan
 
@@ -53,9 +53,7 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool) -> Any:
         # (mass, momentum, 0): four numbers are added in one instruction.
         return vec4(m, m * v[0], m * v[1], zero)
 
-    key = f"{'polar' if polar else 'rows'}.{'slots' if has_empty_slots else 'full'}"
-
-    @wp.kernel(module=f"mpm_warp.particles_to_grid.{key}", enable_backward=False)
+    @kernel
     def particles_to_grid(
         offset: int,
         particle_position: wp.array(dtype=vec2),

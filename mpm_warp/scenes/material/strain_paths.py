@@ -18,9 +18,9 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import one, real, vec4, vec5
+from mpm_warp.kernel_types import kernel, one, real, vec4, vec5
 from mpm_warp.materials.elasticity import make_stress_update, motion_of
-from mpm_warp.materials.material import Law, Material, make_state_of_point
+from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.watch.watch import ParticleWatch, make_watch
@@ -130,36 +130,31 @@ def _make_strain_path(law: Law) -> Any:
     `particle_yield_excess` is how far the stress has been beyond the yield surface at most, over
     the strength.
     """
-    stress_update, state_of_point = make_stress_update(law), make_state_of_point(law)
-    remembers, yields = law.remembers, law.yield_function is not None
-    yield_function: Any = law.yield_function
-    properties_type, state_type = law.properties_type, law.state_type
+    stress_update = make_stress_update(law)
 
-    @wp.kernel(module=f"mpm_warp.strain_path.{law.key}", enable_backward=False)
+    @kernel
     def strain_path(
         offset: int,
         time_step: real,
-        properties: properties_type,
+        properties: law.properties_type,
         particle_velocity_gradient: wp.array(dtype=vec5),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=state_type),
+        particle_state: wp.array(dtype=law.state_type),
         particle_yield_excess: wp.array(dtype=real),
     ):
         p = offset + wp.tid()
-        gradient = particle_velocity_gradient[p]
-        remembered = state_of_point(particle_state, p)
         sigma, remembered = stress_update(
             particle_stress[p],
-            motion_of(gradient, time_step),
+            motion_of(particle_velocity_gradient[p], time_step),
             time_step,
             properties,
-            remembered,
+            law.state_of(particle_state, p),
         )
         particle_stress[p] = sigma
-        if wp.static(remembers):
+        if wp.static(law.remembers):
             particle_state[p] = remembered
-        if wp.static(yields):
-            measured = yield_function(sigma, properties, remembered)
+        if wp.static(law.yield_function is not None):
+            measured = law.yield_function(sigma, properties, remembered)
             excess = measured[0] / measured[1] - one
             particle_yield_excess[p] = wp.max(particle_yield_excess[p], excess)
 

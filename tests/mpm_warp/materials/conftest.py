@@ -9,6 +9,7 @@ import pytest
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import kernel, zero
 from mpm_warp.materials.material import Law, Material
 
 Function = Callable[[Material, Floats], Floats]
@@ -17,21 +18,18 @@ Function = Callable[[Material, Floats], Floats]
 @functools.cache
 def make_apply_law(law: Law) -> Any:
     """The kernel that updates every trial stress, and measures what has come of it."""
-    update, yield_function = law.update, law.yield_function
-    properties_type, state_type = law.properties_type, law.state_type
-    yields = yield_function is not None
 
-    @wp.kernel(enable_backward=False, module="unique")
+    @kernel
     def apply_law(
-        properties: properties_type,
+        properties: law.properties_type,  # type: ignore[name-defined]
         stress: wp.array(dtype=wp.vec4d),
         measured: wp.array(dtype=wp.vec2d),
     ):
         k = wp.tid()
-        if wp.static(yields):
-            measured[k] = yield_function(stress[k], properties, state_type())
+        if wp.static(law.yield_function is not None):
+            measured[k] = law.yield_function(stress[k], properties, law.state_type())
         # Without strain the trial stress is the stress.
-        updated, _state = update(stress[k], wp.vec4d(), wp.float64(0.0), properties, state_type())
+        updated, _ = law.update(stress[k], wp.vec4d(), zero, properties, law.state_type())
         stress[k] = updated
 
     return apply_law

@@ -1,4 +1,4 @@
-"""The stress of a step, through a kernel that does nothing but work it out."""
+"""The stress of a step along strain paths."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,12 +9,9 @@ import warp as wp
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vec5
-from mpm_warp.materials.elasticity import (
-    LinearElastic,
-    elastic_increment,
-    make_stress_update,
-    motion_of,
-)
+from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
 
 TIME_STEP = 1e-3
 
@@ -38,33 +35,15 @@ def recording(stress: vec4, strain: vec4, time_step: real, properties: vec2, sta
 
 
 SOIL = Recording(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
-LAW = SOIL.law()
-stress_update = make_stress_update(LAW)
-
-
-@wp.kernel(enable_backward=False)
-def deform(
-    gradient: wp.array(dtype=vec5),
-    time_step: wp.float64,
-    properties: LAW.properties_type,  # type: ignore[name-defined]
-    stress: wp.array(dtype=wp.vec4d),
-    told: wp.array(dtype=vec5),
-):
-    k = wp.tid()
-    motion = motion_of(gradient[k], time_step)
-    sigma, state = stress_update(stress[k], motion, time_step, properties, told[k])
-    stress[k] = sigma
-    told[k] = state
 
 
 def deformed(gradient: Floats, stress: Floats) -> tuple[Floats, Floats]:
     """Stress after a step at velocity gradients (rr, rz, zr, zz, tt), and what the law was told."""
-    after = wp.array(stress, dtype=wp.vec4d, device="cpu")
-    told = wp.zeros(len(stress), dtype=vec5, device="cpu")
-    properties = LAW.properties_type(*SOIL.properties)
-    gradients = wp.array(gradient, dtype=vec5, device="cpu")
-    wp.launch(deform, len(stress), [gradients, TIME_STEP, properties, after, told], device="cpu")
-    return after.numpy(), told.numpy()
+    step_count = round(1.0 / TIME_STEP)
+    paths = StrainPaths(material=SOIL, gradient=gradient, stress=stress, step_count=step_count)
+    simulation = Simulation(paths)
+    simulation.advance(1)
+    return simulation.array("particle.stress"), simulation.array("particle.state")
 
 
 @pytest.fixture
