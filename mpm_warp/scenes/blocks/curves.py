@@ -83,15 +83,13 @@ class SlidingCurves:
         balanced = slice(1 if self._axisymmetric else 0, 2)
         stored = change["kinetic_energy"] + change["elastic_energy"]
         taken = change["slip_work"] + change["viscous_work"]
+        displacement = np.einsum("p,tpi->ti", mass, change["position"]) / mass.sum()
+        contact_force = np.diff(values["contact_impulse"], axis=0) / np.diff(time)[:, None]
         return {
             **change,
             "velocity": values["momentum"] / float(mass.sum()) @ self._along,
-            "displacement": np.einsum("p,tpi->ti", mass, change["position"])
-            / mass.sum()
-            @ self._along,
-            "shear_force": np.diff(values["contact_impulse"], axis=0)
-            / np.diff(time)[:, None]
-            @ self._along,
+            "displacement": displacement @ self._along,
+            "shear_force": contact_force @ self._along,
             "kinetic_energy": values["kinetic_energy"],
             "load_work": load_work,
             "impulse": given,
@@ -146,11 +144,8 @@ class SlidingCurves:
     def comparison(self, motion: SlidingMotion, *, length: float, settled_time: float) -> Variables:
         """Exact curves of a whole run, and scalars over its second half.
 
-        Args:
-            motion: the exact one.
-            length: length of the block [m].
-            settled_time: time from the beginning of the drive until a block that sticks is at rest
-                again [s].
+        A block of that length [m] that sticks is at rest again a settled time [s] after the
+        beginning of the drive.
         """
         since, run = self._since, self._recorded
         exact_velocity, exact_displacement, exact_shear = motion.at(since)
