@@ -53,8 +53,9 @@ class ElementTest(ClayScene):
             resolution="step_count",
             resolutions=(1000, 10_000),
             bounds={"error": 1e-6},
-            settings={"material": "von_mises", "test": test},
+            settings={"material": material, "test": test},
         )
+        for material in ("von_mises", "modified_cam_clay")
         for test in TESTS
     )
 
