@@ -56,10 +56,11 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
 
 
 def _strength_stays(dataset: xr.Dataset) -> xr.DataArray:
-    """Whether neither strain nor its rate changes the strength of the clay."""
+    """Whether neither strain, nor its rate, nor the mode of the test changes the strength."""
+    by_mode = dataset.get("cone_factor_by_compression", xr.DataArray(np.nan))
     rate_factor = dataset.get("rate_factor", xr.DataArray(0.0))
     remoulded = dataset.get("remoulded_strength_ratio", xr.DataArray(1.0))
-    return (rate_factor == 0.0) & (remoulded == 1.0)
+    return (rate_factor == 0.0) & (remoulded == 1.0) & by_mode.isnull()
 
 
 def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr.Dataset:

@@ -115,6 +115,13 @@ def _justified(row: Sequence[str], columns: Sequence[Column]) -> list[str]:
     return [text.rjust(column.width) for text, column in zip(row, columns, strict=True)]
 
 
+BY_MODE = {
+    "cone_factor_by_compression": ("by su in", "compression"),
+    "cone_factor_by_simple_shear": ("by su in", "simple shear"),
+    "cone_factor_by_extension": ("by su in", "extension"),
+    "cone_factor_by_average": ("by su,", "average"),
+}
+"""Cone factors by the test that su is from, and their headings."""
 RESOLUTION = "cells_per_radius"
 """The parameter that refines the mesh: its finest two values give the discretisation's share."""
 
@@ -137,7 +144,7 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
     notes = [
         *_resolution_notes(dataset),
         *reason_notes(dataset),
-        *_notes(references),
+        *_notes(dataset, references),
         *experience_notes(dataset),
     ]
     return "\n".join([*table_lines(columns), "", *notes])
@@ -151,6 +158,7 @@ def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
             for name, heading in (
                 ("cone_factor_simulated", ("as", "simulated")),
                 ("cone_factor_normal", ("normal", "part")),
+                *BY_MODE.items(),
             )
             if name in dataset
         ),
@@ -228,12 +236,12 @@ def _resolution_notes(dataset: xr.Dataset) -> list[str]:
     return [f"finest two ({RESOLUTION} {coarse:g} to {fine:g}): cone factor {', '.join(texts)}"]
 
 
-def _notes(references: Iterable[ConeFactor]) -> list[str]:
+def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
         f"cone factor: +- {HALF_WIDTH}; without it nothing is known of the error",
-        "computed: su is the strength in pure shear, for von_mises too (sqrt(J2) = su)",
+        f"computed: {_which_strength(dataset)}",
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
         "literature: value, computed / literature - 1; [outside the validity of the reference]",
@@ -243,6 +251,14 @@ def _notes(references: Iterable[ConeFactor]) -> list[str]:
         ),
         f"how known: {'; '.join(dict.fromkeys(reference.how_known for reference in shown))}",
     ]
+
+
+def _which_strength(dataset: xr.Dataset) -> str:
+    """Which su the cone factors are over."""
+    named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
+    if any(name in dataset for name in BY_MODE):
+        return f"{named}: by su in that test; beside it by su in others, and by their average"
+    return "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
 
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:

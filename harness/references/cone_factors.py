@@ -35,8 +35,8 @@ class Conditions:
         stress_anisotropy: (sigma_v0 - sigma_h0) / (2 su) in the ground before.
         apex_angle: of the cone [degree]; no formula uses it, all are made for 60.
         friction: Coulomb coefficient of the penetrometer; no formula knows any.
-        strength_stays: whether neither strain nor its rate changes the strength of the clay; all
-            formulas are made for such clay.
+        strength_stays: whether neither strain, nor its rate, nor the mode of the test changes the
+            strength of the clay; all formulas are made for such clay.
         parameters: all parameters of the scene by name, in SI units: what the formula of a study's
             own reference may depend on.
     """
@@ -89,7 +89,7 @@ class ConeFactor:
         low, high = self.rigidity_index_range
         smooth = "" if self.has_adhesion_term else ", smooth face"
         return (
-            "60 degree cone, no friction, no softening or rate effect, "
+            "60 degree cone, no friction, no softening or rate effect, one su in all tests, "
             f"rigidity index {low:g} to {high:g}{smooth}"
         )
 

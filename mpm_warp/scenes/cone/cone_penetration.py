@@ -41,6 +41,7 @@ from mpm_warp.scenes.cone.soundness import (
     check_levelled,
     with_energy_error,
 )
+from mpm_warp.scenes.cone.strength_modes import factors_by_mode, rigidity_of_law
 from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing, size_in_grid
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
@@ -297,6 +298,7 @@ class ConePenetration(ConeTest):
         results = recorded.assign(steady).assign(step_count_bound=bound)
         results = with_energy_error(results, simulation, curves.work)
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
+        results = results.assign(factors_by_mode(self, results) | rigidity_of_law(self))
         check_energy(results)
         if balances:
             check_balance(results)
