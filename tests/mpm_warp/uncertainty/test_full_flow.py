@@ -2,11 +2,10 @@
 
 import math
 
-import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError, UnfinishedRun
+from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
@@ -68,30 +67,6 @@ def test_of_what_the_best_run_still_has_the_mesh_leaves_all_open_and_the_rest_ha
     parts = [*DIFFERENCES, "steadiness", "points", "poles"]
     squares = [float(results[f"resistance_factor_uncertainty_{it}"]) ** 2 for it in parts]
     assert float(results.resistance_factor_uncertainty) == pytest.approx(math.sqrt(sum(squares)))
-
-
-def test_what_the_runs_took_is_told() -> None:
-    fractions: list[float] = []
-    results = with_measured_error(TEST, run, fractions.append)
-    assert float(results.uncertainty_run_time) == 8.0
-    assert float(results.run_time) == 10.0
-    assert float(results.particle_updates) == 5e6
-    assert fractions == sorted(fractions)
-    assert fractions[-1] == pytest.approx(1.0)
-
-
-def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
-    def failing(test: BallPenetration, progress: Progress) -> xr.Dataset:
-        if test.domain_extent > TEST.domain_extent:
-            raise UnfinishedRun("the resistance still changes", xr.Dataset())
-        return run(test, progress)
-
-    results = with_measured_error(TEST, failing, lambda fraction: None)
-    reason = "further runs: the run with a wider window: the resistance still changes"
-    assert results.why_no_uncertainty == reason
-    assert np.isnan(results.resistance_factor_uncertainty)
-    assert np.isnan(results.resistance_factor_further_domain)
-    assert float(results.resistance_factor) == simulated(TEST)
 
 
 def test_the_further_runs_are_checked_before_anything_runs() -> None:

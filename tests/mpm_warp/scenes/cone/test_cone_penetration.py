@@ -39,19 +39,11 @@ def rough() -> xr.Dataset:
     return run(adhesion_factor=0.5)
 
 
-def shear_part(apex_angle: float) -> float:
-    """The adhesion factor 0.5 over the tangent of half the angle."""
-    return 0.5 / math.tan(math.radians(0.5 * apex_angle))
-
-
-def test_shear_part_obeys_statics(rough: xr.Dataset) -> None:
-    assert float(rough.cone_factor_shear) == pytest.approx(shear_part(60.0), rel=ROUNDING)
-
-
-@pytest.mark.parametrize("apex_angle", [30.0, 90.0, 150.0])
+@pytest.mark.parametrize("apex_angle", [30.0, 60.0, 90.0, 150.0])
 def test_shear_part_of_every_apex_angle_obeys_statics(apex_angle: float) -> None:
     result = run(apex_angle=apex_angle, penetration=1.0, adhesion_factor=0.5)
-    assert float(result.cone_factor_shear) == pytest.approx(shear_part(apex_angle), rel=ROUNDING)
+    exact = 0.5 / math.tan(math.radians(0.5 * apex_angle))
+    assert float(result.cone_factor_shear) == pytest.approx(exact, rel=ROUNDING)
 
 
 def test_poissons_ratio_is_simulated_up_to_its_bound() -> None:
@@ -89,19 +81,10 @@ def test_what_is_above_the_window_is_not_measured(rough: xr.Dataset) -> None:
     assert rough.pore_pressure_factor_face > rough.pore_pressure_factor_shoulder > 0.0
 
 
-def test_soil_touches_some_of_face_and_shaft_and_at_most_all(rough: xr.Dataset) -> None:
-    assert ((rough.contact_share > 0.0) & (rough.contact_share <= 1.0)).all()
-
-
 def test_the_face_feels_its_own_adhesion_and_not_the_shafts() -> None:
     smooth_face = run(adhesion_factor=0.0, shaft_adhesion_factor=0.5)
     assert float(smooth_face.cone_factor_shear) == pytest.approx(0.0, abs=1e-9)
     assert float(smooth_face.shaft_friction[-1]) > 0.0
-
-
-def test_von_mises_resists_less_than_tresca_of_the_same_shear_strength(rough: xr.Dataset) -> None:
-    von_mises = run(adhesion_factor=0.5, material="von_mises")
-    assert float(von_mises.cone_factor) < float(rough.cone_factor)
 
 
 @pytest.mark.parametrize(("in_situ_stress", "pulls"), [(0.0, False), (400e3, True)])
@@ -115,11 +98,6 @@ def test_soil_pulls_no_more_than_the_ground_presses(in_situ_stress: float, pulls
         simulation.travel_to(radii * test.cone_radius)
         least.append(forces.take()[:, 0].min())
     assert (min(least) < 0.0) == pulls
-
-
-def test_the_energy_error_carries_the_limit_that_it_is_held_against(rough: xr.Dataset) -> None:
-    assert rough.energy_error.attrs["limit"] == LARGEST_ENERGY_ERROR
-    assert abs(float(rough.energy_error)) < LARGEST_ENERGY_ERROR
 
 
 def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
@@ -136,7 +114,8 @@ def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
     monkeypatch.setattr(cone_penetration, "PenetrationCurves", Noted)
     result = ConePenetration(cells_per_radius=2.0, penetration=2.0, steady_tolerance=0).run()
     assert [float(result.energy_error)] == expected
-    assert expected[0] < 0.0
+    assert -LARGEST_ENERGY_ERROR < expected[0] < 0.0
+    assert result.energy_error.attrs["limit"] == LARGEST_ENERGY_ERROR
 
 
 def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
@@ -154,11 +133,6 @@ def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     assert end.value.status == "inaccurate"
     assert end.value.curves.sizes["penetration"] == 10
     assert end.value.curves.cone_factor > 0.0
-
-
-def test_the_shaft_is_as_rough_as_the_face_where_nothing_is_said() -> None:
-    assert ConePenetration(adhesion_factor=0.3).shaft_adhesion_factor == 0.3
-    assert ConePenetration(adhesion_factor=0.3, shaft_adhesion_factor=0).shaft_adhesion_factor == 0
 
 
 @pytest.mark.parametrize(

@@ -56,12 +56,3 @@ def test_of_many_cycles_the_first_and_the_last_are_sampled_and_some_of_the_other
     assert float(result.phase[0]) == 0.0
     assert float(result.phase[-1]) == pytest.approx(cycles, rel=1e-3)
     assert len(result.phase) < 11 * steps
-
-
-def test_the_derived_decay_is_of_third_order() -> None:
-    """What a step loses is of second order in k h and comes a step late, of first order in it."""
-    coarse, fine = (
-        float(ElasticColumnWave(cell_count=cells, period_count=2).run().energy_decay)
-        for cells in (20, 40)
-    )
-    assert math.log2(coarse / fine) == pytest.approx(3, abs=0.2)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicPenetration, CyclicTBar
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import (
@@ -132,11 +131,3 @@ def test_what_lies_beyond_the_end_of_the_test_is_not_told() -> None:
     results = ductile.run()
     for name in ("fitted_cycles", "fitted_ductility", "fitted_remoulded_ratio"):
         assert np.isnan(results[name])
-
-
-@pytest.mark.parametrize(
-    ("key", "value"), [("cycle_count", 0), ("stroke", 5.0), ("bar_radius", 0.0)]
-)
-def test_values_that_are_not_allowed_are_refused(key: str, value: float) -> None:
-    with pytest.raises(ParameterError, match=key):
-        dataclasses.replace(COARSE, **{key: value})

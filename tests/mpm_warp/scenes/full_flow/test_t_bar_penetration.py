@@ -2,7 +2,6 @@
 
 import pytest
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.full_flow.penetration import TBarPenetration
 
 pytestmark = pytest.mark.slow
@@ -37,22 +36,6 @@ def test_clay_without_loss_and_rate_has_the_bits_of_perfectly_plastic_clay() -> 
     assert float(plain.resistance_factor) == float(same.resistance_factor)
 
 
-def test_clay_whose_strength_changes_is_held_against_nothing() -> None:
-    result = TBarPenetration(
-        cells_per_radius=2,
-        domain_extent=4,
-        penetration=6.0,
-        adhesion_factor=0.5,
-        remoulded_strength_ratio=0.2,
-        ductility=10.0,
-    ).run()
-    assert not {"error", "resistance_factor_exact"} & set(result)
-    plain = TBarPenetration(
-        cells_per_radius=2, domain_extent=4, penetration=6.0, adhesion_factor=0.5
-    ).run()
-    assert 0.2 * plain.resistance_factor < result.resistance_factor < plain.resistance_factor
-
-
 def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
     """What is left of the speed is inertia, at most rho V^2."""
     factors = []
@@ -66,11 +49,9 @@ def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
             rate_factor=0.1,
             reference_strain_rate=3e-6,
         )
-        factors.append(float(bar.run().resistance_factor))
+        result = bar.run()
+        factors.append(float(result.resistance_factor))
+        # In clay whose strength changes no limit load is known.
+        assert not {"error", "resistance_factor_exact"} & set(result)
     inertia = bar.rigidity_index * 0.06**2  # rho V^2 over su
     assert factors[0] == pytest.approx(factors[1], abs=inertia)
-
-
-def test_a_rate_effect_needs_its_reference() -> None:
-    with pytest.raises(ParameterError, match=r"rate_factor = 0\.1 needs reference_strain_rate"):
-        TBarPenetration(rate_factor=0.1)

@@ -2,8 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +10,9 @@ import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.kernel_types import real, vec1, vec2, vec4
-from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
+from mpm_warp.materials.elasticity import elastic_increment
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
-from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
@@ -62,41 +59,11 @@ def test_the_number_of_paths_is_known_before_they_are() -> None:
     assert len(known_paths(MaterialPoint().clay)) == PATH_COUNT
 
 
-@dataclass(frozen=True, kw_only=True)
-class Remembering(LinearElastic):
-    """Elastic soil that remembers its largest mean stress, with the sign of tension."""
-
-    @property
-    def state(self) -> tuple[str, ...]:
-        return ("largest_mean_stress",)
-
-    def update(self) -> Any:
-        return remember
-
-
 @wp.func
 def remember(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
     trial = stress + elastic_increment(strain, properties[0], properties[1])
     mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
     return trial, vec1(wp.max(state[0], mean))
-
-
-def test_points_on_strain_paths_remember() -> None:
-    """Stretched, then compressed to where they were: the mean stress in between is remembered."""
-    material = Remembering(shear_modulus=1e6, poissons_ratio=0.2, density=1.0)
-    there = StrainPaths(
-        material=material,
-        gradient=np.array([[0.01, 0.0, 0.0, 0.01, 0.01]]),
-        stress=np.zeros((1, 4)),
-        step_count=10,
-    )
-    simulation = Simulation(there)
-    simulation.advance(10)
-    simulation.assign("particle.velocity_gradient", -there.gradient)
-    simulation.advance(10)
-    largest = 3.0 * material.bulk_modulus * 0.01
-    assert simulation.array("particle.state")[0, 0] == pytest.approx(largest)
-    np.testing.assert_allclose(simulation.array("particle.stress"), 0.0, atol=1e-9 * largest)
 
 
 def test_a_stress_that_is_not_finite_ends_the_run() -> None:

@@ -26,6 +26,7 @@ SOFT = {
 
 
 UNIFORM_DELTA = "depth [m], strength [kPa], stress_anisotropy [1]; 0, 20, 0.3; 30, 20, 0.3"
+UNIFORM_ADHESION = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.5; 30, 20, 0.5"
 
 
 @pytest.mark.parametrize(
@@ -34,6 +35,7 @@ UNIFORM_DELTA = "depth [m], strength [kPa], stress_anisotropy [1]; 0, 20, 0.3; 3
         (SOFT, SOFT),
         ({"stress_anisotropy": 0.3}, {"stress_anisotropy": 0.3}),
         ({"profile": UNIFORM_DELTA}, {"stress_anisotropy": 0.3}),
+        ({"profile": UNIFORM_ADHESION, "adhesion_factor": 0.0}, {"adhesion_factor": 0.5}),
     ],
 )
 def test_uniform_clay_is_that_of_the_cone(
@@ -44,7 +46,6 @@ def test_uniform_clay_is_that_of_the_cone(
     test = ConePenetration(
         rigidity_index=sounding.rigidity_index,
         undrained_shear_strength=sounding.undrained_shear_strength,
-        adhesion_factor=0.5,
         cone_radius=1.0,
         speed_ratio=0.2,
         approach=0.0,
@@ -54,7 +55,7 @@ def test_uniform_clay_is_that_of_the_cone(
         domain_above=3.0,
         domain_below=4.0,
         in_situ_stress=17e3 * sounding.start_depth,
-        **of_cone,
+        **{"adhesion_factor": 0.5, **of_cone},
     )
     runs = [Simulation(it.build()) for it in (sounding, test)]
     for run in runs:
@@ -88,6 +89,8 @@ def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves(
     assert velocity[:, 1:-1].max() < 1e-12 * free
     depth = scene.material.variation.depth_of(scene.grid.node_positions).reshape(shape[:2])[:, -1]
     assert velocity[np.abs(depth - 13.0) > height, -1].max() < 1e-12 * free
+    pressure = np.abs(excess_pore_pressure(simulation)).reshape(scene.grid.row_count, -1)
+    assert np.count_nonzero(pressure.max(axis=1) > 1e-9 * 30e3) <= 1
 
 
 def test_soil_and_springs_that_enter_have_the_stress_of_their_depth(
@@ -108,17 +111,6 @@ def test_soil_and_springs_that_enter_have_the_stress_of_their_depth(
     held, free = (ground.entering_spring(soil_scene(it), it.travel)[0] for it in runs)
     stretched = -ground.side_areas[0] * 30e3 / ground.spring[0, 0]
     assert held - free == pytest.approx(stretched, rel=1e-9)
-
-
-def test_there_is_no_excess_pore_pressure_before_the_cone_has_moved(
-    changed: Callable[..., Sounding],
-) -> None:
-    """But in the row of cells that the border cuts, which has the mean of two stresses."""
-    simulation = Simulation(changed(profile=IN_SITU).build())
-    simulation.advance(1)
-    rows = soil_scene(simulation).grid.row_count
-    largest = np.abs(excess_pore_pressure(simulation)).reshape(rows, -1).max(axis=1)
-    assert np.count_nonzero(largest > 1e-9 * 30e3) <= 1
 
 
 def test_the_resistance_goes_with_the_stress_of_the_ground_before(
@@ -173,16 +165,6 @@ def test_adhesion_factors_by_depth_are_those_of_the_soil_beside(
     above, below = net.depth < 12.4, net.depth > 14.0
     np.testing.assert_allclose(net[above], least[above], rtol=1e-9)
     assert float(least[below].mean()) < float(net[below].mean()) < float(most[below].mean())
-
-
-def test_one_adhesion_factor_by_depth_is_the_parameter_to_the_bit(
-    changed: Callable[..., Sounding],
-) -> None:
-    profile = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.5; 30, 20, 0.5"
-    by_depth = changed(profile=profile, adhesion_factor=0.0, to_depth=12.2).run()
-    plain = changed(to_depth=12.2).run()
-    for name in ("net_resistance", "net_resistance_uncertainty", "sleeve_friction"):
-        np.testing.assert_array_equal(by_depth[name], plain[name])
 
 
 def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face(
