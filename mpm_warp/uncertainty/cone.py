@@ -204,11 +204,7 @@ def _why_laws_do_not_hold(built: Scene) -> list[str]:
 
 
 def check_measurable(laws: ErrorLaws) -> None:
-    """Refuse a test whose error no further runs can measure.
-
-    Raises:
-        ParameterError: no law of the error holds.
-    """
+    """Raise `ParameterError` where no law holds by which further runs can measure the error."""
     for reason in those_that_hold(laws.why_not_linear()):
         raise ParameterError(
             "uncertainty",

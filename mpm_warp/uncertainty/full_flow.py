@@ -116,11 +116,7 @@ class FullFlowRun(TestRun):
 
 
 def check_measurable(cells_per_radius: int) -> None:
-    """Refuse a test whose error no further runs can measure.
-
-    Raises:
-        ParameterError: its cells are too wide.
-    """
+    """Raise `ParameterError` where cells are too wide for further runs to measure the error."""
     if cells_per_radius < FEWEST_CELLS:
         raise ParameterError(
             "cells_per_radius",

@@ -63,11 +63,7 @@ def stated_value(
 
 
 def reason(text: str) -> xr.Variable:
-    """The variable `REASON`.
-
-    Args:
-        text: "word: sentence", one or more, parted by semicolons; "" where the error is known.
-    """
+    """The variable `REASON`: "word: sentence", parted by semicolons; "" where there is none."""
     return variable(text, unit=None, meaning="why there is no uncertainty", role="reason")
 
 

@@ -196,12 +196,7 @@ class Cavity(ClayScene):
         return recorded.assign(error=error)
 
     def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
-        """How well the cavity keeps its shape, from the forces on the wall's nodes at the end.
-
-        Args:
-            grid: that of the start.
-            on_rows: normal forces on the wall by row of nodes [N], shape [row_count + 1].
-        """
+        """How well the cavity keeps its shape, from the forces on its wall by row of nodes [N]."""
         return {}
 
 
@@ -260,12 +255,7 @@ class PressureCurve:
 
 
 def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> xr.Dataset:
-    """Excess pore pressure over the distance from the middle, computed and exact, and its error.
-
-    Args:
-        simulation: of a cavity, at its end.
-        exact: its exact pressures; None: the computed one alone.
-    """
+    """Excess pore pressure at the end over the distance from the middle, beside the exact one."""
     grid = soil_scene(simulation).grid
     radius = float(simulation.array("wall.motion")[0, 2])
     middles = 0.5 * (grid.columns[:-1] + grid.columns[1:])

@@ -41,13 +41,7 @@ LARGEST_ERROR_OF_CHANGING_CLAY = 0.01
 def verifications(
     largest_error: float, resolutions: tuple[int, ...], *changing: Mapping[str, Value]
 ) -> tuple[Verification, ...]:
-    """Perfectly plastic soils, and clays whose strength changes, at two resolutions.
-
-    Args:
-        largest_error: bound of the finer one's in perfectly plastic soils.
-        resolutions: cells per radius, rising.
-        changing: parameters of the clays.
-    """
+    """Perfectly plastic soils, and clays whose strength is `changing`, at two resolutions."""
     bounds = (
         *((soil, largest_error) for soil in SOILS),
         *((clay, LARGEST_ERROR_OF_CHANGING_CLAY) for clay in changing),

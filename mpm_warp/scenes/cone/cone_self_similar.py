@@ -14,7 +14,7 @@ from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import ContactForces, follow, soil_scene
+from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cone.parameters import ConeTest
@@ -132,14 +132,24 @@ class ConeSelfSimilar(CatalogueScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the cone in, and fit the exponent of the depth in its load."""
-        curve = _LoadCurve(simulation)
-        depths = [self._final_depth * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
-        recorded = follow(simulation, depths, simulation.travel_to, [curve], progress)
-        return recorded.assign(self._fitted(curve))
+        contact = soil_scene(simulation)[PenetrometerContact]
+        contact_forces = ContactForces(simulation)
+        reached = [0.0]
 
-    def _fitted(self, curve: "_LoadCurve") -> dict[str, xr.Variable]:
+        def sample() -> tuple[float, float]:
+            """Depth, and mean load since the sample before."""
+            forces = contact.forces(contact_forces.take())
+            reached.append(simulation.travel)
+            return reached[-1], 2.0 * math.pi * (forces.face_normal + forces.face_shear)
+
+        samples = Samples(sample, load_curve)
+        depths = [self._final_depth * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
+        recorded = follow(simulation, depths, simulation.travel_to, [samples], progress)
+        return recorded.assign(self._fitted(recorded, np.array(reached)))
+
+    def _fitted(self, recorded: xr.Dataset, reached: Floats) -> dict[str, xr.Variable]:
         """Exponent of the depth, its error, and the load over the section of the cone."""
-        depth, load, reached = curve.depth, np.array(curve.loads), np.array(curve.reached)
+        depth, load = recorded.depth.values, recorded["load"].values
         late = depth > FITTED_FROM * self._final_depth
         # By the work, whose exponent is greater by one: in it the load's noise averages out.
         work = np.cumsum(load * np.diff(reached))
@@ -163,31 +173,7 @@ class ConeSelfSimilar(CatalogueScene):
         )
 
 
-class _LoadCurve:
-    """Samples the load on the cone: means over the travel since the sample before."""
-
-    def __init__(self, simulation: Simulation) -> None:
-        contact = soil_scene(simulation)[PenetrometerContact]
-        self._simulation = simulation
-        self._contact = contact
-        self._contact_forces = ContactForces(simulation)
-        self.reached = [0.0]
-        self.loads: list[float] = []
-
-    @property
-    def depth(self) -> Floats:
-        """The middle between two samples, where a mean over the travel between them stands [m]."""
-        reached = np.array(self.reached)
-        middles: Floats = 0.5 * (reached[1:] + reached[:-1])
-        return middles
-
-    def sample(self) -> None:
-        """Record the depth and the mean load since the sample before."""
-        forces = self._contact.forces(self._contact_forces.take())
-        self.reached.append(self._simulation.travel)
-        self.loads.append(2.0 * math.pi * (forces.face_normal + forces.face_shear))
-
-    def dataset(self) -> xr.Dataset:
-        """Load over depth."""
-        depth = (self.depth, "m", "depth of the tip")
-        return curves("depth", depth, load=(np.array(self.loads), "N", "load"))
+def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
+    """Load over depth: a mean over the travel since the sample before stands in its middle."""
+    middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
+    return curves("depth", (middles, "m", "depth of the tip"), load=(load, "N", "load"))

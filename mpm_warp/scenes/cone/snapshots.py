@@ -84,13 +84,10 @@ class PenetrationSnapshots:
 def surface_places(contact: PenetrometerContact, position: Floats) -> dict[str, xr.Variable]:
     """Places on the surface: nodes of the face from the tip on, then of the shaft.
 
-    The shoulder is among both, for the shear traction is another on either side of it.
-
-    Args:
-        contact: of the penetrometer.
-        position: of its nodes (r, z) [m], shape [node_count, 2].
+    The shoulder is among both, for the shear traction is another on either side of it. `position`
+    is that of the contact's nodes (r, z) [m], shape [node_count, 2].
     """
-    face, shaft = _sides(contact)
+    face, shaft = contact.face_areas > 0.0, contact.shaft_areas > 0.0
     r, z = np.concatenate([position[face], position[shaft]]).T
     number = np.arange(len(r), dtype=np.int32)
     part = np.repeat(["face", "shaft"], [face.sum(), shaft.sum()])
@@ -109,12 +106,9 @@ def surface_traction(contact: PenetrometerContact, nodal: Floats) -> dict[str, x
     """Traction along the surface, at the places that `surface_places` gives.
 
     It is linear between nodes: with the radius as weight it integrates to the forces exactly.
-
-    Args:
-        contact: of the penetrometer.
-        nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
+    `nodal` are normal and tangential forces from the soil at the nodes [N], [node_count, 2].
     """
-    face, shaft = _sides(contact)
+    face, shaft = contact.face_areas > 0.0, contact.shaft_areas > 0.0
     pressure = nodal[:, 0] / contact.normal_areas
     shear_on_face = contact.shear_on_face(nodal)
     on_face = shear_on_face[face] / contact.face_areas[face]
@@ -134,8 +128,3 @@ def surface_traction(contact: PenetrometerContact, nodal: Floats) -> dict[str, x
             "upward positive",
         ),
     )
-
-
-def _sides(contact: PenetrometerContact) -> tuple[np.ndarray, np.ndarray]:
-    """Which nodes are on the face, and which on the shaft."""
-    return contact.face_areas > 0.0, contact.shaft_areas > 0.0

@@ -65,11 +65,7 @@ def with_energy_error(results: xr.Dataset, simulation: Simulation, work: float) 
 
 
 def check_energy(results: xr.Dataset) -> None:
-    """Refuse results of a run whose transfers took too much of the penetrometer's work.
-
-    Raises:
-        InaccurateRun: they took more than `LARGEST_ENERGY_ERROR`.
-    """
+    """Raise `InaccurateRun` where transfers took over `LARGEST_ENERGY_ERROR` of the work."""
     share = float(results.energy_error)
     if not abs(share) <= LARGEST_ENERGY_ERROR:
         raise InaccurateRun(
@@ -81,11 +77,7 @@ def check_energy(results: xr.Dataset) -> None:
 
 
 def check_levelled(results: xr.Dataset) -> None:
-    """Refuse results of a run that was to become steady, did not, and still changes.
-
-    Raises:
-        UnfinishedRun: the resistance changes by more than `LARGEST_VARIATION` at the end.
-    """
+    """Raise `UnfinishedRun` where the resistance still changes by over `LARGEST_VARIATION`."""
     variation = float(results.cone_factor_variation)
     if not variation <= LARGEST_VARIATION:
         raise UnfinishedRun(
@@ -97,17 +89,10 @@ def check_levelled(results: xr.Dataset) -> None:
 
 
 def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
-    """Refuse a cone factor that is far above all that soil can give.
+    """Raise `InaccurateRun` where a cone factor is far above all that soil can give.
 
-    The estimate of that is the limit pressure of a spherical cavity and the shear on the face.
-
-    Args:
-        results: of the run.
-        built: the scene that was simulated; its law and its contact say what soil can give.
-        strength: su, which the cone factor is over [Pa].
-
-    Raises:
-        InaccurateRun: it is more than `LARGEST_OVER_CAVITY` times the estimate.
+    That is `LARGEST_OVER_CAVITY` times the limit pressure of a spherical cavity and the shear on
+    the face, by law and contact of the scene that was built, over the strength su [Pa].
     """
     contact = built[PenetrometerContact]
     # With friction soil still bears no more shear than su.
@@ -190,11 +175,7 @@ class EnergyBalanceCurves:
 
 
 def check_balance(results: xr.Dataset) -> None:
-    """Refuse results whose energy balance does not close.
-
-    Raises:
-        InaccurateRun: more than `LARGEST_RESIDUAL` of the penetrometer's work is left.
-    """
+    """Raise `InaccurateRun` where the balance leaves over `LARGEST_RESIDUAL` of the work."""
     residual = float(results.energy_residual)
     if not abs(residual) <= LARGEST_RESIDUAL:
         raise InaccurateRun(

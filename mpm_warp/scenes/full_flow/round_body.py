@@ -100,11 +100,8 @@ class RoundBody:
 def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
     """The force of the soil on a body along the line of travel, upward positive [N].
 
-    It is that on half a cylinder of unit length, or on a radian of a ball.
-
-    Args:
-        contact: of the soil with the body.
-        nodal: normal and tangential forces from the soil at its nodes [N], [node_count, 2].
+    It is that on half a cylinder of unit length, or on a radian of a ball, of normal and tangential
+    forces from the soil at the nodes [N], shape [node_count, 2].
     """
     normals = contact.normals
     return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))

@@ -47,11 +47,7 @@ class StrainPath:
 
 @functools.cache
 def known_paths(clay: UndrainedClay) -> tuple[StrainPath, ...]:
-    """Paths of a second each: proportional, turned back, turned, and in simple shear.
-
-    Args:
-        clay: of the point.
-    """
+    """Paths of a second each: proportional, turned back, turned, and in simple shear."""
     yield_strain = clay.strength / clay.shear_modulus
     small, large = ELASTIC * yield_strain, YIELDING * yield_strain
     proportional = {
@@ -90,12 +86,8 @@ def _proportional(
     """Stress over strength at the end of a second of strain without spin.
 
     The deviator of the stress is along that of the strain: at a corner of the hexagon, in the
-    middle of a side, or anywhere on the cylinder of von Mises.
-
-    Args:
-        clay: of the point.
-        gradient: velocity gradient (rr, rz, zr, zz, tt) [1/s].
-        turned_back: shear strain that takes the stress at the start back to nothing.
+    middle of a side, or anywhere on the cylinder of von Mises. `turned_back` is the shear strain
+    that takes the stress at the start back to nothing.
     """
     rr, rz, zr, zz, tt = gradient
     volume = rr + zz + tt
@@ -120,13 +112,7 @@ def _measure(clay: UndrainedClay, deviator: Floats) -> float:
 
 
 def strength(clay: UndrainedClay, plastic_strain: Floats, rate: Floats) -> tuple[Floats, Floats]:
-    """Shear strength k [Pa], and its slope dk/dxi [Pa].
-
-    Args:
-        clay: the clay.
-        plastic_strain: plastic shear strain xi, of any shape.
-        rate: shear strain rate [1/s], of the same shape.
-    """
+    """Shear strength k [Pa] and its slope dk/dxi [Pa], at plastic shear strains and rates [1/s]."""
     shape = np.zeros(np.broadcast(plastic_strain, rate).shape)
     if not isinstance(clay, EinavRandolph):
         return clay.strength + shape, shape
@@ -138,13 +124,7 @@ def strength(clay: UndrainedClay, plastic_strain: Floats, rate: Floats) -> tuple
 
 
 def shear_stress(clay: UndrainedClay, strain: Floats, rate: Floats) -> Floats:
-    """Shear stress at the end of proportional shear [Pa].
-
-    Args:
-        clay: the clay.
-        strain: shear strain gamma, >= 0, of any shape.
-        rate: its rate at the end [1/s], of the same shape.
-    """
+    """Shear stress at the end of proportional shear [Pa], by strain gamma, and rate there [1/s]."""
     stiffness = clay.shear_modulus
     plastic = np.maximum(strain - strength(clay, 0.0 * strain, rate)[0] / stiffness, 0.0)
     for _ in range(NEWTON_STEPS):
@@ -163,12 +143,8 @@ def simple_shear(clay: UndrainedClay, strain: float, rate: float) -> tuple[float
         dtau/dgamma = G cos(phi) - G dxi/dgamma,   dphi/dgamma = 1 - G sin(phi) / tau
 
     so that tau = 2 G sin(gamma / 2), phi = gamma / 2 until it yields, and tau = k(xi) from then on.
-    With perfect plasticity phi comes to rest at asin(k / G).
-
-    Args:
-        clay: the clay.
-        strain: shear strain, far beyond that of yield.
-        rate: its rate [1/s].
+    With perfect plasticity phi comes to rest at asin(k / G). The strain is far beyond that of
+    yield, its rate in 1/s.
 
     Returns:
         Half difference of the normal stresses, and shear stress [Pa].

@@ -258,9 +258,8 @@ def _ways_felt(distance: Floats, share: Floats) -> dict[str, xr.Variable]:
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:
     """Change of the resistance over that from one soil to the other, mean over a radius, [n].
 
-    Args:
-        factor: net resistance over the strength that the soil would have without the layer.
-        ratio: strength of the layer over that strength.
+    `factor` is net resistance over the strength that the soil would have without the layer, and
+    `ratio` the strength of the layer over it.
     """
     undisturbed = float(np.mean(factor[:UNDISTURBED]))
     smooth = np.convolve(factor, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
