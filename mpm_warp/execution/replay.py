@@ -41,13 +41,9 @@ def next_step(loop: wp.array[wp.int32]):
 
 
 class RecordedSteps:
-    """The steps of a plan, recorded for a number of threads.
+    """The steps of a plan, recorded for a number of threads of a processor.
 
-    Args:
-        plan: the plan.
-        command: gives Warp's recorded command of a launch of the plan, or of a share of one.
-        threads: number of threads, >= 1.
-        device: the processor.
+    `command` gives Warp's recorded command of a launch of the plan, or of a share of one.
     """
 
     def __init__(

@@ -178,14 +178,8 @@ def claim_chunk(
 ):
     """Claim a dynamic chunk for a thread: the first thread that asks gets it.
 
-    A claim is the number of the next barrier, so every chunk is free again after that barrier.
-
-    Args:
-        chunk: number of the chunk.
-        thread: number of this thread.
-        arrivals: how many barriers each thread has reached, shape [threads].
-        claims: the last claim of each chunk, shape [chunks].
-        claimed: set to 1 if this thread has got the chunk, else to 0, shape [1].
+    `claims` holds the last claim of each chunk: the number of the barrier that was next, so every
+    chunk is free again after that barrier. `claimed` is 1 where this thread has got the chunk.
     """
     _exchange(chunk, thread, arrivals, claims, claimed)
 

@@ -75,11 +75,7 @@ def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
     """Time of each launch of a step, by the name of its kernel [s]; the median over some steps.
 
     The host waits for each launch. So the times are those of one thread, or of a whole GPU, and a
-    launch's own time is in each: some microseconds.
-
-    Args:
-        simulation: the run; it does not count these steps.
-        step_count: number of steps, >= 1.
+    launch's own time is in each: some microseconds. The simulation does not count these steps.
     """
     step = simulation.plan.step
     seconds = np.zeros((step_count, len(step)))

@@ -136,12 +136,7 @@ class FlyingBlock(CatalogueScene):
 
 
 def free_flight(simulation: Simulation, cell_size: float) -> Samples:
-    """Samples how shape, momentum and spin of a body have changed since now.
-
-    Args:
-        simulation: a run of one body, set off.
-        cell_size: side of a cell [m].
-    """
+    """Samples how shape, momentum and spin of one body have changed since now."""
 
     def state() -> tuple[Floats, Floats, float]:
         """Distances of all points from all, linear momentum, angular momentum about the middle."""
