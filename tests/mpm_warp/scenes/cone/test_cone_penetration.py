@@ -68,6 +68,8 @@ def test_sleeve_friction_is_the_adhesion_of_the_shaft_once_it_slips() -> None:
     """Whatever that of the face; over the area of the sleeve, 15 times that of the cone."""
     result = run(adhesion_factor=0.2, shaft_adhesion_factor=0.5, penetration=1.0, domain_above=9.0)
     assert float(result.sleeve_friction_factor) == pytest.approx(0.5, rel=ROUNDING)
+    of_face = 0.2 / math.tan(math.radians(30.0))
+    assert float(result.cone_factor_shear) == pytest.approx(of_face, rel=ROUNDING)
     adhesion = 0.5 * SHORT.undrained_shear_strength
     np.testing.assert_allclose(result.sleeve_friction[-5:], adhesion, rtol=ROUNDING)
     sleeve_area = 15.0 * math.pi * SHORT.cone_radius**2
@@ -79,12 +81,6 @@ def test_what_is_above_the_window_is_not_measured(rough: xr.Dataset) -> None:
     for name in ("sleeve_friction_factor", "pore_pressure_factor_shaft"):
         assert rough[name].isnull()
     assert rough.pore_pressure_factor_face > rough.pore_pressure_factor_shoulder > 0.0
-
-
-def test_the_face_feels_its_own_adhesion_and_not_the_shafts() -> None:
-    smooth_face = run(adhesion_factor=0.0, shaft_adhesion_factor=0.5)
-    assert float(smooth_face.cone_factor_shear) == pytest.approx(0.0, abs=1e-9)
-    assert float(smooth_face.shaft_friction[-1]) > 0.0
 
 
 @pytest.mark.parametrize(("in_situ_stress", "pulls"), [(0.0, False), (400e3, True)])

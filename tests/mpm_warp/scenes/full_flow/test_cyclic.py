@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicPenetration, CyclicTBar
+from mpm_warp.scenes.full_flow.cyclic import (
+    CyclicBall,
+    CyclicPenetration,
+    CyclicTBar,
+    fitted_degradation,
+)
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import (
     BallPenetration,
@@ -131,3 +136,25 @@ def test_what_lies_beyond_the_end_of_the_test_is_not_told() -> None:
     results = ductile.run()
     for name in ("fitted_cycles", "fitted_ductility", "fitted_remoulded_ratio"):
         assert np.isnan(results[name])
+
+
+PASSAGES = 0.25 + 0.5 * np.arange(10)
+SEARCHED_TO = 1e-4
+"""The logarithm of n_95 is found to 1e-5 by the search; the others hang on it linearly."""
+
+
+@pytest.mark.parametrize(("remoulded", "cycles"), [(0.2, 1.5), (0.5, 4.0), (0.1, 0.6)])
+def test_a_curve_that_is_exactly_one_is_found(remoulded: float, cycles: float) -> None:
+    resistance = 10.0 * (remoulded + (1.0 - remoulded) * np.exp(-3.0 * PASSAGES / cycles))
+    fit = fitted_degradation(PASSAGES, resistance)
+    assert fit.intact == pytest.approx(10.0, rel=SEARCHED_TO)
+    assert fit.remoulded_share == pytest.approx(remoulded, rel=SEARCHED_TO)
+    assert fit.cycles == pytest.approx(cycles, rel=SEARCHED_TO)
+    assert fit.misfit < SEARCHED_TO
+
+
+def test_the_misfit_is_what_the_fit_leaves() -> None:
+    """Noise of alternating sign hardly moves the fit, which cannot follow it."""
+    noise = 0.01 * (-1.0) ** np.arange(PASSAGES.size)
+    fit = fitted_degradation(PASSAGES, 10.0 * (0.3 + 0.7 * np.exp(-PASSAGES) + noise))
+    assert fit.misfit == pytest.approx(0.01, rel=0.3)

@@ -198,9 +198,3 @@ def test_the_share_of_a_layer_that_softens_has_no_half_width(
     assert np.isfinite(known["layer_share_uncertainty"])
     assert np.isnan(unknown["layer_share_uncertainty"])
     assert unknown["layer_share"] == known["layer_share"]
-
-
-def test_where_the_error_is_not_known_there_is_no_uncertainty(layered: xr.Dataset) -> None:
-    """The cells are wider than those that the law of the error was measured on."""
-    assert np.isnan(layered.net_resistance_uncertainty).all()
-    assert np.isnan(layered.last_cone_factor_uncertainty)
