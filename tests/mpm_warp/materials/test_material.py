@@ -1,4 +1,4 @@
-"""What all materials have in common: elastic constants, and laws that keep their promises."""
+"""The criteria of Tresca and von Mises, and what all materials have in common."""
 
 from collections.abc import Callable
 
@@ -6,70 +6,129 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.von_mises import VonMises
 
 STRENGTH = 2.5
 ELASTIC = {"shear_modulus": 100.0, "poissons_ratio": 0.3, "density": 4.0}
 Function = Callable[[Material, Floats], Floats]
 
 
-def trials(spread: float) -> Floats:
-    return np.random.default_rng(1).normal(scale=spread, size=(2000, 4))
+TRESCA, VON_MISES = (criterion(strength=STRENGTH, **ELASTIC) for criterion in (Tresca, VonMises))
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values())
+def trials(spread: float, count: int = 2000) -> Floats:
+    return np.random.default_rng(1).normal(scale=spread, size=(count, 4))
+
+
+def principal(stress: Floats) -> Floats:
+    """Principal stresses in rising order, shape [n, 3]."""
+    centre = 0.5 * (stress[:, 0] + stress[:, 1])
+    radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
+    return np.sort(np.stack([centre - radius, centre + radius, stress[:, 3]], axis=1), axis=1)
+
+
+def deviators(stress: Floats) -> Floats:
+    """(rr, zz, rz, tt), shape [n, 4]."""
+    mean = stress[:, [0, 1, 3]].mean(axis=1, keepdims=True)
+    return np.asarray(stress - mean * [1.0, 1.0, 0.0, 1.0])
+
+
+def root_of_j2(stress: Floats) -> Floats:
+    """Root of half the sum of the squares of all nine components of the deviator, [n]."""
+    return np.asarray(np.sqrt(0.5 * deviators(stress) ** 2 @ [1.0, 1.0, 2.0, 1.0]))
+
+
+def greatest_shear(stress: Floats) -> Floats:
+    """Half the difference of the extreme principal stresses, [n]."""
+    return np.asarray(0.5 * np.ptp(principal(stress), axis=1))
+
+
+@pytest.mark.parametrize("clay", [TRESCA, VON_MISES])
 def test_returns_keep_pressure_directions_and_what_is_inside(
-    returned: Function, criterion: type[PerfectlyPlastic]
+    returned: Function, clay: Material
 ) -> None:
-    clay = criterion(strength=STRENGTH, **ELASTIC)
-    trial = trials(spread=20.0)
+    trial = trials(20.0)
     after = returned(clay, trial)
     pressure = trial[:, [0, 1, 3]].sum(axis=1)
     np.testing.assert_allclose(after[:, [0, 1, 3]].sum(axis=1), pressure, atol=1e-12)
     # Same principal directions: the deviators in the plane are parallel.
     cross = (trial[:, 0] - trial[:, 1]) * after[:, 2] - (after[:, 0] - after[:, 1]) * trial[:, 2]
     np.testing.assert_allclose(cross, 0.0, atol=1e-11)
-    inside = trials(spread=0.3)
+    inside = trials(0.3)
     np.testing.assert_array_equal(returned(clay, inside), inside)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values())
+@pytest.mark.parametrize(("clay", "measured"), [(TRESCA, greatest_shear), (VON_MISES, root_of_j2)])
 def test_what_is_returned_is_on_the_surface_that_the_law_itself_measures(
-    returned: Function, yield_measures: Function, criterion: type[PerfectlyPlastic]
+    returned: Function,
+    yield_measures: Function,
+    clay: Material,
+    measured: Callable[[Floats], Floats],
 ) -> None:
-    clay = criterion(strength=STRENGTH, **ELASTIC)
-    trial = trials(spread=20.0)
+    trial = trials(20.0)
     before, strength = yield_measures(clay, trial).T
+    np.testing.assert_allclose(before, measured(trial), rtol=1e-13)
+    np.testing.assert_array_equal(strength, STRENGTH)
     after = yield_measures(clay, returned(clay, trial))[:, 0]
     np.testing.assert_allclose(after, np.minimum(before, strength), rtol=1e-13)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values())
-def test_both_criteria_yield_at_the_strength_in_pure_shear(
-    yield_measures: Function, criterion: type[PerfectlyPlastic]
+def nearest_on_hexagon(values: Floats) -> Floats:
+    """Brute force: the nearest point of the Tresca hexagon to principal deviators, [n, 3]."""
+    corners = np.array([[-2.0, -2.0, 4.0], [-4.0, 2.0, 2.0]]) * STRENGTH / 3.0
+    share = np.linspace(0.0, 1.0, 20001)[:, None]
+    # With the principal stresses in order only one side can be the nearest.
+    side = (1.0 - share) * corners[0] + share * corners[1]
+    mean = values.mean(axis=1, keepdims=True)
+    distances = np.sum(((values - mean)[:, None, :] - side) ** 2, axis=2)
+    nearest: Floats = side[np.argmin(distances, axis=1)] + mean
+    return nearest
+
+
+def test_tresca_returns_to_the_nearest_point(returned: Function) -> None:
+    trial = trials(20.0, 300)
+    outside = np.ptp(principal(trial), axis=1) > 2.0 * STRENGTH
+    after = principal(returned(TRESCA, trial[outside]))
+    # The brute force has 20000 points on a side of length 2 sqrt(2) su.
+    np.testing.assert_allclose(after, nearest_on_hexagon(principal(trial[outside])), atol=1e-3)
+
+
+@pytest.mark.parametrize("spread", [2.0, 20.0, 2e6])
+def test_tresca_ends_on_or_inside_its_surface(returned: Function, spread: float) -> None:
+    after = returned(TRESCA, trials(spread))
+    rounding = 1e-15 * spread
+    assert np.ptp(principal(after), axis=1).max() <= 2.0 * STRENGTH * (1 + 1e-14) + 10 * rounding
+
+
+@pytest.mark.parametrize("hoop", [50.0, -50.0])
+def test_tresca_with_equal_stresses_in_the_plane_returns_to_the_corner(
+    returned: Function, hoop: float
 ) -> None:
-    """Under any pressure; at equal normal stresses nothing is borne."""
-    clay = criterion(strength=2.0, **ELASTIC)
-    stress = np.array([[5.0, 5.0, 2.0, 5.0], [5.0, 5.0, 3.0, 5.0], [1.0, 1.0, 0.0, 1.0]])
-    measures = yield_measures(clay, stress)
-    np.testing.assert_allclose(measures, [[2.0, 2.0], [3.0, 2.0], [0.0, 2.0]], atol=1e-12)
+    after = returned(TRESCA, np.array([[0.0, 0.0, 0.0, hoop]]))
+    mean, sign = hoop / 3.0, np.sign(hoop)
+    plane, tt = mean - sign * 2.0 / 3.0 * STRENGTH, mean + sign * 4.0 / 3.0 * STRENGTH
+    np.testing.assert_allclose(after, [[plane, plane, 0.0, tt]], rtol=1e-14)
+
+
+def test_von_mises_ends_on_its_surface_radially(returned: Function) -> None:
+    trial = trials(20.0)
+    scale = np.minimum(1.0, STRENGTH / root_of_j2(trial))
+    after = deviators(returned(VON_MISES, trial))
+    np.testing.assert_allclose(after, deviators(trial) * scale[:, None], atol=1e-12)
 
 
 def test_a_material_that_never_yields_has_no_return(returned: Function) -> None:
     material = LinearElastic(**ELASTIC)
     assert material.law().yield_function is None
-    trial = trials(spread=1e6)
+    trial = trials(1e6)
     np.testing.assert_array_equal(returned(material, trial), trial)
 
 
 def test_every_material_has_one_law_of_its_own() -> None:
-    materials = [
-        LinearElastic(**ELASTIC),
-        *(criterion(strength=STRENGTH, **ELASTIC) for criterion in CRITERIA.values()),
-    ]
+    materials = [LinearElastic(**ELASTIC), TRESCA, VON_MISES]
     laws = [it.law() for it in materials]
     assert len(set(laws)) == len(laws)
     assert laws == [it.law() for it in materials]  # no kernel is built twice
