@@ -54,32 +54,28 @@ class WindowOverfull(SimulationDiverged):
     """More soil stays in the travelling window than it has slots for: it piles up on the shaft."""
 
 
-class InaccurateRun(RuntimeError):
-    """The run came to its end, but its result is not to be relied on.
+class _WithoutResult(RuntimeError):
+    """The run came to its end, but not to a result.
 
     Attributes:
         curves: what was computed, scalars included.
     """
+
+    def __init__(self, message: str, curves: "xarray.Dataset") -> None:
+        super().__init__(message)
+        self.curves = curves
+
+
+class InaccurateRun(_WithoutResult):
+    """The run came to its end, but its result is not to be relied on."""
 
     status = "inaccurate"
 
-    def __init__(self, message: str, curves: "xarray.Dataset") -> None:
-        super().__init__(message)
-        self.curves = curves
 
-
-class UnfinishedRun(RuntimeError):
-    """The run came to its end before what it is for: the message says what a longer one needs.
-
-    Attributes:
-        curves: what was computed, scalars included.
-    """
+class UnfinishedRun(_WithoutResult):
+    """The run came to its end before what it is for: the message says what a longer one needs."""
 
     status = "unfinished"
-
-    def __init__(self, message: str, curves: "xarray.Dataset") -> None:
-        super().__init__(message)
-        self.curves = curves
 
 
 class Fault(Exception):

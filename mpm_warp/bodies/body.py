@@ -28,7 +28,7 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import one, real, vec2, zero
+from mpm_warp.kernel_types import kernel, one, real, vec2, zero
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.plan.plan import Plan
 
@@ -72,7 +72,7 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
     plan.add_launch(body_loads, plan.particle_count, half_step=0.5 * plan.time_step)
 
 
-@wp.kernel(module="mpm_warp.body_loads", enable_backward=False)
+@kernel
 def body_loads(
     load_schedule: wp.array(dtype=vec2),
     load_forces: wp.array2d(dtype=vec2),
@@ -93,7 +93,7 @@ def body_loads(
     particle_load[p] = total
 
 
-@wp.kernel(module="mpm_warp.clock", enable_backward=False)
+@kernel
 def clock(time_step: real, load_time: wp.array(dtype=real)):
     """The time of the loads goes on by a step; launched once, at its end."""
     load_time[0] += time_step

@@ -34,7 +34,7 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, Checked, checked
 from mpm_warp.bodies.body import Body
 from mpm_warp.bodies.grid import UniformGrid, first_node
-from mpm_warp.kernel_types import one, real, two, vec2, vec3, zero
+from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan
 
@@ -93,7 +93,7 @@ def add_contact(
     )
 
 
-@wp.kernel(module="mpm_warp.bodies.interface", enable_backward=False)
+@kernel
 def interface(
     node_counts: wp.vec2i,
     field_surface: wp.array2d(dtype=vec2),
@@ -122,7 +122,7 @@ def interface(
     contact_extent[k] = vec2(FAR, FAR)
 
 
-@wp.kernel(module="mpm_warp.extents", enable_backward=False)
+@kernel
 def extents(
     particle_body: wp.array(dtype=int),
     particle_position: wp.array(dtype=vec2),
@@ -152,7 +152,7 @@ def extents(
                     wp.atomic_max(contact_extent, node, vec2(FAR, body_half_spacing[b] - height))
 
 
-@wp.kernel(module="mpm_warp.pressing", enable_backward=False)
+@kernel
 def pressing_of_nodes(
     closed: real,
     contact_normal: wp.array(dtype=vec2),
@@ -184,7 +184,7 @@ def pressing_of_nodes(
     )
 
 
-@wp.kernel(module="mpm_warp.shared_pressure", enable_backward=False)
+@kernel
 def shared_pressure(
     node_counts: wp.vec2i,
     contact_pressing: wp.array(dtype=vec2),
@@ -203,7 +203,7 @@ def shared_pressure(
     contact_pressure[k] = contact_pressing[k][0] / area
 
 
-@wp.kernel(module="mpm_warp.body_contact", enable_backward=False)
+@kernel
 def body_contact(
     friction: real,
     adhesion: real,

@@ -38,7 +38,7 @@ from mpm_warp.bodies.contact import add_contact
 from mpm_warp.bodies.grid import UniformGrid, first_node, local_coordinate, offsets, slopes, weights
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.kernel_types import half, mat22, one, real, vec2, vec3, vec4, vec5, zero
+from mpm_warp.kernel_types import half, kernel, mat22, one, real, vec2, vec3, vec4, vec5, zero
 from mpm_warp.materials.elasticity import elastic_increment, motion_of, rotated
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
@@ -118,11 +118,8 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
 
     With a hoop direction, a viscous stress, loads, and surfaces for contact, each where needed.
     """
-    key = "axisymmetric" if axisymmetric else "plane"
-    for name, has_part in (("damped", damped), ("loaded", loaded), ("contact", contact)):
-        key += f".{name}" if has_part else ""
 
-    @wp.kernel(module=f"mpm_warp.body_to_grid.{key}", enable_backward=False)
+    @kernel
     def body_to_grid(
         particle_body: wp.array(dtype=int),
         particle_position: wp.array(dtype=vec2),
@@ -182,7 +179,7 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
     return body_to_grid
 
 
-@wp.kernel(module="mpm_warp.body_prediction", enable_backward=False)
+@kernel
 def body_prediction(
     field_held: wp.array2d(dtype=int),
     field_momentum: wp.array2d(dtype=vec3),
@@ -231,9 +228,8 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
 @functools.cache
 def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
     """The kernel, launched over particles; `body_moduli` holds (G, K) of each body."""
-    key = f"{'axisymmetric' if axisymmetric else 'plane'}{'.damped' if damped else ''}"
 
-    @wp.kernel(module=f"mpm_warp.grid_to_body.{key}", enable_backward=False)
+    @kernel
     def grid_to_body(
         particle_body: wp.array(dtype=int),
         body_moduli: wp.array(dtype=vec2),
