@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
@@ -157,8 +158,11 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
             attributes, forms = found.attributes, found.forms
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
             repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
-            told = [it for it in forms if forms[it].attributes.get("role") == Role.REASON]
-            reason = "; ".join(str(found.values(it)) for it in told)
+            roles = {it: forms[it].attributes.get("role") for it in forms}
+            told = [it for it in forms if roles[it] == Role.REASON]
+            half_widths = [it for it in forms if roles[it] == Role.UNCERTAINTY]
+            is_known = any(np.isfinite(found.values(it)).all() for it in half_widths)
+            reason = "" if is_known else "; ".join(str(found.values(it)) for it in told)
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))

@@ -136,6 +136,12 @@ def make_parser() -> Parser:
         metavar="X",
         help="largest relative difference allowed between FILE and OTHER; default: 0",
     )
+    compare.add_argument(
+        "--standards",
+        action="store_true",
+        help="cone factors on four meshes or more: their error by the least squares of Eca and "
+        "Hoekstra, beside the uncertainty stated",
+    )
     plot = add("plot", "results.plot", RESULT, BESIDE)
     plot.add_argument(
         "--format",

@@ -28,7 +28,10 @@ from harness.archive.conventions import (
     varied_names,
     with_role,
 )
+from mpm_warp.scenes import scene_class, scene_names
 
+PARTS = ("stretch_number", "stretch_count", "to_depth", "from_depth")
+"""Parameters that name a part of one sounding."""
 Known = tuple[float, float]
 """A value and its half width of 95 %, not a number where none is known."""
 
@@ -82,12 +85,19 @@ def ratio_notes(dataset: xr.Dataset) -> list[str]:
 
 
 def change_notes(dataset: xr.Dataset) -> list[str]:
-    """What changes from the least to the greatest of the only varied number, and the slope."""
+    """What changes from the least to the greatest of the only varied number, and the slope.
+
+    Nothing of a parameter of the method, whose cases share their errors, and of the parts of a
+    sounding.
+    """
     names, values = varied_names(dataset), np.array(_headlines(dataset))
-    has_one = len(names) == 1 and over_cases(dataset, names[0]).dtype.kind in "if"
-    if not has_one or not np.isfinite(values).all() or len(values) < 2:
+    scene = scenes_of(dataset)[0]
+    method = scene_class(scene).method if scene in scene_names() else ()
+    if len(names) != 1 or names[0] in (*method, *PARTS):
         return []
-    (name,), places = names, over_cases(dataset, names[0]).astype(float)
+    (name,), places = names, over_cases(dataset, names[0])
+    if places.dtype.kind not in "if" or not np.isfinite(values).all() or len(values) < 2:
+        return []
     order = np.argsort(places)
     least, greatest = ((float(it[0]), float(it[1])) for it in values[order[[0, -1]]])
     told = [f"difference {stated(*difference(greatest, least))}"]

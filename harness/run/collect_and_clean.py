@@ -30,6 +30,7 @@ from harness.archive.conventions import (
     UNTIMED,
     over_cases,
     reasons_of,
+    uncertainty_of,
     without_half_width,
 )
 from harness.archive.netcdf_files import read_attributes
@@ -109,7 +110,7 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
             over_cases(dataset, "message"),
             seconds,
             sources,
-            reasons_of(dataset),
+            np.where(np.isfinite(uncertainty_of(dataset)), "", reasons_of(dataset)).tolist(),
             strict=True,
         )
     ]

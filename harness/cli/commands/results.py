@@ -14,6 +14,7 @@ from harness.archive.study_files import read_study
 from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, has_tolerances, misses
 from harness.compare.differences import difference_rows, differences, unshared
+from harness.compare.least_squares import least_squares_table
 from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError, defect, tell
@@ -34,6 +35,9 @@ def compare(options: argparse.Namespace) -> int:
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
     with _result_of(options.file):
+        if options.standards:
+            print(least_squares_table(dataset))
+            return DONE
         try:
             print(result_table(dataset))
         except NothingToCompareError:

@@ -72,3 +72,5 @@ def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
     )
     assert said in result_table(known).splitlines()
     assert "difference" not in result_table(footings(["completed", "completed"]))
+    meshes = known.rename(adhesion_factor="cells_per_radius").assign_attrs(scene="cone_penetration")
+    assert "difference" not in result_table(meshes)

@@ -68,6 +68,12 @@ def test_status_says_why_a_case_has_no_half_width_and_what_one_means(
         assert lines[1].endswith("adhesion_factor=0.0: no U: Delta, speed")
         assert lines[-1] == f"U: {HALF_WIDTH}"
 
+    known = (), 0.1, {"role": "uncertainty"}
+    partly = DONE.assign(why_no_uncertainty=told, last_cone_factor_uncertainty=known)
+    case_files.write_case(folder, small.cases[0], partly, COMPLETED)
+    main(command("status", small_file))
+    assert "no U" not in capsys.readouterr().out  # of some depths of a sounding alone
+
 
 def test_collect_writes_what_there_is(
     folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
