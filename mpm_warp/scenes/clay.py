@@ -100,13 +100,13 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
                     needed, f"{name} = {value:g} needs {needed}, {what}: give both"
                 )
         try:
+            if self.own_strength is not None:
+                self._follow(self.own_strength)
             _ = self.clay
         except SceneError as refusal:
             raise ParameterError(
                 "material" if self.material in other_laws() else "ductility", str(refusal)
             ) from None
-        if self.own_strength is not None:
-            self._follow(self.own_strength)
 
     @property
     def own_strength(self) -> float | None:
@@ -117,7 +117,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         """
         if self.material not in other_laws() or "strength" in self._given_to_law:
             return None
-        return self._own_clay.undrained_strength(self._own_clay.reference_test)
+        return self.own_clay.undrained_strength(self.own_clay.reference_test)
 
     @property
     def _given_to_law(self) -> set[str]:
@@ -126,9 +126,10 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         return {field.name for field in fields(kind) if field.init}
 
     @property
-    def _own_clay(self) -> Material:
-        """The clay of a law that has a strength of its own."""
-        return self.clay_with(strength=1.0, density=1.0, speed_up=1.0)
+    def own_clay(self) -> Material:
+        """The clay of a law that has a strength of its own, before anything changes it."""
+        given = {"shear_modulus": self.rigidity_index, "poissons_ratio": self.poissons_ratio}
+        return self._intact({**given, "density": 1.0, "strength": 1.0})
 
     def _follow(self, strength: float) -> None:
         """Let su and rigidity index be those of the law, and what is derived from them."""
@@ -139,7 +140,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             object.__setattr__(self, name, Derived(strength))
         of_law = "shear_modulus" not in self._given_to_law
         if of_law and self.rigidity_index == definitions["rigidity_index"].default:
-            index = self._own_clay.ground_shear_modulus / strength
+            index = self.own_clay.ground_shear_modulus / strength
             object.__setattr__(self, "rigidity_index", Derived(index))
             fill_in(self, {"rigidity_index": index})
         fill_in(self, self.derived())

@@ -35,7 +35,7 @@ def factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str, xr.V
     """
     if test.own_strength is None:
         return {}
-    clay = test.clay
+    clay = test.own_clay
     strengths = {mode: clay.undrained_strength(name) for mode, name in MODES.items()}
     known = {mode: su for mode, su in strengths.items() if su is not None}
     resistance = float(results.cone_factor) * test.undrained_shear_strength
@@ -71,9 +71,9 @@ def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:
     """
     if test.own_strength is None:
         return {}
-    clay = test.clay
+    clay = test.own_clay
     mode = clay.reference_test
-    at_first = at_half = clay.ground_shear_modulus / test.own_strength
+    at_first = at_half = test.clay.ground_shear_modulus / test.own_strength
     if not isinstance(clay, Isotropic):
         own = {name: getattr(test, name) for name in other_law(test.material).parameters}
         element: Any = scene_class("element_test")

@@ -22,14 +22,18 @@ from typing import Self
 import numpy as np
 
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, as_array, in_words
-from mpm_warp.errors import ParameterError
+from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import nearest_name
 
 UNITS: Mapping[str, Mapping[str, float]] = {
     "depth": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "strength": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "strength_extension": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "strength_simple_shear": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "strength_horizontal": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
     "rigidity_index": {"1": 1.0},
     "shear_modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
     "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
@@ -37,6 +41,10 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "stress_anisotropy": {"1": 1.0},
 }
 """Units of each column, and what they are in SI units."""
+OTHER_NAMES = {"strength_compression": "strength"}
+"""What a column may be called too."""
+BY_DIRECTION = ("strength_extension", "strength_simple_shear", "strength_horizontal")
+"""Columns of ground whose strength depends on direction; `strength` is that in compression."""
 REQUIRED = ("depth", "strength")
 STIFFNESS = ("rigidity_index", "shear_modulus")
 PROFILE = "profile"
@@ -64,6 +72,9 @@ class Profile:
         stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), dimensionless, > -1 and < 1, in
             the ground before; none where it is not of the ground. Between rows the stress is
             linear.
+        strength_extension, strength_simple_shear, strength_horizontal: of ground whose strength
+            depends on direction [Pa], see `Anisotropic`; `strength` is then that in compression.
+            The last may be left out; without the others it does not.
 
     Raises:
         ParameterError: a value is not allowed; the message names column, row and value.
@@ -75,6 +86,9 @@ class Profile:
     unit_weight: Floats
     adhesion_factor: Floats | None = None
     stress_anisotropy: Floats | None = None
+    strength_extension: Floats | None = None
+    strength_simple_shear: Floats | None = None
+    strength_horizontal: Floats | None = None
 
     def __post_init__(self) -> None:
         columns = {
@@ -97,6 +111,10 @@ class Profile:
         thrice = np.flatnonzero(self.depth[2:] == self.depth[:-2])
         if len(thrice):
             raise refused(f"depth {self.depth[thrice[0]]:g} m is in three rows, must be in two")
+        if any(getattr(self, name) is not None for name in BY_DIRECTION):
+            if self.strength_extension is None or self.strength_simple_shear is None:
+                raise refused("needs strength_extension and strength_simple_shear: give both")
+            _ = self.shape  # all rows are possible
 
     @classmethod
     def read(cls, text: str) -> Self:
@@ -158,9 +176,36 @@ class Profile:
             strength_ratio=self.strength / self.strength.max(),
             stiffness_ratio=self.shear_modulus / self.shear_modulus.max(),
             adhesion_ratio=self._adhesion_ratio,
+            shape=self.shape,
             horizontal_stress=horizontal if horizontal.any() else None,
             origin_depth=origin_depth,
         )
+
+    def strengths_in_row(self, row: int) -> dict[str, float]:
+        """Strengths by direction, as `Anisotropic` calls them; {} where there are none."""
+        if self.strength_extension is None:
+            return {}
+        columns = {"strength_compression": self.strength}
+        columns |= {name: it for name, it in self._columns.items() if name in BY_DIRECTION}
+        return {name: float(it[row]) for name, it in columns.items()}
+
+    @property
+    def shape(self) -> Floats | None:
+        """Shape of the yield surface where the strength depends on direction, [n, shape_count].
+
+        Raises:
+            ParameterError: the strengths of a row are not possible together.
+        """
+        if self.strength_extension is None:
+            return None
+        shapes = []
+        for row, shear_modulus in enumerate(self.shear_modulus.tolist()):
+            given = self.strengths_in_row(row) | {"shear_modulus": shear_modulus}
+            try:
+                shapes.append(Anisotropic(density=1.0, poissons_ratio=0.0, **given).shape)
+            except SceneError as refusal:
+                raise refused(f"row {row + 1}: {refusal}") from None
+        return np.array(shapes)
 
     @property
     def _columns(self) -> dict[str, Floats]:
@@ -279,6 +324,7 @@ def _header(line: str) -> dict[str, float]:
         if match is None:
             raise refused("header: must name columns with units, as in 'depth [m], strength [kPa]'")
         name, unit = match.groups()
+        name = OTHER_NAMES.get(name, name)
         if name not in UNITS:
             raise refused(f"unknown column {name!r}{nearest_name(name, UNITS)}")
         if unit not in UNITS[name]:

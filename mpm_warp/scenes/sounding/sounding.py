@@ -90,7 +90,13 @@ class Sounding(SoundingTest):
             "speed_ratio": self.speed_ratio * math.sqrt(softest / shear_modulus),
             "time_step_fraction": min(self.time_step_fraction, greatest_fraction),
         }
-        return ConePenetration(**self._in_common | of_ground_and_start)
+        directed = ground.strengths_in_row(int(ground.strength.argmax()))
+        if not directed:
+            return ConePenetration(**self._in_common | of_ground_and_start)
+        test: Any = ConePenetration.offered()
+        of_law = directed | {"material": "anisotropic"}
+        built: ConePenetration = test(**self._in_common | of_ground_and_start | of_law)
+        return built
 
     @property
     def _in_common(self) -> dict[str, Any]:

@@ -185,6 +185,21 @@ def test_table_brackets_formulas_beside_clay_whose_strength_changes(
     assert "[" not in perfectly_plastic
 
 
+def test_formulas_do_not_apply_where_su_depends_on_the_test() -> None:
+    dataset = result(adhesion_factor=[0.0, 1.0])
+    dataset["cone_factor"].attrs["long_name"] = "cone factor, compression"
+    by_mode = dataset.assign(
+        cone_factor_by_compression=("adhesion_factor", [9.0, np.nan]),
+        cone_factor_by_average=("adhesion_factor", [12.0, np.nan]),
+    )
+    text = cone_factor_table(with_references(by_mode, THREE))
+    directed, same_in_all = rows(text)
+    assert directed.count("[") == 4
+    assert "[" not in same_in_all
+    assert " 12.0 " in directed
+    assert "computed: cone factor, compression: by su in that test" in text
+
+
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 def test_table_tells_the_difference_of_the_finest_two(order: slice) -> None:
     dataset = result(cells_per_radius=[2.0, 4.0, 8.0], adhesion_factor=[0.0, 1.0])

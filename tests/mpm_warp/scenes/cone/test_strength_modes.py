@@ -39,6 +39,14 @@ def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None
     assert FACTOR.cone_factor.attrs["long_name"] == "cone factor"
 
 
+def test_clay_that_softens_has_the_factors_of_intact_clay() -> None:
+    strong = {name: 10.0 * su for name, su in DIRECTED.items() if isinstance(su, float)}
+    test = cone_test(material="anisotropic", **strong, remoulded_strength_ratio=0.5, ductility=10.0)
+    found = factors_by_mode(test, FACTOR)
+    assert float(found["cone_factor_by_extension"]) == pytest.approx(18.0)
+    assert test.clay.strength == test.undrained_shear_strength == 200e3
+
+
 def test_clay_whose_strength_the_scene_gives_has_one_factor() -> None:
     for material in ("tresca", "von_mises"):
         test = cone_test(material=material)

@@ -1,12 +1,13 @@
 """The ground by depth: what a table says, and what is wrong with it in one line."""
 
-import dataclasses
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 
@@ -78,7 +79,7 @@ def test_what_is_wrong_is_told_in_one_line(text: str, message: str) -> None:
 
 def test_arrays_of_different_lengths_are_refused(profile: Profile) -> None:
     with pytest.raises(ParameterError, match="strength has shape"):
-        dataclasses.replace(profile, strength=np.ones(2))
+        replace(profile, strength=np.ones(2))
 
 
 def test_means_and_stresses_are_exact_integrals(profile: Profile) -> None:
@@ -129,3 +130,51 @@ def test_a_part_of_the_ground_is_the_same_there_and_goes_on_beyond(profile: Prof
         np.testing.assert_allclose(getattr(part, name)(depth), getattr(profile, name)(depth))
     np.testing.assert_allclose(part.strength_at(np.array([0.0, 5.0])), [25e3, 25e3])
     assert part.strength.max() == 25e3  # less than in the crust
+
+
+DIRECTED = (
+    "depth [m], strength_compression [kPa], strength_extension [kPa], strength_simple_shear [kPa]; "
+    "0, 20, 10, 15; 4, 20, 10, 15; 4, 40, 24, 30; 12, 50, 30, 40"
+)
+
+
+def test_strengths_by_direction_vary_with_depth() -> None:
+    sounding = Sounding(profile=DIRECTED, from_depth=2.0, to_depth=5.0)
+    material, ground = sounding.build().material, sounding.ground_passed
+    assert isinstance(material, Anisotropic)
+    strengths = ground.strengths_in_row(int(ground.strength.argmax()))
+    assert material.strength == strengths["strength_compression"]
+    for depth, compression, extension, simple_shear in ((3.0, 20, 10, 15), (4.0, 40, 24, 30)):
+        at = material.properties_at(np.array([0.0, sounding.start_depth - depth]))
+        of_place = replace(
+            material,
+            strength_compression=1e3 * compression,
+            strength_extension=1e3 * extension,
+            strength_simple_shear=1e3 * simple_shear,
+            strength_horizontal=None,
+            variation=None,
+        )
+        np.testing.assert_allclose(at[2:], of_place.properties[2:], rtol=1e-12)
+
+
+def test_uniform_ground_has_the_strengths_of_its_rows() -> None:
+    profile = "depth [m], strength [kPa], strength_extension [kPa], strength_simple_shear [kPa]; "
+    material = Sounding(profile=f"{profile} 0, 20, 10, 15; 9, 20, 10, 15").build().material
+    assert isinstance(material, Anisotropic)
+    assert material.variation is None
+    assert material.undrained_strength("triaxial_extension") == pytest.approx(10e3)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("strength_extension", "strength_horizontal", "needs strength_extension and strength_simp"),
+        ("24, 30", "24, 5", r"row 3: Anisotropic: strength_extension = 24000 Pa must be > 30000"),
+        ("40, 24", "40, 0", r"strength_extension in row 3 is 0, must be > 0"),
+    ],
+)
+def test_strengths_that_are_not_possible_are_told_with_their_row(
+    old: str, new: str, message: str
+) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Profile.read(DIRECTED.replace(old, new))
