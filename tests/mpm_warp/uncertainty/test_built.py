@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -252,3 +253,21 @@ def test_the_laws_of_this_package_are_called_by_their_names() -> None:
     clay = ConePenetration(remoulded_strength_ratio=0.5, ductility=10.0).build().material
     assert built_name(clay) == "einav_randolph"
     assert built_name(ConePenetration(material="von_mises").build().material) == "von_mises"
+
+
+def test_nothing_is_known_of_clay_with_strength_by_direction() -> None:
+    offered: Any = ConePenetration.offered()
+    directed = {
+        "material": "anisotropic",
+        "strength_compression": 20e3,
+        "strength_extension": 10e3,
+        "strength_simple_shear": 15e3,
+    }
+    for changing, named in (
+        ({}, "in anisotropic"),
+        ({"remoulded_strength_ratio": 0.5, "ductility": 10.0}, "in Anisotropic clay whose"),
+    ):
+        scene = offered(**directed, **changing).build()
+        assert why_not_as_measured(scene, scene)[0].startswith(
+            f"law: nobody has measured the error {named}"
+        )
