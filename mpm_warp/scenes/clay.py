@@ -31,8 +31,8 @@ class Clay:
     rigidity_index: float = parameter(100.0, "rigidity index G/su", minimum=2, maximum=5000)
     material: str = parameter(
         "tresca",
-        "yield criterion, or a law with parameters of its own; von_mises: sqrt(J2) = su, as Tresca in "
-        "pure shear",
+        "yield criterion, or a law with parameters of its own; von_mises: sqrt(J2) = su, as Tresca "
+        "in pure shear",
         choices=(*CRITERIA, *other_laws()),
     )
     poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
