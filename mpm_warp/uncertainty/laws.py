@@ -123,11 +123,7 @@ class ErrorLaws:
         return BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh - self._top
 
     def half_widths(self, factor: Value) -> dict[str, Value]:
-        """Half widths of 95 % of what the laws leave open, by what they are of, shape [...].
-
-        Args:
-            factor: the cone factor as simulated, shape [...].
-        """
+        """Half widths of 95 % of what the laws leave open of a cone factor, by what they are of."""
         return {
             "mesh": MESH * self.cell_size + WIDE * _excess_width(self.cell_size),
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
@@ -141,8 +137,7 @@ class ErrorLaws:
     def why_none_holds(self, *, largest_cell: float) -> dict[str, Condition]:
         """What keeps the laws from holding, as "word: sentence", and whether it does, shape [...].
 
-        Args:
-            largest_cell: the greatest width of the cells at the cone that is allowed.
+        The cells at the cone are allowed to be as wide as `largest_cell`.
         """
         return {
             f"rigidity index: it is not {SMALLEST_INDEX:g} to {LARGEST_INDEX:g}": (

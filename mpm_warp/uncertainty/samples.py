@@ -46,12 +46,7 @@ class SampleError:
 
 
 def why_not_known(built: Scene, expected: Scene | None) -> list[str]:
-    """Why the error of no sample of a sounding is known, whatever its ground.
-
-    Args:
-        built: the scene that was simulated.
-        expected: what the catalogue builds of the same parameters; see `built`.
-    """
+    """Why the error of no sample of a sounding is known, whatever its ground; see `built`."""
     return why_not_as_measured(built, expected) or why_not_tresca(built.material)
 
 

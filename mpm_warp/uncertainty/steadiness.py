@@ -68,11 +68,7 @@ def steady_mean(curve: xr.DataArray) -> tuple[float, str]:
 
 
 def left_to_come(resistance: Floats) -> float:
-    """Half width of the change that is still to come, in the unit of a curve; NaN for a short one.
-
-    Args:
-        resistance: the curve, shape [sample_count].
-    """
+    """Half width of the change that is still to come, in the unit of a curve; NaN if short."""
     before, last = (
         resistance[begin:end].mean() if resistance.size >= 2 * STEADY_SAMPLES else math.nan
         for begin, end in ((-2 * STEADY_SAMPLES, -STEADY_SAMPLES), (-STEADY_SAMPLES, None))

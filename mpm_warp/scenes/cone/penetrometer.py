@@ -82,11 +82,9 @@ class Penetrometer:
 
 
 def sleeve_mean(heights: Floats, values: Floats) -> float:
-    """Mean over the sleeve of what is linear between some heights; not a number beyond the highest.
+    """Mean over the sleeve of what is linear between heights above the shoulder, over the radius.
 
-    Args:
-        heights: above the shoulder, over the radius, rising, shape [n].
-        values: at these heights, shape [n].
+    The heights rise; it is not a number where the sleeve ends above the highest.
     """
     begin, end = SLEEVE_BEGIN, SLEEVE_BEGIN + SLEEVE_LENGTH
     if heights[-1] < end:

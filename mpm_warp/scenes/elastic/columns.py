@@ -69,12 +69,7 @@ class Column:
         )
 
     def mean_over_sections(self, values: Floats, mass: Floats) -> Floats:
-        """Means over the particles at each height, weighted by mass, from the base up.
-
-        Args:
-            values: of the particles as they were seeded, shape [particle_count].
-            mass: their masses [kg], shape [particle_count].
-        """
+        """Means by mass over the particles at each height, as seeded, from the base up."""
         across = round((len(mass) / self.cell_count) ** 0.5)
         weights = mass.reshape(-1, across)
         means: Floats = (values.reshape(weights.shape) * weights).sum(axis=1) / weights.sum(axis=1)

@@ -241,11 +241,7 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
 
 
 def check_sounding(test: SoundingTest) -> None:
-    """Refuse depths, stretches, layers and properties that do not go together.
-
-    Raises:
-        ParameterError: the first of what does not; its key names the parameter.
-    """
+    """Raise `ParameterError` for the first depth, stretch, layer or property that does not fit."""
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
         raise ParameterError(
             "to_depth",
