@@ -45,7 +45,7 @@ def _faults(result: Outline) -> Iterator[str]:
     texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(forms, scenes)}
     is_known = all(scene in scene_names() for scene in scenes)
     for name, form in forms.items():
-        if name in texts:
+        if name in texts or str(form.attributes.get("role")) in (Role.REASON, Role.BUILT):
             if form.kind != TEXT:
                 yield f"{name} is no text"
         # Which parameters of an unknown scene are texts is not known either.

@@ -203,6 +203,7 @@ def said(name: str, **attributes: object) -> Change:
 FAULTS: list[tuple[str, Change]] = [
     ("there is no case", lambda it: it.isel(adhesion_factor=slice(0, 0))),
     ("adhesion_factor has a value twice", lambda it: it.isel(adhesion_factor=[0, 0, 1])),
+    ("cone_factor is no text", said("cone_factor", role="reason")),
     ("status is no text", lambda it: it.assign(status=it.cone_factor)),
     (
         "cone_factor is no number",
