@@ -24,6 +24,7 @@ from mpm_warp.kernel_types import half, one, real, third, two, vec3, vec4, vecto
 vec6 = vector(6)
 three = wp.constant(real(3.0))
 root_of_three = wp.constant(real(math.sqrt(3.0)))
+minus_half_over_root = wp.constant(real(-0.5 / math.sqrt(3.0)))
 NEWTON_STEPS = 40
 """More than it takes: 2 to 5 where the semi-axes differ by 2."""
 converged = wp.constant(real(1e-10))
@@ -38,7 +39,7 @@ def deviator_along_axes(stress: vec4, shape: vec6) -> vec3:
     d = difference * shape[4] + shear * shape[5]  # (s_a - s_b) / 2, tension positive
     u = along - around
     return vec3(
-        -(u + three * d) * half / root_of_three,
+        (u + three * d) * minus_half_over_root,
         half * (u - d),
         shear * shape[4] - difference * shape[5],
     )
@@ -95,7 +96,8 @@ def size_of_ellipsoid(stress: vec4, shape: vec6) -> real:
 def nearest_from_centre(X: vec3, strength: real, shape: vec6) -> vec3:
     """The point of the ellipsoid nearest to X outside of it, both from the centre."""
     m, share, nearest = real(0.0), vec3(one, one, one), vec3() + X
-    N = wp.sqrt(weighted_square(nearest, shape)) / strength
+    inverse = one / strength  # a division takes longer than all else here
+    N = wp.sqrt(weighted_square(nearest, shape)) * inverse
     for _step in range(wp.static(NEWTON_STEPS)):
         if N - one <= converged:
             break
@@ -103,10 +105,10 @@ def nearest_from_centre(X: vec3, strength: real, shape: vec6) -> vec3:
         steepness = wp.dot(wp.cw_mul(share, normal), normal)
         m += (N - one) * N * N * strength * strength / steepness
         p, q, r = one + m * shape[1], one + m * shape[2], one + m * shape[3]
-        share = vec3(q * r, p * r, p * q) / (p * q * r)
+        share = (one / (p * q * r)) * vec3(q * r, p * r, p * q)
         nearest = wp.cw_mul(share, X)
-        N = wp.sqrt(weighted_square(nearest, shape)) / strength
-    return nearest / N
+        N = wp.sqrt(weighted_square(nearest, shape)) * inverse
+    return (one / N) * nearest
 
 
 @wp.func
