@@ -61,6 +61,12 @@ about six minutes.
 Measure the speed of the simulator on this machine and print it as tables.
     bench
     bench --set physics=cone --set 'size=[3000, 20000]'
+[interpret] turn a measured cone test into strength
+Turn a measured cone test into undrained shear strength by depth, with an error and where it comes
+from. The site file names the test and what is known of the ground; `harness new SITE --interpret
+TEST.csv` writes one.
+    interpret site.toml
+    interpret site.toml --laboratory triaxial.csv --out site
 [references] list what results are compared with
 List the cone factors of the literature and the bands of experience that a study can be compared
 with: formula, range, source, how it is known. With ID: one in full.

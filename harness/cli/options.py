@@ -84,11 +84,7 @@ def make_parser() -> Parser:
         command.set_defaults(function=function)
         return command
 
-    new = add("new", "studies.new")
-    new.add_argument("name", metavar="NAME", help="of the study; its file is NAME.toml")
-    new.add_argument(
-        "--scene", default="cone_penetration", metavar="SCENE", help="default: cone_penetration"
-    )
+    _add_options_of_new(add("new", "studies.new"))
     add("list", "studies.list_names")
     add("describe", "studies.describe", SUBJECT)
     add("schema", "studies.schema")
@@ -178,6 +174,8 @@ def make_parser() -> Parser:
         "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"
     )
 
+    _add_options_of_interpret(add("interpret", "interpret.interpret_site", OUT))
+
     about = add("help", "completion.show_help")
     about.add_argument("about", nargs="?", metavar="COMMAND", choices=tuple(HELP))
     completion = add("completion", "completion.completion")
@@ -188,6 +186,16 @@ def make_parser() -> Parser:
             "--debug", action="store_true", help="print where an error of the program arises"
         )
     return parser
+
+
+def _add_options_of_new(new: argparse.ArgumentParser) -> None:
+    new.add_argument("name", metavar="NAME", help="of the study; its file is NAME.toml")
+    new.add_argument(
+        "--interpret", type=Path, metavar="CSV", help="write a site file for this measured test"
+    )
+    new.add_argument(
+        "--scene", default="cone_penetration", metavar="SCENE", help="default: cone_penetration"
+    )
 
 
 def _add_options_of_run(run: argparse.ArgumentParser) -> None:
@@ -235,6 +243,16 @@ def _add_options_of_run(run: argparse.ArgumentParser) -> None:
         metavar="SIZE",
         help="memory that all running cases may take together, as 8e9 or 8GB; a case that needs "
         "more than its share is refused; default: 90%% of this machine's",
+    )
+
+
+def _add_options_of_interpret(interpret: argparse.ArgumentParser) -> None:
+    interpret.add_argument("site", type=Path, metavar="SITE", help="TOML file of a site")
+    interpret.add_argument(
+        "--laboratory",
+        type=Path,
+        metavar="CSV",
+        help="strengths to draw beside: columns depth [m] and strength [kPa]",
     )
 
 

@@ -16,6 +16,7 @@ from tqdm import tqdm
 from harness.archive.atomic_files import write_whole
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
+from harness.interpret.site import site_text
 from harness.references.registry import all_entries, one_entry
 from harness.run.resources import UPDATE_RATE
 from harness.study.cases import Case
@@ -46,8 +47,11 @@ def new(options: argparse.Namespace) -> int:
     if options.scene in study_names() and options.scene not in scene_names():
         scene = load_study(options.scene).parts[0].name
         raise HarnessError(f"--scene {options.scene}: is a study; its scene is {scene}")
-    write_whole(study_text(name, options.scene).encode(), path)
-    tell(f"edit {path}, then: harness run {shlex.quote(str(path))}")
+    is_site = options.interpret is not None
+    text = site_text(str(options.interpret)) if is_site else study_text(name, options.scene)
+    write_whole(text.encode(), path)
+    command = "interpret" if is_site else "run"
+    tell(f"edit {path}, then: harness {command} {shlex.quote(str(path))}")
     print(path)
     return DONE
 

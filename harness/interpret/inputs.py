@@ -1,0 +1,175 @@
+"""Inputs that are not known exactly: a number, a range, or a distribution, and samples of them.
+
+In a file each is written as one of ::
+
+    rigidity_index = 150
+    rigidity_index = { low = 50, high = 300 }
+    rate_factor    = { mean = 0.1, deviation = 0.03 }
+    ductility      = { mean = 20, deviation = 8, shape = "lognormal" }
+    K0             = { low = 0.5, mode = 0.6, high = 0.7 }
+    rigidity_index = { p10 = 60, p50 = 120, p90 = 260 }
+
+A range is uniform, on a logarithmic scale where it spans more than a factor of three; with a mode
+it is a triangle. A mean with a deviation is normal. Percentiles are joined by straight lines, and
+the lines of the two outermost pairs go on to 0 and 100 %.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from harness.study.tables import StudyError, Table
+from mpm_warp.arguments import Range
+from mpm_warp.grid.fitted import Floats
+
+Quantiles = Callable[[Floats], Any]
+"""Of shares between 0 and 1, shape [...], the values that so much lies below."""
+WIDE_RANGE = 3.0
+"""High over low from which on a range is uniform in its logarithm."""
+FORMS = (
+    ("low", "high"),
+    ("low", "mode", "high"),
+    ("mean", "deviation"),
+    ("mean", "deviation", "shape"),
+)
+"""Keys that an input may have together; the other form is percentiles, p5, p50 say."""
+HOW = (
+    "a number, { low, high }, { low, mode, high }, { mean, deviation, shape } or { p10, p50, p90 }"
+)
+SURELY = 1e-6
+"""Share beyond which the tails of a distribution are cut."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """One input of an interpretation.
+
+    Attributes:
+        text: how it is written, for the page.
+        quantiles: its distribution.
+        is_known: whether it is one number.
+    """
+
+    text: str
+    quantiles: Quantiles
+    is_known: bool
+
+
+def known(value: float) -> Input:
+    """An input that is one number."""
+    return Input(f"{value:g}", lambda share: np.full_like(share, value), True)
+
+
+def normal(deviation: float) -> Input:
+    """An error around 0 [of the unit of `deviation`]."""
+    if deviation == 0.0:
+        return known(0.0)
+    return Input(f"0 +- {deviation:g}", lambda share: stats.norm.ppf(share, scale=deviation), False)
+
+
+def read_input(table: Table, key: str, allowed: Range) -> Input:
+    """An input of a table of a file.
+
+    Args:
+        table: where it stands.
+        key: its name.
+        allowed: the range of what it may be; samples beyond are moved to its bounds, and a
+            distribution whose middle is beyond is refused.
+
+    Raises:
+        StudyError: it is none of the forms, or not allowed.
+    """
+    value = table.values[key]
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if not allowed.holds(value, value):
+            raise table.refuse(key, f"must be a number {allowed.allowed}")
+        return known(float(value))
+    if not isinstance(value, dict):
+        raise table.refuse(key, f"must be {HOW}")
+    numbers = {name: it for name, it in value.items() if name != "shape"}
+    for name, number in numbers.items():
+        if isinstance(number, bool) or not isinstance(number, (int, float)):
+            raise table.refuse(key, f"{name} must be a number")
+    quantiles = _distribution(table, key, value)
+    middle, ends = quantiles(np.array(0.5)), quantiles(np.array([SURELY, 1.0 - SURELY]))
+    if not (np.isfinite(ends).all() and allowed.holds(middle, middle)):
+        raise table.refuse(key, f"its median {middle:g} must be {allowed.allowed}")
+    if "mean" not in value and not allowed.holds(*ends):
+        raise table.refuse(key, f"goes from {ends[0]:g} to {ends[1]:g}, must be {allowed.allowed}")
+    low = max(allowed.minimum, np.nextafter(allowed.above, np.inf))
+    high = min(allowed.maximum, np.nextafter(allowed.below, -np.inf))
+    text = ", ".join(f"{name} {it}" for name, it in value.items())
+    return Input(
+        text, lambda share: np.clip(quantiles(np.clip(share, SURELY, 1 - SURELY)), low, high), False
+    )
+
+
+def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
+    """The quantiles of a distribution as it is written."""
+    names = tuple(value)
+    if all(re.fullmatch(r"p\d{1,2}", name) for name in names) and len(names) > 1:
+        return _of_percentiles(table, key, value)
+    if not any(set(names) == set(form) for form in FORMS):
+        raise table.refuse(key, f"must be {HOW}")
+    number = {name: float(it) for name, it in value.items() if name != "shape"}
+    if "low" in number:
+        low, high = number["low"], number["high"]
+        if not low < high:
+            raise table.refuse(key, "low must be below high")
+        if "mode" in number:
+            mode = (number["mode"] - low) / (high - low)
+            if not 0.0 <= mode <= 1.0:
+                raise table.refuse(key, "mode must be from low to high")
+            return stats.triang(mode, low, high - low).ppf
+        if low > 0.0 and high / low > WIDE_RANGE:
+            return stats.loguniform(low, high).ppf
+        return stats.uniform(low, high - low).ppf
+    mean, deviation = number["mean"], number["deviation"]
+    if not deviation > 0.0:
+        raise table.refuse(key, "deviation must be > 0; without one it is a number")
+    shape = value.get("shape", "normal")
+    if shape == "lognormal" and mean > 0.0:
+        width = np.sqrt(np.log1p((deviation / mean) ** 2))
+        return stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2)).ppf
+    if shape == "normal":
+        return stats.norm(mean, deviation).ppf
+    raise table.refuse(key, "shape must be normal, or lognormal with a mean > 0")
+
+
+def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
+    pairs = sorted((int(name[1:]) / 100.0, float(it)) for name, it in value.items())
+    shares, values = np.array(pairs).T
+    if not (np.diff(values) > 0.0).all():
+        raise table.refuse(key, "percentiles must rise")
+    slopes = np.diff(values) / np.diff(shares)
+    ends = values[0] - shares[0] * slopes[0], values[-1] + (1.0 - shares[-1]) * slopes[-1]
+    x, y = np.array([0.0, *shares, 1.0]), np.array([ends[0], *values, ends[1]])
+    return lambda share: np.interp(share, x, y)
+
+
+def sampled(inputs: dict[str, Input], count: int, seed: int) -> dict[str, Floats]:
+    """Samples of inputs that are independent of each other, a Latin hypercube of them.
+
+    Args:
+        inputs: by name.
+        count: how many samples.
+        seed: of the random numbers.
+
+    Returns:
+        By name, shape [count].
+    """
+    shares = stats.qmc.LatinHypercube(len(inputs), rng=seed).random(count)
+    columns = zip(inputs.items(), shares.T, strict=True)
+    return {name: it.quantiles(share) for (name, it), share in columns}
+
+
+def refuse_both(table: Table, one: str, other: str) -> None:
+    """Refuse a table that has both of two keys that say the same."""
+    if one in table.values and other in table.values:
+        raise StudyError(f"{table.where} {one}: {other} says the same; give one of them")

@@ -1,0 +1,395 @@
+"""Undrained shear strength by depth, with what its error comes from.
+
+For each layer the inputs are drawn many times; qnet of each draw is qnet as measured plus a share
+of the error of the test, the same along the whole test. Then at each depth
+
+    su = qnet / (Nkt(Ir, alpha, Delta, mu, delta, xi_95) e_table e_model)
+
+with Delta by K0 and su itself, and alpha by the sleeve friction and su where that is asked for;
+both by repetition. e_table and e_model are the errors of the table and of what the simulation
+leaves out. Sleeve and pore pressure, where they may tell of the soil, weigh the draws by how well
+the layer's mean of fs and u2 - u0 is met; the draws are then taken again by their weights.
+
+The share of a cause is what the variance of ln su loses when that input is known: the variance of
+its means over classes of the input (first-order effect, Saltelli et al. 2008, chapter 4).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from harness.interpret.factors import NUMERICAL_ERROR, RANGES, Along, at_table_rate, factors
+from harness.interpret.inputs import normal, sampled
+from harness.interpret.measured import REASONS, Measured, measured
+from harness.interpret.site import ByDepth, Layer, Site
+from harness.study.tables import StudyError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import curves, labelled
+
+PERCENTILES = (5.0, 50.0, 95.0)
+LEAST_RESISTANCE = 0.01
+"""Of qnet of a draw over qnet as measured: an error of the test larger than that says nothing."""
+REPETITIONS = 30
+"""Times that Delta and alpha follow from su and su from them."""
+SETTLED = 1e-6
+"""Relative change of su at which it has settled."""
+CLASSES = 32
+"""Classes of an input for its share of the variance."""
+HALF_WIDTH = 1.96
+"""Half width of 95 % over a deviation."""
+MODEL_OF_SLEEVE, MODEL_OF_U2 = 0.2, 0.2
+"""Deviations of what the simulation leaves out of sleeve friction and pore pressure, over them."""
+MOST_OUTSIDE = 0.05
+"""Share of the draws of a layer that may be outside the table; they count as at its edge."""
+MOST_OF_ANISOTROPY = 0.5
+"""Share of the draws at a depth whose Delta may be outside the table: they count as at its edge,
+since ground with Delta of 1 or more would have failed before any test."""
+FEWEST_DRAWS = 50
+"""Draws that count after weighing below which the measured values contradict the inputs."""
+MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_weight"
+"""Causes of an error that are no inputs of a layer."""
+TOGETHER = "together"
+"""The share that no single input has."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Draws of one layer.
+
+    Attributes:
+        inputs: causes by name, shape [draws].
+        factor: Nkt with all errors, over the strength that is wanted, shape [depths, draws].
+        strength: su that is wanted [Pa], shape [depths, draws].
+        outside: share of the draws that are outside the table, shape [depths].
+        log_likelihood: of each draw by sleeve and pore pressure, shape [draws].
+    """
+
+    inputs: Mapping[str, Floats]
+    factor: Floats
+    strength: Floats
+    outside: Floats
+    log_likelihood: Floats
+
+
+def interpret(site: Site) -> xr.Dataset:
+    """Strength of the layers of a site by depth.
+
+    Returns:
+        Over `depth` the measured and corrected values, `reason` (a number of its flag_meanings) why
+        a depth has no strength; over `percentile` too `strength` and `resistance_factor`; over
+        `cause` `error_share`; over `layer`, `cause` and `percentile` `input_before` and
+        `input_after`.
+
+    Raises:
+        StudyError: the file of the test is wrong, or an input of a layer leaves the table.
+    """
+    test = measured(site.test)
+    reason = test.reason.copy()
+    in_layer = np.full(len(test.depth), -1)
+    for number, layer in enumerate(site.layers):
+        in_layer[(test.depth >= layer.top) & (test.depth <= layer.bottom)] = number
+    reason[(reason == 0) & (in_layer < 0)] = REASONS.index("no layer")
+    causes = _causes(site)
+    shape = (len(test.depth), len(PERCENTILES))
+    strength, factor = np.full(shape, np.nan), np.full(shape, np.nan)
+    share = np.full((len(test.depth), len(causes)), np.nan)
+    before, after = np.full((2, len(site.layers), len(causes), len(PERCENTILES)), np.nan)
+    counted = np.zeros(len(site.layers))
+    for number in range(len(site.layers)):
+        here = np.flatnonzero((in_layer == number) & (reason == 0))
+        if not len(here):
+            continue
+        drawn = draw(site, number, test, here)
+        chosen, counted[number] = _chosen(drawn.log_likelihood, site.seed)
+        inputs = {name: it[chosen] for name, it in drawn.inputs.items()}
+        strength[here] = np.percentile(drawn.strength[:, chosen], PERCENTILES, axis=1).T
+        factor[here] = np.percentile(drawn.factor[:, chosen], PERCENTILES, axis=1).T
+        shares = error_shares(inputs, np.log(drawn.strength[:, chosen]))
+        for place, cause in enumerate(causes):
+            if cause in shares:
+                share[here, place] = shares[cause]
+            if cause in inputs:
+                before[number, place] = np.percentile(drawn.inputs[cause], PERCENTILES)
+                after[number, place] = np.percentile(inputs[cause], PERCENTILES)
+        left = here[drawn.outside > MOST_OF_ANISOTROPY]
+        reason[left] = REASONS.index("Delta beyond the table")
+        strength[left] = factor[left] = share[left] = np.nan
+    return _dataset(site, test, reason, causes, strength, factor, share, (before, after), counted)
+
+
+def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
+    """Draw the inputs of a layer, and the strength of each draw at its depths.
+
+    Args:
+        site: it is of.
+        number: of the layer.
+        test: as measured.
+        here: places of its depths, shape [depths].
+
+    Raises:
+        StudyError: an input of the layer leaves the table.
+    """
+    layer, table, weight = site.layers[number], factors(), site.test.unit_weight
+    causes = {
+        **layer.inputs,
+        MEASUREMENT: normal(1.0 / HALF_WIDTH),
+        TABLE_ERROR: normal(float(table.half_widths[0]) / HALF_WIDTH),
+        MODEL: normal(layer.model_error),
+    }
+    if not isinstance(weight, ByDepth):
+        causes[WEIGHT] = weight
+    inputs = sampled(causes, site.samples, site.seed + number)
+
+    def by_depth(values: Floats) -> Floats:
+        return values[here][:, None]
+
+    stress = by_depth(test.vertical_stress)
+    if WEIGHT in inputs:
+        stress = by_depth(test.depth) * inputs[WEIGHT]
+    net = by_depth(test.qt) + by_depth(test.errors["qt"]) * inputs[MEASUREMENT] - stress
+    net = np.maximum(net, LEAST_RESISTANCE * by_depth(test.net))
+    soil, ratio = _in_table(site, number, inputs)
+    along, errors = table.along(soil), ratio * np.exp(inputs[TABLE_ERROR] + inputs[MODEL])
+
+    # The ground's own Delta, and the adhesion of its sleeve, follow from the strength in turn.
+    strength = net / (10.0 * errors)
+    for _ in range(REPETITIONS):
+        anisotropy = _anisotropy(inputs, stress - by_depth(test.u0), strength) / ratio
+        held = _within("stress_anisotropy", anisotropy)
+        adhesion = _adhesion(inputs, by_depth(test.fs), strength * ratio, along, held)
+        before, strength = strength, net / (along(held, adhesion, 1)["cone_factor"] * errors)
+        if np.max(np.abs(strength / before - 1.0)) < SETTLED:
+            break
+    simulated = along(held, adhesion)
+    likelihood = np.zeros(site.samples)
+    for use, column, values, quantity, left_out in (
+        ("sleeve", "fs", test.fs, "sleeve_friction_factor", MODEL_OF_SLEEVE),
+        ("pore_pressure", "u2", test.u2 - test.u0, "pore_pressure_factor_shoulder", MODEL_OF_U2),
+    ):
+        if use in site.use:
+            width = math.hypot(left_out, NUMERICAL_ERROR[quantity] / HALF_WIDTH)
+            expected = simulated[quantity] * ratio * strength
+            likelihood += log_likelihood(values[here], expected, test.errors[column][here], width)
+    low, high = RANGES["stress_anisotropy"]
+    outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
+    wanted = strength * _over_average(layer, inputs)
+    return Drawn(inputs, net / wanted, wanted, outside, likelihood)
+
+
+def _in_table(
+    site: Site, number: int, inputs: Mapping[str, Floats]
+) -> tuple[dict[str, Floats], Floats]:
+    """The soil of each draw as the table has it, and su' / su; see `at_table_rate`."""
+    layer = site.layers[number]
+    soil, ratio = at_table_rate(
+        {
+            "rigidity_index": inputs["rigidity_index"],
+            "rate_factor": inputs["rate_factor"],
+            "remoulded_strength_ratio": 1.0 / inputs["sensitivity"],
+            "ductility": inputs["ductility"],
+        },
+        layer.laboratory_rate,
+    )
+    for name, values in soil.items():
+        low, high = RANGES[name]
+        share = np.mean((values < low) | (values > high))
+        if share > MOST_OUTSIDE:
+            raise StudyError(
+                f"{site.name}.toml: [[layer]] {number + 1} ({layer.title}): {share:.0%} of the "
+                f"draws leave the table of factors: {name} is {values.min():.3g} to "
+                f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
+            )
+    return {name: _within(name, it) for name, it in soil.items()}, ratio
+
+
+def _within(name: str, values: Floats) -> Floats:
+    """Values moved to the range of the table."""
+    held: Floats = np.clip(values, *RANGES[name])
+    return held
+
+
+def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:
+    """Delta = (sigma_v0 - sigma_h0) / (2 su), by K0 where that is given."""
+    if "stress_anisotropy" in inputs:
+        return np.broadcast_to(inputs["stress_anisotropy"], strength.shape)
+    delta: Floats = (1.0 - inputs["K0"]) * np.maximum(effective, 0.0) / (2.0 * strength)
+    return delta
+
+
+def _adhesion(
+    inputs: Mapping[str, Floats], friction: Floats, strength: Floats, along: Along, delta: Floats
+) -> Floats:
+    """The adhesion factor, by the sleeve friction where it is not given."""
+    if "adhesion_factor" in inputs:
+        return np.broadcast_to(inputs["adhesion_factor"], strength.shape)
+    rough = along(delta, np.ones_like(delta))["sleeve_friction_factor"]
+    return np.clip(friction / (strength * rough), 0.0, 1.0)
+
+
+def _over_average(layer: Layer, inputs: Mapping[str, Floats]) -> Floats | float:
+    """Strength in the mode that is wanted over the average of the three, which acts on a cone."""
+    if layer.strength in ("isotropic", "average"):
+        return 1.0
+    shear, extension = inputs["simple_shear_ratio"], inputs["extension_ratio"]
+    average = (1.0 + shear + extension) / 3.0
+    of_mode = {
+        "simple_shear": shear,
+        "triaxial_compression": np.ones_like(shear),
+        "triaxial_extension": extension,
+    }
+    ratio: Floats = of_mode[layer.strength] / average
+    return ratio
+
+
+def log_likelihood(values: Floats, expected: Floats, half_width: Floats, width: float) -> Floats:
+    """Of the mean of measured values of a layer, shape [draws].
+
+    The errors of a test are the same along it, and the model's in a layer: its depths are one
+    observation.
+
+    Args:
+        values: as measured, shape [depths]; what is not above 0 tells nothing.
+        expected: of each draw, shape [depths, draws].
+        half_width: 95 % of the error of the measured values, shape [depths].
+        width: deviation of what the model leaves out, over the value.
+    """
+    tells = values > 0.0
+    if not tells.any():
+        return np.zeros(expected.shape[1])
+    distance = np.log(values[tells, None] / np.maximum(expected[tells], 1.0)).mean(axis=0)
+    deviation = math.hypot(width, float((half_width[tells] / values[tells]).mean()) / HALF_WIDTH)
+    likelihood: Floats = -0.5 * (distance / deviation) ** 2
+    return likelihood
+
+
+def _chosen(likelihood: Floats, seed: int) -> tuple[np.ndarray, float]:
+    """Draws taken again by their weights, and how many count: 1 / sum of squared weights."""
+    weights = np.exp(likelihood - likelihood.max())
+    weights /= weights.sum()
+    count = len(weights)
+    start = np.random.default_rng(seed).random()
+    places = np.searchsorted(np.cumsum(weights), (np.arange(count) + start) / count)
+    return np.minimum(places, count - 1), float(1.0 / np.sum(weights**2))
+
+
+def error_shares(inputs: Mapping[str, Floats], values: Floats) -> dict[str, Floats]:
+    """Share of each input in the variance of values, and of all together beyond that.
+
+    Args:
+        inputs: by name, shape [draws]; one that is the same everywhere has no share.
+        values: shape [depths, draws].
+
+    Returns:
+        By name, `TOGETHER` among them; they add up to 1, shape [depths].
+    """
+    size = values.shape[1] // CLASSES
+    variance = values.var(axis=1)
+    shares = {}
+    for name, draws in inputs.items():
+        if np.ptp(draws) > 0.0:
+            order = np.argsort(draws, kind="stable")[: CLASSES * size]
+            classes = values[:, order].reshape(len(values), CLASSES, size)
+            of_means = classes.mean(axis=2).var(axis=1)
+            within = classes.var(axis=2).mean(axis=1) / size  # means of few vary by chance
+            shares[name] = np.maximum(of_means - within, 0.0) / variance
+    total = np.sum(list(shares.values()), axis=0)
+    over = np.maximum(total, 1.0)
+    return {name: it / over for name, it in shares.items()} | {TOGETHER: 1.0 - total / over}
+
+
+def _causes(site: Site) -> list[str]:
+    """All causes of an error in any layer, in the order in which they are shown."""
+    names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
+    return [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]
+
+
+def _dataset(
+    site: Site,
+    test: Measured,
+    reason: np.ndarray,
+    causes: list[str],
+    strength: Floats,
+    factor: Floats,
+    share: Floats,
+    inputs: tuple[Floats, Floats],
+    counted: Floats,
+) -> xr.Dataset:
+    by_depth = curves(
+        "depth",
+        (test.depth, "m", "depth of the tip"),
+        cone_resistance=(test.qc, "Pa", "cone resistance qc as measured"),
+        sleeve_friction=(test.fs, "Pa", "sleeve friction fs as measured"),
+        pore_pressure=(test.u2, "Pa", "pore pressure u2 as measured"),
+        water_pressure=(test.u0, "Pa", "water pressure u0 before"),
+        vertical_stress=(test.vertical_stress, "Pa", "total vertical stress before"),
+        total_resistance=(test.qt, "Pa", "corrected cone resistance qt"),
+        total_resistance_error=(test.errors["qt"], "Pa", "half width of 95 % of qt"),
+        net_resistance=(test.net, "Pa", "net resistance qnet"),
+        pore_pressure_ratio=(test.pore_pressure_ratio, "1", "pore pressure ratio Bq"),
+        friction_ratio=(test.friction_ratio, "1", "friction ratio Fr = fs / qnet"),
+        soil_index=(test.soil_index, "1", "soil behaviour type index Ic"),
+    )
+    flags = {
+        "long_name": "why there is no strength",
+        "flag_values": np.arange(len(REASONS), dtype=np.int8),
+        "flag_meanings": " ".join(it.replace(" ", "_") for it in REASONS),
+    }
+    by_depth["reason"] = xr.Variable("depth", reason, flags)
+    over = ("depth", "percentile")
+    by_depth = by_depth.assign(
+        labelled(
+            dims=over,
+            strength=(strength, "Pa", "undrained shear strength su"),
+            resistance_factor=(factor, "1", "resistance factor Nkt = qnet / su"),
+        )
+        | labelled(
+            dims=("depth", "cause"),
+            error_share=(share, "1", "share of the variance of ln su"),
+        )
+        | labelled(
+            dims=("layer", "cause", "percentile"),
+            input_before=(inputs[0], "1", "inputs as given"),
+            input_after=(inputs[1], "1", "inputs by what the test tells of them"),
+        )
+        | labelled(dims=("layer",), draws=(counted, "1", "draws that count after weighing"))
+    )
+    modes = "; ".join(f"{it.title}: {it.strength}" for it in site.layers)
+    return by_depth.assign_coords(
+        percentile=list(PERCENTILES), cause=causes, layer=[it.title for it in site.layers]
+    ).assign_attrs(title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use))
+
+
+def in_words(site: Site, found: xr.Dataset) -> list[str]:
+    """What may be quoted, a sentence a layer, with its assumptions."""
+    sentences = []
+    for layer, told in zip(site.layers, found["layer"].values, strict=True):
+        here = (found.depth >= layer.top) & (found.depth <= layer.bottom) & (found.reason == 0)
+        if not bool(here.any()):
+            sentences.append(f"{told}: no strength; {_why_none(found, layer)}.")
+            continue
+        own = found.sel(depth=here)
+        low, middle, high = own.strength.mean("depth").values / 1e3
+        factor = own.resistance_factor.mean("depth").values
+        shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
+        largest = ", ".join(f"{name} {value:.0%}" for name, value in shares.head(4).items())
+        assumed = f"; not given and assumed: {', '.join(layer.assumed)}" if layer.assumed else ""
+        few = float(found.draws.sel(layer=told)) < FEWEST_DRAWS
+        warning = " The measured values contradict the inputs as given." if few else ""
+        sentences.append(
+            f"{told}: su ({layer.strength.replace('_', ' ')}, at {layer.laboratory_rate:.1g} 1/s) "
+            f"{middle:.3g} kPa, {low:.3g} to {high:.3g} with 90 %, by Nkt {factor[1]:.3g}, "
+            f"{factor[0]:.3g} to {factor[2]:.3g}, on average over {int(here.sum())} depths; error "
+            f"from {largest}{assumed}.{warning}"
+        )
+    return sentences
+
+
+def _why_none(found: xr.Dataset, layer: Layer) -> str:
+    inside = (found.depth >= layer.top) & (found.depth <= layer.bottom)
+    numbers = np.unique(found.reason.values[inside.values])
+    return ", ".join(REASONS[int(it)] for it in numbers) or "the test does not reach it"

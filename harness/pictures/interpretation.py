@@ -1,0 +1,101 @@
+"""The picture of an interpreted cone test by depth: what was measured, Nkt, su and its error."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from harness.pictures.drawing.plot_parts import STYLED, series_colour
+from mpm_warp.grid.fitted import Floats
+
+KILO = 1e3
+SIZE = 9.0, 6.0
+"""Of the figure [inch]: depth needs room."""
+NOT_READ = "0.88"
+"""Shade of depths that have no strength."""
+LEAST_SHARE = 0.03
+"""Causes with less of the error on average are drawn as one."""
+
+
+@STYLED
+def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float]] = ()) -> Figure:
+    """Four panels by depth: net resistance, sleeve and pore pressure; Nkt; su; shares of its error.
+
+    Bands hold 90 %. Depths without a strength are grey.
+
+    Args:
+        found: what `interpret` gives.
+        points: depth [m] and strength [Pa] of a laboratory, beside it.
+    """
+    figure = Figure(figsize=SIZE, layout="constrained")
+    test, factor, strength, shares = figure.subplots(1, 4, sharey=True)
+    depth = found.depth.values
+    for place, (name, label) in enumerate(
+        (
+            ("net_resistance", "$q_{\\mathrm{net}}$"),
+            ("sleeve_friction", "$f_{\\mathrm{s}}$ x 10"),
+            ("pore_pressure", "$u_2$"),
+        )
+    ):
+        scale = 10.0 if name == "sleeve_friction" else 1.0
+        colour = series_colour(place, 3)
+        test.plot(scale * found[name] / KILO, depth, color=colour, lw=0.8, label=label)
+    test.set_xlabel("[kPa]")
+    test.set_xlim(0.0, 1.1 * float(np.nanmax(found.net_resistance)) / KILO)
+    _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]")
+    _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]")
+    if points:
+        at, values = np.array(points).T
+        strength.plot(values / KILO, at, "ko", ms=4, label="laboratory")
+        strength.legend(frameon=False)
+    _shares(shares, found)
+    for axes in (test, factor, strength, shares):
+        _shade(axes, depth, found.reason.values != 0)
+    test.set_ylabel("depth of the tip [m]")
+    test.set_ylim(depth[-1], depth[0])
+    test.legend(frameon=False, fontsize=7)
+    words = [found.attrs["title"], "Bands hold 90 %; grey: no strength, see the table."]
+    figure.supxlabel("  ".join(words), fontsize=7)
+    return figure
+
+
+def _band(axes: Axes, depth: Floats, values: Floats, label: str) -> None:
+    """The median of three percentiles, and a band between the outer ones."""
+    low, middle, high = values.T
+    colour = series_colour(0, 1)
+    axes.fill_betweenx(depth, low, high, color=colour, alpha=0.25, lw=0)
+    axes.plot(middle, depth, color=colour, lw=1.0)
+    axes.set_xlabel(label)
+    axes.set_xlim(0.0, 1.1 * float(np.nanmax(high, initial=1e-9)))
+
+
+def _shares(axes: Axes, found: xr.Dataset) -> None:
+    """Shares of the error, side by side to 100 %, the largest first."""
+    shares = found.error_share.dropna("cause", how="all")
+    means = shares.mean("depth")
+    order = list(means.sortby(-means).cause.values)
+    large = [it for it in order if float(means.sel(cause=it)) >= LEAST_SHARE]
+    small = [it for it in order if it not in large]
+    columns = [shares.sel(cause=it).values for it in large]
+    if small:
+        columns.append(shares.sel(cause=small).sum("cause", skipna=False).values)
+    names = [it.replace("_", " ") for it in large] + (["others"] if small else [])
+    begin = np.zeros(found.sizes["depth"])
+    for place, (name, column) in enumerate(zip(names, columns, strict=True)):
+        end = begin + 100.0 * column
+        colour = series_colour(place, len(names))
+        axes.fill_betweenx(found.depth, begin, end, color=colour, lw=0, label=name)
+        begin = end
+    axes.set_xlim(0.0, 100.0)
+    axes.set_xlabel("share of the error [%]")
+    if names:
+        axes.legend(frameon=True, fontsize=6, loc="lower right")
+
+
+def _shade(axes: Axes, depth: Floats, without: np.ndarray) -> None:
+    """Grey where there is no strength."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], without, [False]]).astype(int)))
+    for begin, end in edges.reshape(-1, 2):
+        axes.axhspan(depth[begin], depth[min(end, len(depth) - 1)], color=NOT_READ, lw=0, zorder=0)

@@ -1,0 +1,325 @@
+"""Interpretation of measured cone tests: inputs, the table of factors, strength and its error."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.cli.main import main
+from harness.interpret.factors import cone_factor, factors
+from harness.interpret.inputs import read_input, sampled
+from harness.interpret.site import load_site, site_text
+from harness.interpret.strength import error_shares, interpret
+from harness.study.tables import StudyError, Table
+from mpm_warp.arguments import FINITE, POSITIVE
+from mpm_warp.errors import ParameterError
+
+DEPTH = np.arange(1.0, 12.0, 0.1)
+STRENGTH = (8.0 + 1.5 * DEPTH) * 1e3
+"""Of the ground of all tests here [Pa]."""
+LAYER = """
+[[layer]]
+from = 2
+to = 10
+rigidity_index = 120
+adhesion_factor = 0.4
+stress_anisotropy = 0.2
+rate_factor = 0
+sensitivity = 1
+ductility = 20
+laboratory_rate = 1e-6
+model_error = 0
+"""
+SITE = """
+title = "A site"
+[test]
+file = "test.csv"
+area_ratio = 0.8
+water_level = 1.0
+unit_weight = 17
+accuracy = { qc = 0, fs = 0, u2 = 0 }
+"""
+
+
+def measured_rows(factor: float, friction: float = 0.4) -> str:
+    """A test in that ground whose qnet is `factor` su."""
+    water = 9.81 * np.maximum(0.0, DEPTH - 1.0)
+    net = factor * STRENGTH / 1e3
+    u2 = water + 0.5 * net
+    qc = net + 17.0 * DEPTH - 0.2 * u2
+    rows = zip(DEPTH, qc / 1e3, friction * STRENGTH / 1e3, u2, strict=True)
+    lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
+    return "\n".join(["depth [m],qc [MPa],fs [kPa],u2 [kPa]", *lines]) + "\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a measured test whose factor is that of the table, and its site file."""
+    factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
+    (tmp_path / "test.csv").write_text(measured_rows(factor))
+    (tmp_path / "site.toml").write_text(SITE + LAYER)
+    return tmp_path
+
+
+def changed(folder: Path, *changes: tuple[str, str], file: str = "site.toml") -> Path:
+    """The site file, after changes of a text of a file."""
+    text = (folder / file).read_text()
+    for old, new in changes:
+        assert text.count(old) >= 1, old
+        text = text.replace(old, new, 1)
+    (folder / file).write_text(text)
+    return folder / "site.toml"
+
+
+@pytest.mark.parametrize(
+    ("written", "mean", "deviation"),
+    [
+        (3.0, 3.0, 0.0),
+        ({"low": 2.0, "high": 4.0}, 3.0, 2.0 / math.sqrt(12.0)),
+        ({"low": 1.0, "high": math.e**2}, (math.e**2 - 1.0) / 2.0, None),
+        ({"low": 0.0, "mode": 3.0, "high": 6.0}, 3.0, math.sqrt(1.5)),
+        ({"mean": 3.0, "deviation": 0.5}, 3.0, 0.5),
+        ({"mean": 3.0, "deviation": 0.9, "shape": "lognormal"}, 3.0, 0.9),
+        ({"p10": 1.0, "p50": 2.0, "p90": 3.0}, 2.0, 2.5 / math.sqrt(12.0)),
+    ],
+)
+def test_an_input_has_the_moments_of_its_distribution(
+    written: object, mean: float, deviation: float | None
+) -> None:
+    """A Latin hypercube of n draws has a mean within its range over n of the exact one."""
+    count = 20_000
+    drawn = sampled({"x": read_input(Table("t:", {"x": written}), "x", FINITE)}, count, 1)["x"]
+    assert drawn.mean() == pytest.approx(mean, abs=20.0 / count * max(1.0, np.ptp(drawn)))
+    if deviation is not None:
+        assert drawn.std() == pytest.approx(deviation, abs=20.0 / count * max(1.0, np.ptp(drawn)))
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "x",
+        -1.0,
+        True,
+        {},
+        {"low": 1.0},
+        {"low": 2.0, "high": 1.0},
+        {"low": -1.0, "high": 1.0},
+        {"mean": 1.0, "deviation": 0.0},
+        {"mean": 1.0, "deviation": 1.0, "shape": "beta"},
+        {"p10": 2.0, "p90": 1.0},
+        {"low": 1.0, "high": "2"},
+        {"low": math.nan, "high": 2.0},
+    ],
+)
+def test_a_wrong_input_is_refused_in_one_line(written: object) -> None:
+    with pytest.raises(StudyError, match=r"^t: x = .*: .+$"):
+        read_input(Table("t:", {"x": written}), "x", POSITIVE)
+
+
+@pytest.mark.parametrize(
+    ("index", "adhesion", "exact"), [(100, 0.0, 10.53), (100, 0.5, 11.33), (100, 1.0, 12.04)]
+)
+def test_the_table_gives_the_factors_of_the_main_job(
+    index: float, adhesion: float, exact: float
+) -> None:
+    factor, half_width = cone_factor(rigidity_index=index, adhesion_factor=adhesion)
+    assert abs(factor - exact) < half_width
+
+
+def test_cases_kept_out_of_the_fit_are_within_its_error() -> None:
+    table = factors()
+    assert len(table.fit_errors) >= 80
+    inside = np.abs(table.fit_errors) <= table.half_widths
+    assert (inside.mean(axis=0) >= 0.95).all()
+    assert np.quantile(np.abs(table.fit_errors[:, 0]), 0.95) < 0.015
+
+
+def test_a_factor_follows_the_rate_at_which_the_strength_is_told() -> None:
+    """The same ground, told at another rate: Nkt su is the same force."""
+    rate, share = 1e-4, 0.1
+    at_table = cone_factor(rigidity_index=100, stress_anisotropy=0.2, rate_factor=share)[0]
+    over = 1.0 + share * math.log10(rate / 1e-6)
+    faster = cone_factor(
+        rigidity_index=100 / over,
+        stress_anisotropy=0.2 / over,
+        rate_factor=share / over,
+        reference_strain_rate=rate,
+    )[0]
+    assert faster * over == pytest.approx(at_table, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("rigidity_index", 2000.0),
+        ("adhesion_factor", 1.1),
+        ("stress_anisotropy", 0.95),
+        ("rate_factor", 0.3),
+        ("remoulded_strength_ratio", 0.01),
+        ("reference_strain_rate", 1.0),
+        ("ductility", math.nan),
+    ],
+)
+def test_a_factor_outside_the_table_is_refused(name: str, value: float) -> None:
+    with pytest.raises(ParameterError, match=f"^{name} = .* must be "):
+        cone_factor(**{"rigidity_index": 100.0, name: value})
+
+
+def test_the_strength_of_an_exact_test_is_that_of_the_ground(folder: Path) -> None:
+    """All inputs known: the one error left is the table's, around the exact strength."""
+    found = interpret(load_site(folder / "site.toml"))
+    inside = (found.depth >= 2.0) & (found.depth <= 10.0)
+    assert bool((found.reason[inside] == 0).all())
+    assert bool((found.reason[~inside] != 0).all())
+    strength = found.strength.sel(percentile=50.0)[inside] / STRENGTH[inside.values]
+    # Of 2048 draws in strata the median is off by less than a stratum's width.
+    np.testing.assert_allclose(strength, 1.0, rtol=2e-4)
+    share = found.error_share[inside].mean("depth")
+    assert float(share.sel(cause="numerical")) > 0.99
+
+
+def test_an_error_of_the_test_is_its_share_and_width(folder: Path) -> None:
+    """With qnet off by 10 % at 10 m and all else known, su is off by 10 % there."""
+    net = float(cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)[0])
+    half = 0.1 * net * float(STRENGTH[90]) / 1e3
+    site = load_site(changed(folder, ("{ qc = 0,", f"{{ qc = {half},")))
+    found = interpret(site).isel(depth=90)
+    low, middle, high = found.strength.values
+    told = 0.5 * (high - low) / middle
+    table = factors().half_widths[0]
+    assert told == pytest.approx(math.hypot(0.1, table) * 1.645 / 1.96, rel=0.02)
+    expected = 0.01 / (0.01 + table**2)
+    assert float(found.error_share.sel(cause="test")) == pytest.approx(expected, abs=0.03)
+
+
+def test_the_sleeve_tells_the_adhesion(folder: Path) -> None:
+    """An unknown adhesion is narrower, and around the true one, where the sleeve tells of it."""
+    wide = ("adhesion_factor = 0.4", "adhesion_factor = { low = 0.0, high = 1.0 }")
+    site = changed(folder, wide)
+    without = interpret(load_site(site))
+    weighed = interpret(load_site(changed(folder, ("[test]", 'use = ["tip", "sleeve"]\n[test]'))))
+    by_sleeve = interpret(load_site(changed(folder, (wide[1], 'adhesion_factor = "sleeve"'))))
+    low, middle, high = weighed.input_after.sel(cause="adhesion_factor").values[0]
+    before = without.input_after.sel(cause="adhesion_factor").values[0]
+    assert high - low < 0.7 * (before[2] - before[0])
+    assert low < 0.4 < high
+    assert abs(middle - 0.4) < 0.1
+    at = {"depth": 50}
+    widths = [
+        float(np.ptp(found.strength.isel(at).values / STRENGTH[50]))
+        for found in (by_sleeve, weighed, without)
+    ]
+    assert widths[0] < widths[1] < widths[2]
+
+
+def test_shares_of_the_error_are_those_of_a_sum() -> None:
+    """Of x + 2 y, independent and of one variance: a fifth and four fifths."""
+    rng = np.random.default_rng(1)
+    x, y = rng.normal(size=(2, 65536))
+    shares = error_shares({"x": x, "y": y}, (x + 2.0 * y)[None])
+    assert shares["x"][0] == pytest.approx(0.2, abs=0.01)
+    assert shares["y"][0] == pytest.approx(0.8, abs=0.01)
+    assert shares["together"][0] == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "problem"),
+    [
+        ("site.toml", "area_ratio = 0.8\n", "", "area_ratio: is missing"),
+        ("site.toml", "area_ratio = 0.8", "area_ratio = 1.8", "must be > 0 and <= 1"),
+        ("site.toml", "water_level = 1.0\n", "", "water_level: is missing"),
+        ("site.toml", "unit_weight = 17", "unit_weight = 17000", "must be a number > 0 and <= 30"),
+        ("site.toml", "rigidity_index = 120\n", "", "rigidity_index: is missing"),
+        ("site.toml", "rigidity_index", "rigidity_indx", "unknown key; did you mean"),
+        ("site.toml", "to = 10", "to = 1", "must be > 2"),
+        ("site.toml", "rate_factor = 0\n", "rate_factor = 0\nK0 = 0.6\n", "says the same"),
+        ("site.toml", "laboratory_rate = 1e-6", 'laboratory_rate = "fast"', "must be a text as"),
+        ("site.toml", "laboratory_rate = 1e-6", "laboratory_rate = 1", "must be >= 1e-06"),
+        ("site.toml", 'file = "test.csv"', 'file = "none.csv"', "no such file"),
+        ("site.toml", "accuracy = {", 'accuracy = "class 7"  # {', "must be one of class"),
+        ("test.csv", "qc [MPa]", "qc", "has no unit"),
+        ("test.csv", "qc [MPa]", "qc [psi]", "has unit 'psi'; allowed: Pa, kPa, MPa, bar"),
+        ("test.csv", "fs [kPa]", "friktion [kPa]", "has no column 'fs'"),
+        ("test.csv", "\n1.1,", "\n0.9,", "depth goes back from 1 to 0.9 m"),
+        ("test.csv", "\n1.1,", "\nx,", "'x' is no number"),
+        ("test.csv", "\n1.1,", "\n1.1,-999,", "qc = -9.99e+08 Pa"),
+        ("test.csv", "u2 [kPa]", "other [kPa]", "has no u2"),
+    ],
+)
+def test_a_wrong_site_or_test_is_one_line(
+    folder: Path, file: str, old: str, new: str, problem: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed(folder, (old, new), file=file)
+    assert main(["interpret", str(folder / "site.toml"), "--out", str(folder / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert problem in line
+    assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (("[[layer]]", "[other]"), None),
+        (("unit_weight = 17", "unit_weight = 17\npre_drilled = 4.0"), "pre-drilled"),
+        (("stress_anisotropy = 0.2", "K0 = 0.05"), "Delta beyond the table"),
+    ],
+)
+def test_a_depth_without_strength_says_why(
+    folder: Path, change: tuple[str, str], reason: str | None
+) -> None:
+    if reason is None:
+        with pytest.raises(StudyError, match="unknown key"):
+            load_site(changed(folder, change))
+        return
+    found = interpret(load_site(changed(folder, change)))
+    words = found.reason.attrs["flag_meanings"].split()
+    assert reason.replace(" ", "_") in {words[it] for it in found.reason.values}
+    left = found.reason.values != 0
+    assert np.isnan(found.strength.values[left]).all()
+
+
+def test_values_that_cannot_be_clay_are_left_out(folder: Path) -> None:
+    """Sand: ten times the resistance, the same friction; a filter that stands still."""
+    lines = (folder / "test.csv").read_text().splitlines()
+    for row in range(50, 60):
+        depth, qc, *others = lines[row].split(",")
+        lines[row] = ",".join([depth, f"{20.0 * float(qc):g}", *others])
+    for row in range(70, 95):
+        lines[row] = ",".join([*lines[row].split(",")[:3], "77.0"])
+    (folder / "test.csv").write_text("\n".join(lines))
+    found = interpret(load_site(folder / "site.toml"))
+    words = found.reason.attrs["flag_meanings"].split()
+    reasons = [words[it] for it in found.reason.values]
+    assert set(reasons[49:59]) == {"not_undrained_clay"}
+    assert set(reasons[70:85]) == {"filter_not_saturated"}
+
+
+def test_a_site_is_interpreted_from_the_command_line(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From the test alone: a site file is written, completed by hand, and interpreted."""
+    monkeypatch.chdir(folder)
+    (folder / "triaxial.csv").write_text("depth [m],strength [kPa]\n5,15.5\n")
+    assert main(["new", "mine", "--interpret", "test.csv"]) == 0
+    assert main(["interpret", "mine.toml"]) == 2
+    assert "area_ratio: is missing" in capsys.readouterr().err
+    text = (folder / "mine.toml").read_text()
+    (folder / "mine.toml").write_text(text.replace("[test]", "[test]\narea_ratio = 0.8", 1))
+    assert main(["interpret", "mine.toml", "--laboratory", "triaxial.csv"]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("2 to 10 m: su (isotropic")
+    assert "not given" not in told.out
+    assert "no design value" in told.err
+    written = sorted(it.name for it in (folder / "results").iterdir())
+    assert written == [f"mine_interpretation.{it}" for it in ("csv", "nc", "png", "svg")]
+    header, row, *_ = (folder / "results/mine_interpretation.csv").read_text().splitlines()
+    assert header.split(",")[-2:] == ["su 95% [kPa]", "reason"]
+    assert row.endswith(",no layer")
+
+
+def test_the_site_file_that_is_written_names_every_key(folder: Path) -> None:
+    text = site_text("test.csv").replace("[test]", "[test]\narea_ratio = 0.8", 1)
+    (folder / "written.toml").write_text(text)
+    site = load_site(folder / "written.toml")
+    assert site.layers[0].assumed == ()
