@@ -28,7 +28,7 @@ from harness.study.tables import StudyError, Table
 from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
 
-Quantiles = Callable[[Floats], Any]
+Quantiles = Callable[[Floats], Floats]
 """Of shares between 0 and 1, shape [...], the values that so much lies below."""
 WIDE_RANGE = 3.0
 """High over low from which on a range is uniform in its logarithm."""
@@ -126,20 +126,28 @@ def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quan
             mode = (number["mode"] - low) / (high - low)
             if not 0.0 <= mode <= 1.0:
                 raise table.refuse(key, "mode must be from low to high")
-            return stats.triang(mode, low, high - low).ppf
-        if low > 0.0 and high / low > WIDE_RANGE:
-            return stats.loguniform(low, high).ppf
-        return stats.uniform(low, high - low).ppf
+            chosen = stats.triang(mode, low, high - low)
+        elif low > 0.0 and high / low > WIDE_RANGE:
+            chosen = stats.loguniform(low, high)
+        else:
+            chosen = stats.uniform(low, high - low)
+        return _quantiles(chosen)
     mean, deviation = number["mean"], number["deviation"]
     if not deviation > 0.0:
         raise table.refuse(key, "deviation must be > 0; without one it is a number")
     shape = value.get("shape", "normal")
     if shape == "lognormal" and mean > 0.0:
         width = np.sqrt(np.log1p((deviation / mean) ** 2))
-        return stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2)).ppf
+        return _quantiles(stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2)))
     if shape == "normal":
-        return stats.norm(mean, deviation).ppf
+        return _quantiles(stats.norm(mean, deviation))
     raise table.refuse(key, "shape must be normal, or lognormal with a mean > 0")
+
+
+def _quantiles(distribution: Any) -> Quantiles:
+    """Of a distribution of scipy."""
+    quantiles: Quantiles = distribution.ppf
+    return quantiles
 
 
 def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:

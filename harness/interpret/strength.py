@@ -146,7 +146,8 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
     inputs = sampled(causes, site.samples, site.seed + number)
 
     def by_depth(values: Floats) -> Floats:
-        return values[here][:, None]
+        column: Floats = values[here][:, None]
+        return column
 
     stress = by_depth(test.vertical_stress)
     if WEIGHT in inputs:
