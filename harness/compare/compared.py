@@ -31,9 +31,7 @@ class NothingToCompareError(HarnessError):
 def conditions_of(dataset: xr.Dataset) -> Conditions:
     """What the literature's formulas depend on, out of the parameters stored in `dataset`.
 
-    A shaft adhesion that is not a number, as older results have it, means the face's; a stress
-    anisotropy that the scene does not have means isotropic; clay without parameters of softening
-    and of a rate effect has neither.
+    What a scene has no parameter of is absent. A shaft adhesion that is not a number is the face's.
 
     Raises:
         NothingToCompareError: the dataset has no rigidity index or no adhesion factor.
@@ -50,25 +48,15 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
         stress_anisotropy=dataset.get("stress_anisotropy", xr.DataArray(0.0)),
         apex_angle=dataset.get("apex_angle", xr.DataArray(60.0)),
         friction=dataset.get("friction_coefficient", xr.DataArray(0.0)),
-        strength_stays=_strength_stays(dataset),
+        strength_stays=(dataset.get("rate_factor", xr.DataArray(0.0)) == 0.0)
+        & (dataset.get("remoulded_strength_ratio", xr.DataArray(1.0)) == 1.0)
+        & dataset.get("cone_factor_by_compression", xr.DataArray(np.nan)).isnull(),
         parameters={name: dataset[stored] for name, stored in parameter_names(dataset).items()},
     )
 
 
-def _strength_stays(dataset: xr.Dataset) -> xr.DataArray:
-    """Whether neither strain, nor its rate, nor the mode of the test changes the strength."""
-    by_mode = dataset.get("cone_factor_by_compression", xr.DataArray(np.nan))
-    rate_factor = dataset.get("rate_factor", xr.DataArray(0.0))
-    remoulded = dataset.get("remoulded_strength_ratio", xr.DataArray(1.0))
-    return (rate_factor == 0.0) & (remoulded == 1.0) & by_mode.isnull()
-
-
 def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr.Dataset:
     """Set cone factors of the literature, or of the study's own, beside the computed ones.
-
-    Args:
-        dataset: result of a study: `cone_factor` and all parameters of the scene, by name.
-        references: what is set beside it.
 
     Returns:
         The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
@@ -81,36 +69,23 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
     if not references:
         return dataset
     computed, conditions = cone_factor_of(dataset), conditions_of(dataset)
+    told = ("source", "formula", "criterion", "method", "how_known", "validity")
+    added = {}
     for reference in references:
         # Values alone: arithmetic would hand on the attributes of a parameter.
         value = xr.DataArray(reference.evaluate(conditions)).broadcast_like(computed)
         values = value.transpose(*computed.dims).values
+        known = {"units": "1", **{name: getattr(reference, name) for name in told}}
+        if isinstance(reference, OwnReference):
+            known |= reference.as_attributes()
         label = f"cone factor of {reference.label}"
-        known = {
-            "units": "1",
-            "source": reference.source,
-            "formula": reference.formula,
-            "criterion": reference.criterion,
-            "method": reference.method,
-            "how_known": reference.how_known,
-            "validity": reference.validity,
-            **(reference.as_attributes() if isinstance(reference, OwnReference) else {}),
-        }
-        dataset = dataset.assign(
-            {
-                f"{Role.REFERENCE}_{reference.id}": (
-                    computed.dims,
-                    values,
-                    known | {"long_name": label, "role": Role.REFERENCE},
-                ),
-                f"{Role.DEVIATION}_{reference.id}": (
-                    computed.dims,
-                    computed.values / values - 1,
-                    known | {"long_name": f"deviation from the {label}", "role": Role.DEVIATION},
-                ),
-            }
-        )
-    return dataset
+        for role, numbers, meaning in (
+            (Role.REFERENCE, values, label),
+            (Role.DEVIATION, computed.values / values - 1, f"deviation from the {label}"),
+        ):
+            attributes = known | {"long_name": meaning, "role": role}
+            added[f"{role}_{reference.id}"] = computed.dims, numbers, attributes
+    return dataset.assign(added)
 
 
 def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
@@ -162,8 +137,7 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
 
     Returns:
         The dataset with `experience_<id>` for each id, over the dim `bound`: the least and the
-        greatest factor. The attributes say what the band is of, which su it means, what it spans,
-        and how all of this is known.
+        greatest factor.
 
     Raises:
         UnknownReferenceError: an id is unknown.
@@ -227,15 +201,15 @@ def misses(dataset: xr.Dataset) -> list[str]:
 
 
 def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
+    numbers = [str(name) for name in dataset.data_vars if dataset[name].dtype.kind in "iuf"]
+    applies: object = True
     if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
         value = dataset[deviation]
-        reference = _stored(dataset, f"{Role.REFERENCE}_{name}")
-        applies = xr.DataArray(reference.applies(conditions_of(dataset)))
-    elif name in dataset and dataset[name].dtype.kind in "iuf":
-        value, applies = dataset[name], xr.DataArray(True)
+        applies = _stored(dataset, f"{Role.REFERENCE}_{name}").applies(conditions_of(dataset))
+    elif name in numbers:
+        value = dataset[name]
     else:
-        known = [str(name) for name in dataset.data_vars if dataset[name].dtype.kind in "iuf"]
-        return [f"{name}: is neither a reference nor a result here{did_you_mean(name, known)}"]
+        return [f"{name}: is neither a reference nor a result here{did_you_mean(name, numbers)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
     size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
     held = over_cases(dataset, applies)

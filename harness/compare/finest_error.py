@@ -1,7 +1,7 @@
 """The error of each case against the best known one, where no exact solution is known."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -65,7 +65,7 @@ def with_finest_error(
 
     Args:
         dataset: the result of a study of one scene.
-        method: the parameters of the method, which the scene names.
+        method: the parameters of the method.
         reference: a result whose cases stand for the true values of those alike; or none.
 
     Raises:
@@ -81,40 +81,37 @@ def with_finest_error(
         raise NothingToCompareError("no case differs from one of it in the method alone")
     best = _best_known(dataset, method)
     error, floor = np.full(values.shape, np.nan), np.full(values.shape, np.nan)
-    for soil, cases in groups.items():
-        if soil not in given and soil not in best:
-            continue
+    for soil in groups.keys() & {*given, *best}:
         known = given.get(soil) or best[soil]
-        others = cases[sound[cases]]
+        others = groups[soil][sound[groups[soil]]]
         if soil not in given:
             others = others[others != known.case]
         error[others] = np.abs(values[others] / known.value - 1.0)
         floor[others] = known.half_width / known.value
-    if not np.isfinite(error).any():
-        return dataset
-    labels = {
-        "units": "1",
-        "long_name": f"error of the {spoken(headlines[0])}",
-        "description": "relative difference from the case that is known best, or else the one with "
+    told = (
+        "relative difference from the case that is known best, or else the one with "
         "most particle updates, among those that differ in the method alone; that one has none"
         if reference is None
-        else f"relative difference from the result of the study {reference.attrs['study']}",
-        "role": Role.ERROR,
+        else f"relative difference from the result of the study {reference.attrs['study']}"
+    )
+    of_error = {"long_name": f"error of the {spoken(headlines[0])}", "description": told}
+    of_floor = {
+        "long_name": "relative uncertainty of the reference of the error",
+        "description": "below it an error says nothing",
     }
     status = dataset["status"]
-    added = {ERROR_FINEST: (status.dims, error.reshape(status.shape), labels)}
-    if np.isfinite(floor).any():
-        of_reference = {
-            "units": "1",
-            "long_name": "relative uncertainty of the reference of the error",
-            "description": "below it an error says nothing",
-        }
-        added[FLOOR] = (status.dims, floor.reshape(status.shape), of_reference)
+    added = {
+        name: (status.dims, values.reshape(status.shape), {"units": "1"} | labels)
+        for name, values, labels in (
+            (ERROR_FINEST, error, of_error | {"role": Role.ERROR}),
+            (FLOOR, floor, of_floor),
+        )
+        if np.isfinite(values).any()
+    }
     return dataset.assign(added)
 
 
-@dataclass(frozen=True)
-class _Known:
+class _Known(NamedTuple):
     """The case that is known best among those alike."""
 
     case: int
@@ -130,13 +127,11 @@ def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, _Known]
     for soil, alike in _alike(dataset, method).items():
         cases = alike[sound[alike]]
         stating = cases[np.isfinite(half_width[cases])]
+        if len(stating):
+            cases = stating[[np.argmin(half_width[stating])]]
         if len(cases):
-            case = (
-                stating[np.argmin(half_width[stating])]
-                if len(stating)
-                else cases[np.argmax(cost[cases])]
-            )
-            best[soil] = _Known(int(case), float(values[case]), float(half_width[case]))
+            case = int(cases[np.argmax(cost[cases])])
+            best[soil] = _Known(case, float(values[case]), float(half_width[case]))
     return best
 
 
@@ -149,10 +144,10 @@ def _what_is_known(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 def _alike(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, np.ndarray]:
     """Indices of the cases that agree in all parameters but those of the method, by group."""
-    names = {name: it for name, it in parameter_names(dataset).items() if name not in method}
-    columns = [over_cases(dataset, names[name]).tolist() for name in sorted(names)]
+    names = sorted(it for it in parameter_names(dataset).items() if it[0] not in method)
+    columns = [over_cases(dataset, stored).tolist() for _, stored in names]
     groups: dict[str, list[int]] = {}
     for case, values in enumerate(zip(*columns, strict=True)):
-        soil = repr(dict(zip(sorted(names), values, strict=True)))
+        soil = repr([(name, value) for (name, _), value in zip(names, values, strict=True)])
         groups.setdefault(soil, []).append(case)
     return {soil: np.array(group) for soil, group in groups.items()}

@@ -26,10 +26,10 @@ from harness.compare.compared import NothingToCompareError
 from harness.compare.result_table import (
     MISSING,
     RESOLUTION,
-    Column,
+    column,
     half_width_column,
     parameter_columns,
-    table_lines,
+    table,
 )
 
 ORDERS = np.linspace(0.05, 8.0, 1591)
@@ -134,19 +134,16 @@ def least_squares_table(dataset: xr.Dataset) -> str:
         raise NothingToCompareError(
             f"least squares: no cone factor on {FEWEST} values of {RESOLUTION} with all else alike"
         )
-    headings = (("as simulated,", "U by least squares"), ("its", "limit"), ("its", "order"))
+    headings = ("as simulated,_U by least squares", "its_limit", "its_order")
     columns = [
         *parameter_columns(dataset),
-        *(Column(heading, list(row)) for heading, row in zip(headings, texts, strict=True)),
-        half_width_column(dataset, CORRECTED, ("cone factor,", "its own U")),
+        *(column(heading, row) for heading, row in zip(headings, texts, strict=True)),
+        half_width_column(dataset, CORRECTED, "cone factor,_its own U"),
     ]
-    return "\n".join(
-        [
-            *table_lines(columns),
-            "",
-            "least squares: Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104, of the mesh alone;",
-            f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
-            "its own U: of mesh, speed, window and noise, of the corrected value; the error of the",
-            "mesh, B h + C g^1.5 h^1.3, has terms that often cancel, so that no power of h fits",
-        ]
-    )
+    notes = [
+        "least squares: Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104, of the mesh alone;",
+        f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
+        "its own U: of mesh, speed, window and noise, of the corrected value; the error of the",
+        "mesh, B h + C g^1.5 h^1.3, has terms that often cancel, so that no power of h fits",
+    ]
+    return table(columns, notes)

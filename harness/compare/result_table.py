@@ -1,7 +1,6 @@
 """The result of a study as a table for a terminal: beside cone factors, or exact solutions."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -42,88 +41,100 @@ from harness.references.cone_factors import (
 
 MISSING = "-"
 """In the place of a number that there is not."""
-
 MOST_CASES = 3
 """Cases that a note names at most."""
+RESOLUTION = "cells_per_radius"
+"""The parameter that refines the mesh: its finest two values give the discretisation's share."""
+BY_MODE = {
+    "cone_factor_by_compression": "by su in_compression",
+    "cone_factor_by_simple_shear": "by su in_simple shear",
+    "cone_factor_by_extension": "by su in_extension",
+    "cone_factor_by_average": "by su,_average",
+}
+"""Cone factors by the test that su is from, and their headings."""
+Column = list[str]
+"""The lines of a column, of the same width."""
 
 
-@dataclass(frozen=True)
-class Column:
-    """One column of a table: a heading of two lines and a text for each case."""
+def result_table(dataset: xr.Dataset) -> str:
+    """A text table for a terminal: one row a case, and how to read it below.
 
-    heading: tuple[str, str]
-    texts: list[str]
+    Where cone factors stand beside results of other scenes, these have a table of their own, and
+    each ratio of two scenes in one soil stands below.
 
-    @property
-    def width(self) -> int:
-        """Characters of its longest text."""
-        return max(len(text) for text in (*self.heading, *self.texts))
+    Raises:
+        NothingToCompareError: no case has a result, or a cone factor lacks its parameters.
+    """
+    return "\n".join([_tables(dataset), *ratio_notes(dataset), *change_notes(dataset)])
 
 
-def table_lines(columns: Sequence[Column]) -> list[str]:
-    """The lines of a table: two of headings, a rule, and one for each case."""
-    rows = [
-        [column.heading[0] for column in columns],
-        [column.heading[1] for column in columns],
-        ["-" * column.width for column in columns],
-        *zip(*(column.texts for column in columns), strict=True),
-    ]
-    return ["  ".join(_justified(row, columns)).rstrip() for row in rows]
+def _tables(dataset: xr.Dataset) -> str:
+    if COMPARED not in dataset:
+        return _exact_table(dataset)
+    scenes = np.array(scenes_of(dataset))
+    of_cones = np.isin(scenes, scenes[np.isfinite(over_cases(dataset, COMPARED).astype(float))])
+    if of_cones.all() or not of_cones.any():
+        return cone_factor_table(dataset)
+    others = _cases(dataset, ~of_cones)
+    try:
+        of_others = _exact_table(others)
+    except NothingToCompareError as error:
+        of_others = f"{', '.join(dict.fromkeys(scenes_of(others)))}: {error}"
+    return f"{cone_factor_table(_cases(dataset, of_cones))}\n\n{of_others}"
+
+
+def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
+    """Some cases of several scenes, with the variables that they have."""
+    part = dataset.isel({CASE: np.flatnonzero(chosen)})
+    return part.drop_vars([name for name, it in part.data_vars.items() if it.isnull().all()])
+
+
+def table(columns: Iterable[Column], notes: Iterable[str]) -> str:
+    """A text of columns, and of notes below them."""
+    rows = ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
+    return "\n".join([*rows, "", *notes])
+
+
+def column(name: str, texts: Iterable[object]) -> Column:
+    """A heading, a rule, and a text for each case; the last "_" of a name parts its two lines."""
+    head, _, tail = name.rpartition("_")
+    lines = [head, tail, *map(str, texts)]
+    width = max(map(len, lines))
+    return [line.rjust(width) for line in (head, tail, "-" * width, *lines[2:])]
 
 
 def parameter_columns(dataset: xr.Dataset) -> list[Column]:
     """A column for each parameter that the study varies."""
-    return [
-        Column(heading(name), [_text(value) for value in over_cases(dataset, name)])
-        for name in varied_names(dataset)
-    ]
+    varied = varied_names(dataset)
+    return [column(name, map(_text, over_cases(dataset, name))) for name in varied]
 
 
-def run_columns(dataset: xr.Dataset) -> list[Column]:
-    """Run time, where it is known, and status."""
-    columns = []
+def half_width_column(dataset: xr.Dataset, name: str, heading: str) -> Column:
+    """A number with its half width, or why it has none; a dash where there is no number."""
+    told = zip(over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset), strict=True)
+    texts = [stated(it, *of) if np.isfinite(it) else MISSING for it, *of in told]
+    return column(heading, texts)
+
+
+def _with_runs(dataset: xr.Dataset, columns: Iterable[Column]) -> Iterable[Column]:
+    """Columns between the parameters, and run time and status."""
+    yield from parameter_columns(dataset)
+    yield from columns
     if "run_time" in dataset:
-        seconds = over_cases(dataset, "run_time")
-        columns.append(Column(("run time", "[s]"), [number(value, ".1f") for value in seconds]))
-    status = over_cases(dataset, "status")
-    return [*columns, Column(("", "status"), [_text(value) for value in status])]
+        yield _numbers(dataset, "run_time", ".1f", "run time_[s]")
+    yield column("status", over_cases(dataset, "status"))
 
 
-def heading(name: str) -> tuple[str, str]:
-    """A name on two lines, to keep its column narrow."""
-    head, _, tail = name.rpartition("_")
-    return head, tail
+def _numbers(dataset: xr.Dataset, variable: object, form: str, name: str) -> Column:
+    return column(name, (_number(value, form) for value in over_cases(dataset, variable)))
 
 
-def number(value: float, form: str) -> str:
-    """A number in a format, a dash where there is none."""
+def _number(value: float, form: str) -> str:
     return format(value, form) if np.isfinite(value) else MISSING
 
 
-def half_width_column(dataset: xr.Dataset, name: str, heading: tuple[str, str]) -> Column:
-    """A number with its half width, or why it has none; a dash where there is no number."""
-    told = zip(over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset), strict=True)
-    texts = [stated(it, *known) if np.isfinite(it) else MISSING for it, *known in told]
-    return Column(heading, texts)
-
-
 def _text(value: object) -> str:
-    return number(value, "g") if isinstance(value, float) else str(value)
-
-
-def _justified(row: Sequence[str], columns: Sequence[Column]) -> list[str]:
-    return [text.rjust(column.width) for text, column in zip(row, columns, strict=True)]
-
-
-BY_MODE = {
-    "cone_factor_by_compression": ("by su in", "compression"),
-    "cone_factor_by_simple_shear": ("by su in", "simple shear"),
-    "cone_factor_by_extension": ("by su in", "extension"),
-    "cone_factor_by_average": ("by su,", "average"),
-}
-"""Cone factors by the test that su is from, and their headings."""
-RESOLUTION = "cells_per_radius"
-"""The parameter that refines the mesh: its finest two values give the discretisation's share."""
+    return _number(value, "g") if isinstance(value, float) else str(value)
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:
@@ -135,11 +146,9 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
     cone_factor_of(dataset)
     references = stored_references(dataset)
     columns = [
-        *parameter_columns(dataset),
         *_cone_factor_columns(dataset),
         *(_reference_column(dataset, reference) for reference in references),
         _envelope_column(dataset),
-        *run_columns(dataset),
     ]
     notes = [
         *_resolution_notes(dataset),
@@ -147,39 +156,21 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
         *_notes(dataset, references),
         *experience_notes(dataset),
     ]
-    return "\n".join([*table_lines(columns), "", *notes])
+    return table(_with_runs(dataset, columns), notes)
 
 
-def _cone_factor_columns(dataset: xr.Dataset) -> list[Column]:
-    parts = [
-        half_width_column(dataset, "cone_factor", ("cone", "factor")),
-        *(
-            Column(heading, [number(value, "#.3g") for value in over_cases(dataset, name)])
-            for name, heading in (
-                ("cone_factor_simulated", ("as", "simulated")),
-                ("cone_factor_normal", ("normal", "part")),
-                *BY_MODE.items(),
-            )
-            if name in dataset
-        ),
-    ]
-    if "cone_factor_shear" not in dataset:
-        return parts
-    shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
-    deviations = shear / exact.where(exact > 0) - 1
-    statics = [
-        _with_deviation(value, deviation, digits=3)
-        for value, deviation in zip(
-            over_cases(dataset, exact),
-            over_cases(dataset, deviations),
-            strict=True,
-        )
-    ]
-    return [
-        *parts,
-        Column(("shear", "part"), [number(value, ".3f") for value in over_cases(dataset, shear)]),
-        Column(("exact", "shear"), statics),
-    ]
+def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
+    yield half_width_column(dataset, COMPARED, COMPARED)
+    parts = {"cone_factor_simulated": "as_simulated", "cone_factor_normal": "normal_part"}
+    for name, heading in (parts | BY_MODE).items():
+        if name in dataset:
+            yield _numbers(dataset, name, "#.3g", heading)
+    if "cone_factor_shear" in dataset:
+        shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
+        deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)
+        yield _numbers(dataset, shear, ".3f", "shear_part")
+        pairs = zip(over_cases(dataset, exact), deviations, strict=True)
+        yield column("exact_shear", (_with_deviation(*it, digits=3) for it in pairs))
 
 
 def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
@@ -194,7 +185,7 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
             strict=True,
         )
     ]
-    return Column(heading(reference.id), texts)
+    return column(reference.id, texts)
 
 
 def _envelope_column(dataset: xr.Dataset) -> Column:
@@ -204,10 +195,26 @@ def _envelope_column(dataset: xr.Dataset) -> Column:
     texts = [
         _bracketed(_place(value, lower, upper), applies)
         for value, lower, upper, applies in zip(
-            over_cases(dataset, "cone_factor"), *bounds, inside, strict=True
+            over_cases(dataset, COMPARED), *bounds, inside, strict=True
         )
     ]
-    return Column(("in the", "envelope"), texts)
+    return column("in the_envelope", texts)
+
+
+def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
+    percent = f"{deviation:+z.1%}" if np.isfinite(deviation) else MISSING
+    return f"{_number(value, f'.{digits}f')} {percent:>6}"
+
+
+def _bracketed(text: str, inside: bool) -> str:
+    # A blank in the place of the bracket keeps the numbers of a column aligned.
+    return f"{text} " if inside else f"[{text}]"
+
+
+def _place(value: float, lower: float, upper: float) -> str:
+    if not np.isfinite(value):
+        return MISSING
+    return "below" if value < lower else "above" if value > upper else "yes"
 
 
 def reason_notes(dataset: xr.Dataset) -> list[str]:
@@ -261,98 +268,33 @@ def _which_strength(dataset: xr.Dataset) -> str:
     return "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
 
 
-def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
-    percent = f"{deviation:+z.1%}" if np.isfinite(deviation) else MISSING
-    return f"{number(value, f'.{digits}f')} {percent:>6}"
-
-
-def _bracketed(text: str, inside: bool) -> str:
-    # A blank in the place of the bracket keeps the numbers of a column aligned.
-    return f"{text} " if inside else f"[{text}]"
-
-
-def _place(value: float, lower: float, upper: float) -> str:
-    if not np.isfinite(value):
-        return MISSING
-    return "below" if value < lower else "above" if value > upper else "yes"
-
-
-def result_table(dataset: xr.Dataset) -> str:
-    """A text table for a terminal: one row a case, and how to read it below.
-
-    Where cone factors stand beside results of other scenes, these have a table of their own, and
-    each ratio of two scenes in one soil stands below.
-
-    Raises:
-        NothingToCompareError: no case has a result, or a cone factor lacks its parameters.
-    """
-    return "\n".join([_tables(dataset), *ratio_notes(dataset), *change_notes(dataset)])
-
-
-def _tables(dataset: xr.Dataset) -> str:
-    if COMPARED not in dataset:
-        return _exact_table(dataset)
-    scenes = np.array(scenes_of(dataset))
-    of_cones = np.isin(scenes, scenes[np.isfinite(over_cases(dataset, COMPARED).astype(float))])
-    if of_cones.all() or not of_cones.any():
-        return cone_factor_table(dataset)
-    others = _cases(dataset, ~of_cones)
-    try:
-        of_others = _exact_table(others)
-    except NothingToCompareError as error:
-        of_others = f"{', '.join(dict.fromkeys(scenes_of(others)))}: {error}"
-    return f"{cone_factor_table(_cases(dataset, of_cones))}\n\n{of_others}"
-
-
-def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
-    """Some cases of several scenes, with the variables that they have."""
-    part = dataset.isel({CASE: np.flatnonzero(chosen)})
-    return part.drop_vars([name for name, it in part.data_vars.items() if it.isnull().all()])
-
-
 def _exact_table(dataset: xr.Dataset) -> str:
     """What each case was run for, its exact value, and its error."""
-    headlines = [
-        name for name in with_role(dataset, Role.HEADLINE) if _is_one_a_case(dataset, name)
-    ]
-    error = error_name(dataset)
-    headlines = [name for name in headlines if name != error]
+    dims, error = set(dataset["status"].dims), error_name(dataset)
+    one_a_case = {str(name) for name, it in dataset.data_vars.items() if set(it.dims) <= dims}
+    headlines = [name for name in with_role(dataset, Role.HEADLINE) if name in one_a_case - {error}]
     if not headlines and error is None:
         raise NothingToCompareError(_why_nothing(dataset))
-    columns = parameter_columns(dataset)
-    notes = []
+    columns, notes = [], []
     for name in headlines:
-        columns.append(_headline_column(dataset, name))
+        if f"{name}_uncertainty" in with_role(dataset, Role.UNCERTAINTY):
+            columns.append(half_width_column(dataset, name, name))
+        else:
+            columns.append(_numbers(dataset, name, ".4g", name))
         notes.append(_note(dataset, name))
-        exact = f"{name}_exact"
-        if exact in dataset and _is_one_a_case(dataset, exact):
-            columns.append(_column(dataset, exact, ".4g"))
+        if (exact := f"{name}_exact") in one_a_case:
+            columns.append(_numbers(dataset, exact, ".4g", exact))
             notes.append(_note(dataset, exact))
     if error is not None:
-        columns.append(_column(dataset, error, ".2%"))
+        columns.append(_numbers(dataset, error, ".2%", error))
         notes.append(_note(dataset, error))
     for name, limit in limits_of(dataset).items():
-        if name != error and name not in headlines and _is_one_a_case(dataset, name):
-            columns.append(_column(dataset, name, ".2%"))
+        if name in one_a_case - {error, *headlines}:
+            columns.append(_numbers(dataset, name, ".2%", name))
             notes.append(f"{_note(dataset, name)}; at most {limit:g}")
-    lines = table_lines([*columns, *run_columns(dataset)])
     if with_role(dataset, Role.UNCERTAINTY):
         notes.append(f"+-: {HALF_WIDTH}")
-    return "\n".join([*lines, "", *notes, *reason_notes(dataset)])
-
-
-def _is_one_a_case(dataset: xr.Dataset, name: str) -> bool:
-    return set(dataset[name].dims) <= set(dataset["status"].dims)
-
-
-def _column(dataset: xr.Dataset, name: str, form: str) -> Column:
-    return Column(heading(name), [number(value, form) for value in over_cases(dataset, name)])
-
-
-def _headline_column(dataset: xr.Dataset, name: str) -> Column:
-    if f"{name}_uncertainty" not in with_role(dataset, Role.UNCERTAINTY):
-        return _column(dataset, name, ".4g")
-    return half_width_column(dataset, name, heading(name))
+    return table(_with_runs(dataset, columns), [*notes, *reason_notes(dataset)])
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:
