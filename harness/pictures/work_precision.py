@@ -22,7 +22,6 @@ from harness.archive.conventions import (
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
-    FAILED,
     INK,
     MARKERS,
     MOST_LABELS,
@@ -31,6 +30,7 @@ from harness.pictures.drawing.plot_parts import (
     empty_figure,
     image,
     legend_above,
+    mark_failures,
     once,
     series_colour,
 )
@@ -40,90 +40,62 @@ from harness.study.designs import ONE_AT_A_TIME
 
 
 @dataclass(frozen=True)
-class Problem:
+class _Problem:
     """Cases that ask the same question: they differ in parameters of the method alone.
 
     Attributes:
         cases: which they are.
         scene: their scene.
-        soil: what else the study varies, by name, in words.
+        soil: what else the study varies within the scene, in words.
         settings: the parameters of the method that vary among them.
     """
 
     cases: np.ndarray
     scene: str
-    soil: dict[str, str]
-    settings: tuple[str, ...]
+    soil: list[str]
+    settings: dict[str, Values]
 
 
-def problems_of(dataset: xr.Dataset) -> list[Problem]:
+def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
     """The problems that a study solves with different settings, in the order of the study."""
     scenes = np.array(scenes_of(dataset))
-    varied = [name for name in varied_names(dataset) if name != "scene"]
-    columns = {name: Values.of(dataset, name) for name in varied}
+    varied = {name: Values.of(dataset, name) for name in varied_names(dataset) if name != "scene"}
     groups: dict[tuple[object, ...], list[int]] = {}
     for case, scene in enumerate(scenes.tolist()):
         method = method_of(dataset, scene)
-        key = [columns[name].numbers[case] for name in varied if name not in method]
-        groups.setdefault((scene, *key), []).append(case)
+        soil = [values.numbers[case] for name, values in varied.items() if name not in method]
+        groups.setdefault((scene, *soil), []).append(case)
     found = []
-    for (scene, *_), members in groups.items():
-        cases, method = np.array(members), method_of(dataset, str(scene))
-        own = [name for name in varied if _has(dataset, name, scenes == scene)]
-        different = {name: np.unique(columns[name].numbers[scenes == scene]) for name in own}
-        settings = tuple(
-            name
-            for name in own
-            if name in method and np.unique(columns[name].numbers[cases]).size > 1
-        )
-        soil = {
-            name: assigned(dataset, name, _value(columns[name], int(cases[0])))
-            for name in own
-            if name not in method and different[name].size > 1
-        }
-        found.append(Problem(cases, str(scene), soil, settings))
-    return [problem for problem in found if problem.settings]
+    for (scene, *_), cases in groups.items():
+        method, of_scene = method_of(dataset, str(scene)), scenes == scene
+        settings, words = {}, []
+        for name, values in varied.items():
+            given = over_cases(dataset, name)[of_scene].tolist()
+            if not any(map(is_there, given)):  # it is a parameter of other scenes
+                continue
+            if name in method and np.unique(values.numbers[cases]).size > 1:
+                settings[name] = values
+            if name not in method and np.unique(values.numbers[of_scene]).size > 1:
+                words.append(assigned(dataset, name, values.of_case(cases[0])))
+        if settings:
+            found.append(_Problem(np.array(cases), str(scene), words, settings))
+    return found
 
 
-def _has(dataset: xr.Dataset, name: str, cases: np.ndarray) -> bool:
-    """Whether one of these cases has a value of a parameter; others may leave it to the scene."""
-    return any(map(is_there, over_cases(dataset, name)[cases].tolist()))
-
-
-def problem_names(problems: list[Problem]) -> list[str]:
-    """What each is called among the others: its scene and soil, as far as these differ."""
-    scenes = {problem.scene for problem in problems}
-    names = []
-    for problem in problems:
-        of_scene = [it for it in problems if it.scene == problem.scene]
-        parts = [plain(problem.scene).replace("_", " ")] if len(scenes) > 1 else []
-        parts += [
-            text
-            for name, text in problem.soil.items()
-            if len({other.soil[name] for other in of_scene}) > 1
-        ]
-        names.append(", ".join(parts))
-    return names
-
-
-def setting_of(dataset: xr.Dataset, problem: Problem, case: int) -> str:
+def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
     """The settings of a case that vary; of one at a time those that differ from the start."""
-    columns = {name: Values.of(dataset, name) for name in problem.settings}
+    settings = problem.settings
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         start = problem.cases[0]
-        texts = [
-            assigned(dataset, name, _value(it, case))
-            for name, it in columns.items()
-            if it.numbers[case] != it.numbers[start]
-        ]
-        return ", ".join(texts) or "start"
-    if len(columns) == 1:
-        return "".join(assigned(dataset, name, _value(it, case)) for name, it in columns.items())
-    return " / ".join(quantity(_value(column, case)) for column in columns.values())
+        settings = {n: it for n, it in settings.items() if it.numbers[case] != it.numbers[start]}
+    elif len(settings) > 1:
+        return " / ".join(quantity(it.of_case(case)) for it in settings.values())
+    texts = [assigned(dataset, name, it.of_case(case)) for name, it in settings.items()]
+    return ", ".join(texts) or "start"
 
 
-def settings_key(dataset: xr.Dataset, problems: list[Problem]) -> str:
-    """What the values of :func:`setting_of` are, in a sentence."""
+def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
+    """What the values of :func:`_setting_of` are, in a sentence."""
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         return ""
     keys = dict.fromkeys(
@@ -132,10 +104,6 @@ def settings_key(dataset: xr.Dataset, problems: list[Problem]) -> str:
         if len(problem.settings) > 1
     )
     return f"Beside points: {'; '.join(keys)}." if keys else ""
-
-
-def _value(values: Values, case: int) -> float | str:
-    return values.value(float(values.numbers[case]))
 
 
 FRONT = "front: no other is faster and better"
@@ -153,14 +121,14 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
     Raises:
         ArchiveError: it cannot be written.
     """
-    write_whole(image(work_precision_figure(dataset)), path)
+    write_whole(image(_checks_figure(dataset)), path)
 
 
 @STYLED
-def work_precision_figure(dataset: xr.Dataset) -> Figure:
+def _checks_figure(dataset: xr.Dataset) -> Figure:
     """Errors of checks against their run times; runs that failed are left out."""
-    figure, axes = empty_figure()
     checks = dataset["check"].values
+    figure, axes = empty_figure()
     figure.set_figheight(figure.get_figheight() + LEGEND_LINE * checks.size / 2)
     for index, check in enumerate(checks):
         curve = dataset.isel(check=index)
@@ -176,7 +144,7 @@ def shows_work_precision(dataset: xr.Dataset) -> bool:
     """Whether a result holds errors and run times of several settings for one problem."""
     if error_name(dataset) is None or "run_time" not in dataset or "status" not in dataset:
         return False
-    return bool(problems_of(dataset))
+    return bool(_problems_of(dataset))
 
 
 @STYLED
@@ -193,39 +161,12 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
     timed = np.isfinite(measured) & np.isfinite(seconds)
-    sound = timed & (errors > 0.0)
-    silent = timed & (measured > 0.0) & ~states_its_error(dataset)
-    problems = problems_of(dataset)
-    names = problem_names(problems)
+    problems = _problems_of(dataset)
     figure, axes = empty_figure()
     axes.set_xscale("log")
     axes.set_yscale("log")
-    budget = MOST_LABELS
-    for rank, (problem, its_name) in enumerate(zip(problems, names, strict=True)):
-        own = problem.cases[sound[problem.cases]]
-        front = _pareto(seconds, errors, own)
-        beaten = np.setdiff1d(own, front)
-        if beaten.size:
-            label = once(axes, "beaten by another")
-            axes.plot(seconds[beaten], errors[beaten], "o", color="0.6", ms=3.5, label=label)
-        colour, marker = series_colour(rank, len(problems)), MARKERS[rank % len(MARKERS)]
-        shown_name = its_name if len(problems) <= MOST_LABELS else ""
-        label = shown_name or once(axes, FRONT)
-        axes.plot(seconds[front], errors[front], f"{marker}-", color=colour, label=label, zorder=3)
-        apart = _apart(front, errors, np.ptp(np.log(errors[sound])))
-        share = min(len(apart), budget // (len(problems) - rank))
-        budget -= share
-        for case in apart[chosen(len(apart), share)]:
-            place = (float(seconds[case]), float(errors[case]))
-            text = setting_of(dataset, problem, int(case))
-            axes.annotate(
-                text,
-                place,
-                xytext=(4, 4),
-                textcoords="offset points",
-                size=6,
-                bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
-            )
+    _draw_fronts(axes, dataset, problems, seconds, np.where(timed & (errors > 0.0), errors, np.nan))
+    silent = timed & (measured > 0.0) & ~states_its_error(dataset)
     if silent.any():
         place = seconds[silent], measured[silent]
         axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
@@ -235,23 +176,50 @@ def study_figure(dataset: xr.Dataset) -> Figure:
         axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=label)
     failed = over_cases(dataset, "status") != COMPLETED
     if "case_time" in dataset and failed.any():
-        axes.plot(
-            over_cases(dataset, "case_time")[failed],
-            np.ones(failed.sum()),
-            "x",
-            color=FAILED,
-            transform=axes.get_xaxis_transform(),
-            clip_on=False,
-            label="not completed",
-        )
+        mark_failures(axes, over_cases(dataset, "case_time")[failed], height=1.0)
     several = len(set(scenes_of(dataset))) > 1
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
-    key = settings_key(dataset, problems)
-    remark = "Run times of cases side by side are not to be compared."
-    if np.isfinite(uncertainty_of(dataset)).any():
-        remark = f"{OF_HALF_WIDTH} {remark}"
-    write_caption(figure, dataset, key, remark)
+    states = np.isfinite(uncertainty_of(dataset)).any()
+    write_caption(
+        figure,
+        dataset,
+        _settings_key(dataset, problems),
+        OF_HALF_WIDTH if states else "",
+        "Run times of cases side by side are not to be compared.",
+    )
     return figure
+
+
+def _draw_fronts(
+    axes: Axes, dataset: xr.Dataset, problems: list[_Problem], seconds: Floats, errors: Floats
+) -> None:
+    """Draw the cases of each problem that have an error, its front with labels in a colour."""
+    several = len({problem.scene for problem in problems}) > 1
+    budget = MOST_LABELS
+    for rank, problem in enumerate(problems):
+        own = problem.cases[np.isfinite(errors[problem.cases])]
+        front = _pareto(seconds, errors, own)
+        beaten = np.setdiff1d(own, front)
+        if beaten.size:
+            label = once(axes, "beaten by another")
+            axes.plot(seconds[beaten], errors[beaten], "o", color="0.6", ms=3.5, label=label)
+        colour, marker = series_colour(rank, len(problems)), MARKERS[rank % len(MARKERS)]
+        scene = [plain(spoken(problem.scene))] if several else []
+        name = ", ".join([*scene, *problem.soil]) if len(problems) <= MOST_LABELS else ""
+        label = name or once(axes, FRONT)
+        axes.plot(seconds[front], errors[front], f"{marker}-", color=colour, label=label, zorder=3)
+        apart = _apart(front, errors, np.ptp(np.log(errors[np.isfinite(errors)])))
+        share = min(len(apart), budget // (len(problems) - rank))
+        budget -= share
+        for case in apart[chosen(len(apart), share)]:
+            axes.annotate(
+                _setting_of(dataset, problem, int(case)),
+                (seconds[case], errors[case]),
+                xytext=(4, 4),
+                textcoords="offset points",
+                size=6,
+                bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
+            )
 
 
 def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:

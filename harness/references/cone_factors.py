@@ -63,8 +63,6 @@ class ConeFactor:
         criterion: yield criterion, and which strength su means where the source says so.
         method: how the source arrived at the formula.
         source: where it was published.
-        has_adhesion_term: whether the formula knows the adhesion of the face; without it, it
-            is taken as a statement on the smooth cone alone.
         in_envelope: whether it is one of the analyses of penetration with an adhesion term,
             which together form the envelope that a result is shown in.
         how_known: where the coefficients were taken from.
@@ -75,13 +73,17 @@ class ConeFactor:
     label: str
     formula: str
     evaluate: Callable[[Conditions], Quantity]
-    criterion: str
     method: str
     source: str
-    has_adhesion_term: bool = False
+    criterion: str = "not stated here"
     in_envelope: bool = False
     how_known: str = QUOTED
     rigidity_index_range: tuple[float, float] = (50.0, 500.0)
+
+    @property
+    def has_adhesion_term(self) -> bool:
+        """Whether the formula knows the adhesion of the face; if not, it is of a smooth cone."""
+        return "alpha" in self.formula
 
     @property
     def validity(self) -> str:
@@ -129,13 +131,12 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
         criterion="Tresca",
         method="large-deformation finite elements with remeshing",
         source="Lu, Randolph, Hu & Bugarski 2004, Geotechnique 54(4):257-267",
-        has_adhesion_term=True,
         in_envelope=True,
     ),
     ConeFactor(
         id="teh_houlsby_1991",
         label="Teh & Houlsby 1991",
-        formula=("4/3 (1 + ln Ir) (1.25 + Ir/2000) + 2.4 alpha_c - 0.2 alpha_s - 1.8 Delta"),
+        formula="4/3 (1 + ln Ir) (1.25 + Ir/2000) + 2.4 alpha_c - 0.2 alpha_s - 1.8 Delta",
         evaluate=lambda c: (
             _spherical_cavity(c.rigidity_index) * (1.25 + c.rigidity_index / 2000)
             + 2.4 * c.face_adhesion
@@ -145,7 +146,6 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
         criterion="von Mises, su from triaxial compression",
         method="strain path and finite elements",
         source="Teh & Houlsby 1991, Geotechnique 41(1):17-34",
-        has_adhesion_term=True,
         in_envelope=True,
     ),
     ConeFactor(
@@ -157,8 +157,7 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
         ),
         criterion="von Mises",
         method="steady-state finite elements",
-        source=("Yu, Herrmann & Boulanger 2000, J. Geotech. Geoenviron. Eng. 126(7):594-605"),
-        has_adhesion_term=True,
+        source="Yu, Herrmann & Boulanger 2000, J. Geotech. Geoenviron. Eng. 126(7):594-605",
         in_envelope=True,
     ),
     ConeFactor(
@@ -166,7 +165,6 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
         label="Vesic 1977",
         formula="4/3 (1 + ln Ir) + 2.57",
         evaluate=lambda c: _spherical_cavity(c.rigidity_index) + 2.57,
-        criterion="not stated here",
         method="spherical cavity and end wedge",
         source="Vesic 1977, NCHRP Synthesis 42",
     ),
@@ -175,17 +173,14 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
         label="Ladanyi & Johnston 1974",
         formula="4/3 (1 + ln Ir) + sqrt(3) alpha_c",
         evaluate=lambda c: _spherical_cavity(c.rigidity_index) + math.sqrt(3) * c.face_adhesion,
-        criterion="not stated here",
         method="spherical cavity on the face and face adhesion",
         source="Ladanyi & Johnston 1974, Can. Geotech. J. 11(4):531-553",
-        has_adhesion_term=True,
     ),
     ConeFactor(
         id="baligh_1985",
         label="Baligh 1985",
         formula="1.51 + 2 ln Ir",
         evaluate=lambda c: 1.51 + 2 * _ln(c.rigidity_index),
-        criterion="not stated here",
         method="strain path",
         source="Baligh 1985, J. Geotech. Eng. 111(9):1108-1136",
     ),
@@ -221,7 +216,6 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
         criterion="Tresca, su in pure shear, |Delta| up to 0.5",
         method="material point method; least squares over 200 cases",
         source="studies/cone_factor_table.csv of this project",
-        has_adhesion_term=True,
         how_known="95 % of the cases are within 0.09 of it, all within 0.12; their own U is 0.08 "
         "to 0.12",
         rigidity_index_range=(20.0, 1000.0),
@@ -229,14 +223,12 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
 )
 
 ENVELOPE = tuple(reference for reference in CONE_FACTORS if reference.in_envelope)
-"""The references that together form the envelope that a result is shown in."""
 
 
 def envelope(conditions: Conditions) -> tuple[Quantity, Quantity]:
     """Smallest and largest cone factor among the references that form the envelope.
 
-    It is no confidence interval: its few members differ in criterion, in which strength they
-    mean, and in method.
+    It is no confidence interval: its members differ in criterion, meaning of su, and method.
     """
     values = [reference.evaluate(conditions) for reference in ENVELOPE]
     return functools.reduce(np.minimum, values), functools.reduce(np.maximum, values)

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 HOLDS = (
     "rate effects, softening, anisotropy of strength and stress, and disturbance of the samples: "
@@ -38,16 +39,8 @@ class Factor(StrEnum):
         return f"{self} = {over_su[self]}"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Input:
-    """A property of the clay that a formula needs and the simulation does not have.
-
-    Attributes:
-        symbol: its symbol in the formula.
-        low: least value that the band spans.
-        high: greatest value that the band spans.
-        chosen: where this range comes from.
-    """
+class Input(NamedTuple):
+    """A property of the clay that a formula needs, the range that a band spans, and its source."""
 
     symbol: str
     low: float
@@ -70,7 +63,7 @@ class Experience:
         factor: what the band is of.
         formula: the formula as text.
         evaluate: the formula; it takes the inputs in their order and is monotonic in each.
-        inputs: what the formula depends on, and the ranges that the band spans.
+        inputs: what the formula depends on.
         scatter: scatter about the formula, a share of it; 0 where none is known. It is reported for
             su, and taken for the factor here.
         clays: the clays that were tested.
@@ -81,7 +74,7 @@ class Experience:
 
     id: str
     label: str
-    factor: Factor
+    factor: Factor = Factor.RESISTANCE
     formula: str
     evaluate: Callable[..., float]
     inputs: tuple[Input, ...]
@@ -113,26 +106,25 @@ class Experience:
 
 _KARLSRUD = "Karlsrud, Lunne, Kort & Strandvik 2005, 16th ICSMGE Osaka, CPTU correlations for clays"
 _KARLSRUD_KNOWN = "formula, scatter and range of OCR at second hand; the abstract was read"
+_LARGER_SCATTER = f"{_KARLSRUD_KNOWN}; of a scatter of 10 to 15 % the larger is taken"
 _MAYNE = (
     "Mayne & Peuchen 2018, Cone Penetration Testing 2018, Evaluation of CPTU Nkt cone factor for "
     "undrained strength of clays"
 )
 _BLOCK_SAMPLES = "soft to medium stiff marine clays, 17 sites, block samples of high quality"
-_OVERCONSOLIDATION = Input(
-    symbol="OCR", low=1.2, high=6.3, chosen="of the clays tested, at second hand"
-)
-_PLASTICITY = Input(
-    symbol="Ip", low=10.0, high=50.0, chosen="percent; of the clays tested, by the abstract"
-)
+_OCR = Input("OCR", 1.2, 6.3, "of the clays tested, at second hand")
+_PLASTICITY = Input("Ip", 10.0, 50.0, "percent; of the clays tested, by the abstract")
+_BQ_CHOSEN = "chosen here, for soft to firm clay; Bq = (u2 - u0) / (qt - sigma_v0)"
+_BQ = Input("Bq", 0.4, 1.0, _BQ_CHOSEN)
+_MEASURED = Input("Nkt", 8.0, 25.0, "of the clays tested, by the abstract")
 
 EXPERIENCE: tuple[Experience, ...] = (
     Experience(
         id="karlsrud_2005",
         label="Karlsrud et al. 2005",
-        factor=Factor.RESISTANCE,
         formula="7.8 + 2.5 log10 OCR + 0.082 Ip",
         evaluate=lambda ocr, ip: 7.8 + 2.5 * math.log10(ocr) + 0.082 * ip,
-        inputs=(_OVERCONSOLIDATION, _PLASTICITY),
+        inputs=(_OCR, _PLASTICITY),
         scatter=0.30,
         clays=f"{_BLOCK_SAMPLES}, sensitivity below 15",
         source=_KARLSRUD,
@@ -141,10 +133,9 @@ EXPERIENCE: tuple[Experience, ...] = (
     Experience(
         id="karlsrud_2005_sensitive",
         label="Karlsrud et al. 2005, sensitive clays",
-        factor=Factor.RESISTANCE,
         formula="8.5 + 2.5 log10 OCR",
         evaluate=lambda ocr: 8.5 + 2.5 * math.log10(ocr),
-        inputs=(_OVERCONSOLIDATION,),
+        inputs=(_OCR,),
         scatter=0.15,
         clays=f"{_BLOCK_SAMPLES}, sensitivity above 15",
         source=_KARLSRUD,
@@ -153,17 +144,9 @@ EXPERIENCE: tuple[Experience, ...] = (
     Experience(
         id="mayne_peuchen_2018",
         label="Mayne & Peuchen 2018",
-        factor=Factor.RESISTANCE,
         formula="10.5 - 4.6 ln(Bq + 0.1)",
         evaluate=lambda bq: 10.5 - 4.6 * math.log(bq + 0.1),
-        inputs=(
-            Input(
-                symbol="Bq",
-                low=0.4,
-                high=1.0,
-                chosen="chosen here, for soft to firm clay; Bq = (u2 - u0) / (qt - sigma_v0)",
-            ),
-        ),
+        inputs=(_BQ,),
         clays="62 clays, soft to hard and fissured, 407 tests",
         source=_MAYNE,
         how_known="formula at second hand, without its scatter; the abstract was read",
@@ -171,12 +154,9 @@ EXPERIENCE: tuple[Experience, ...] = (
     Experience(
         id="mayne_peuchen_2018_all",
         label="Mayne & Peuchen 2018, all clays",
-        factor=Factor.RESISTANCE,
         formula="Nkt as measured",
         evaluate=lambda measured: measured,
-        inputs=(
-            Input(symbol="Nkt", low=8.0, high=25.0, chosen="of the clays tested, by the abstract"),
-        ),
+        inputs=(_MEASURED,),
         clays="62 clays, soft to hard and fissured, 407 tests",
         source=_MAYNE,
         how_known="the abstract was read",
@@ -187,11 +167,11 @@ EXPERIENCE: tuple[Experience, ...] = (
         factor=Factor.PORE_PRESSURE,
         formula="6.9 - 4.0 log10 OCR + 0.07 Ip",
         evaluate=lambda ocr, ip: 6.9 - 4.0 * math.log10(ocr) + 0.07 * ip,
-        inputs=(_OVERCONSOLIDATION, _PLASTICITY),
+        inputs=(_OCR, _PLASTICITY),
         scatter=0.15,
         clays=f"{_BLOCK_SAMPLES}, sensitivity below 15",
         source=_KARLSRUD,
-        how_known=f"{_KARLSRUD_KNOWN}; of a scatter of 10 to 15 % the larger is taken",
+        how_known=_LARGER_SCATTER,
     ),
     Experience(
         id="karlsrud_2005_pore_pressure_sensitive",
@@ -199,10 +179,10 @@ EXPERIENCE: tuple[Experience, ...] = (
         factor=Factor.PORE_PRESSURE,
         formula="9.8 - 4.5 log10 OCR",
         evaluate=lambda ocr: 9.8 - 4.5 * math.log10(ocr),
-        inputs=(_OVERCONSOLIDATION,),
+        inputs=(_OCR,),
         scatter=0.15,
         clays=f"{_BLOCK_SAMPLES}, sensitivity above 15",
         source=_KARLSRUD,
-        how_known=f"{_KARLSRUD_KNOWN}; of a scatter of 10 to 15 % the larger is taken",
+        how_known=_LARGER_SCATTER,
     ),
 )

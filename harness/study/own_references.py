@@ -110,7 +110,6 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
         formula=text,
         evaluate=functools.partial(_evaluated, formula, bounds),
         source=table.text("source", "; where it is published"),
-        has_adhesion_term=True,
         names=formula.names,
         ranges=bounds,
         how_known=optional["how_known"],

@@ -116,17 +116,16 @@ def shade(fraction: float) -> str:
     return to_hex(SHADES(fraction))
 
 
-def mark_failures(axes: Axes, positions: Floats, label: str = "not completed") -> None:
-    """Mark cases without a value on the horizontal axis, instead of leaving them out."""
+def mark_failures(axes: Axes, positions: Floats, height: float = 0.03) -> None:
+    """Mark cases without a value at a height of the axes, from 0 to 1, not to leave them out."""
     if positions.size:
-        heights = np.full(positions.shape, 0.03)
         axes.plot(
             positions,
-            heights,
+            np.full(positions.shape, height),
             "x",
             color=FAILED,
             transform=axes.get_xaxis_transform(),
-            label=once(axes, label),
+            label=once(axes, "not completed"),
             clip_on=False,
         )
 
