@@ -55,7 +55,8 @@ class NodalValues:
 
     def _added(self, values: Floats) -> Floats:
         weighted = (self._weights * values).ravel()
-        return np.bincount(self._nodes.ravel(), weighted, self.r.size).reshape(self.r.shape)
+        sums: Floats = np.bincount(self._nodes.ravel(), weighted, self.r.size).astype(float)
+        return sums.reshape(self.r.shape)
 
     def _shape_functions(self, r: Floats, z: Floats) -> tuple[NDArray[np.integer], Floats]:
         """The four nodes around each point, and their shape functions there: [4, point_count]."""
@@ -106,7 +107,8 @@ class _Quantity(NamedTuple):
 
 
 def _magnitude(snapshot: xr.Dataset, vector: str) -> Floats:
-    return np.hypot(snapshot[f"{vector}_r"].values, snapshot[f"{vector}_z"].values)
+    magnitude: Floats = np.hypot(*(snapshot[f"{vector}_{axis}"].values for axis in "rz"))
+    return magnitude
 
 
 QUANTITIES = (
@@ -196,7 +198,7 @@ def _draw_sections(
 
 def _caption(snapshot: xr.Dataset) -> str:
     """What is shown: penetration and resistance of a snapshot, and what makes its case."""
-    it = {str(name): value.item() for name, value in snapshot.variables.items() if not value.ndim}
+    it = {name: snapshot[name].item() for name in snapshot.variables if not snapshot[name].ndim}
     strength = it["undrained_shear_strength"]
     return (
         f"penetration {it['penetration']:g} R, net resistance {it['resistance'] / strength:.2f} su "
