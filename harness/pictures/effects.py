@@ -203,6 +203,9 @@ class _Bar:
     cases: np.ndarray
     change: Floats
 
+    def text(self, studied: Studied, case: int) -> str:
+        return quantity(self.values.of_case(case), unit_of(studied.dataset, self.values.name))
+
     @property
     def reach(self) -> float:
         """From the least headline to the greatest, that of the start among them."""
@@ -237,7 +240,7 @@ def tornado_figure(dataset: xr.Dataset) -> Figure:
     axes.axvline(start, color=INK, lw=1)
     for place, bar in enumerate(shown):
         _draw_bar(axes, studied, bar, place)
-    names = [f"{named(dataset, it.values.name)} ({_value(studied, it, 0)})" for it in shown]
+    names = [f"{named(dataset, it.values.name)} ({it.text(studied, 0)})" for it in shown]
     axes.set_yticks(range(len(shown)), names, fontsize=7)
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.spines["left"].set_visible(False)
@@ -264,10 +267,6 @@ def tornado_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _value(studied: Studied, bar: _Bar, case: int) -> str:
-    return quantity(bar.values.of_case(case), unit_of(studied.dataset, bar.values.name))
-
-
 def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
     """Values below the start have the upper half of the row, those above it the lower one."""
     start = float(studied.computed[0])
@@ -281,7 +280,7 @@ def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
         outward = -1.0 if change < 0.0 else 1.0
         beyond = 0.0 if width is None else np.nan_to_num(width)
         axes.annotate(
-            _value(studied, bar, case),
+            bar.text(studied, case),
             (start + change + outward * beyond, height),
             xytext=(3 * outward, 0),
             textcoords="offset points",
