@@ -6,7 +6,8 @@ device so that a recorded step can be replayed as it is. Soil enters below and l
 Soil enters by layers. One that enters is a copy of the lowest layer as it was seeded, in all that
 particles carry, so that what a part or a material adds to the particles enters with them. Where the
 material varies, the layer has the properties of its depth. A part may give it more (`Part.enter`),
-and what depends on the travel follows (`Part.follow`).
+and what depends on the travel follows (`Part.follow`). At last the law takes a step without strain:
+ground around the window, which stays elastic, may give a stress outside the yield surface.
 """
 
 import functools
@@ -20,8 +21,8 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Checked, Range, check_kind, check_number, checked
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Grid, Integers
-from mpm_warp.kernel_types import kernel, one, real, zero
-from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
+from mpm_warp.kernel_types import kernel, one, real, vec4, zero
+from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
@@ -190,6 +191,14 @@ def add_inflow(plan: Plan, scene: Scene) -> None:
         plan.between_steps[name.replace("particle.", "enter.")] = plan.launch(
             _make_enter(field.dtype), len(slots), layer=of_layer, field=name
         )
+    law = scene.material.law()
+    if law.yield_function is not None:
+        plan.between_steps["enter.by_law"] = plan.launch(
+            _make_enter_by_law(law),
+            len(slots),
+            properties=scene.material.launch_properties(law),
+            particle_state=plan.find("particle.state"),
+        )
 
 
 class Inflow:
@@ -328,3 +337,26 @@ def _make_enter(dtype: Any) -> Any:
         field[layer_slots[k]] = layer[k]
 
     return enter
+
+
+@functools.cache
+def _make_enter_by_law(law: Law) -> Any:
+    """The kernel that brings what has entered within its yield surface; over the layer's particles.
+
+    What is within stays as it is, and nothing is remembered of it.
+    """
+
+    @kernel
+    def enter_by_law(
+        time_step: real,
+        properties: law.properties_argument,
+        layer_slots: wp.array(dtype=int),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=law.state_type),
+    ):
+        p = layer_slots[wp.tid()]
+        own, remembered = law.properties_of(properties, p), law.state_of(particle_state, p)
+        sigma, _ = law.update(particle_stress[p], vec4(), time_step, own, remembered)
+        particle_stress[p] = sigma
+
+    return enter_by_law

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import warp as wp
 
+from mpm_warp import ConePenetration
 from mpm_warp.errors import WindowOverfull
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, vec2, vec4
 from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.materials.material import PROPERTIES
@@ -186,3 +188,30 @@ def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
     expected = soil.properties_at(place)
     # They enter where the steps bring them, which is known to rounding.
     np.testing.assert_allclose(simulation.array(PROPERTIES)[inside], expected, rtol=1e-9)
+
+
+def test_soil_enters_within_its_yield_surface() -> None:
+    """Stiff soil near a penetrometer: the elastic ground around says more than its strength."""
+    test = ConePenetration(rigidity_index=500, domain_below=4, cells_per_radius=1.5)
+    simulation = Simulation(test.build())
+    simulation.travel_to(4.0 * test.cone_radius)
+    before = simulation.array("layer.slots").copy()
+    while np.array_equal(simulation.array("layer.slots"), before):
+        simulation.advance(1)
+    strength = test.undrained_shear_strength
+    assert shear_stress(simulation.array("layer.stress")).max() > 2.0 * strength
+    entered = simulation.array("layer.slots")
+    assert shear_stress(simulation.array("particle.stress")[entered]).max() <= strength * (
+        1 + 1e-12
+    )
+
+
+def shear_stress(stress: Floats) -> Floats:
+    """Half the difference of the extreme principal stresses, of (rr, zz, rz, tt), shape [n]."""
+    centre, radius = (
+        0.5 * (stress[:, 0] + stress[:, 1]),
+        np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2]),
+    )
+    highest = np.maximum(centre + radius, stress[:, 3])
+    shear: Floats = 0.5 * (highest - np.minimum(centre - radius, stress[:, 3]))
+    return shear
