@@ -13,9 +13,11 @@ from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import Isotropic, LinearElastic
 from mpm_warp.materials.material import Material
+from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
