@@ -1,0 +1,150 @@
+"""Simulated soundings through random grounds, interpreted with ranges only; the truth is known.
+
+``python tests/blind.py DIR SEED`` simulates soundings into a folder, or takes those there, adds
+errors of class 2, interprets them by tip, by tip and sleeve, and by all three, and prints a table.
+"""
+
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from harness.interpret.site import ACCURACY, load_site
+from harness.interpret.strength import interpret
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scenes import scene_class
+
+COUNT, SEED = 24, int(sys.argv[2]) if len(sys.argv) > 2 else 20261124
+TOP, BORDER, BOTTOM = 3.0, 4.5, 6.0
+"""Depths of the ground that is drawn [m]."""
+START = 0.4
+"""Way of the tip [m] until the resistance is steady, left out at the top and at a border."""
+RADIUS, AREA_RATIO, WATER, WEIGHT, RATE = 0.01785, 0.8, 1.0, 17.0, 1.4e-5
+USES = ('["tip"]', '["tip", "sleeve"]', '["tip", "sleeve", "pore_pressure"]')
+
+
+def ground(number: int) -> dict[str, float | str]:
+    """The parameters of a sounding: two layers with gradients; every other one softens."""
+    rng = np.random.default_rng([SEED, number])
+    rows, top = [], 10.0 ** rng.uniform(1.0, 1.7)
+    for begin, end in ((TOP - 1.0, BORDER), (BORDER, BOTTOM + 1.0)):
+        index, adhesion = np.exp(rng.uniform(np.log(50), np.log(400))), rng.uniform(0.2, 0.8)
+        delta, slope = rng.uniform(-0.3, 0.6), rng.uniform(0.0, 4.0)
+        for depth in (begin, end):
+            strength = top + slope * (depth - begin)
+            soil = f"{index:.4g}, {WEIGHT}, {adhesion:.3g}, {delta:.3g}"
+            rows.append(f"{depth}, {strength:.4g}, {soil}")
+        top = strength * 10.0 ** rng.uniform(-0.3, 0.3)
+    head = (
+        "depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3], adhesion_factor [1], "
+        "stress_anisotropy [1]"
+    )
+    own: dict[str, float | str] = {
+        "profile": "; ".join([head, *rows]),
+        "from_depth": TOP,
+        "to_depth": BOTTOM,
+        "cells_per_radius": 2.0,
+        "speed_ratio": 0.1,
+    }
+    if number % 2:
+        own |= {
+            "rate_factor": rng.uniform(0.05, 0.15),
+            "reference_strain_rate": RATE,
+            "remoulded_strength_ratio": 1.0 / rng.uniform(1.5, 6.0),
+            "ductility": rng.uniform(10.0, 50.0),
+        }
+    return own
+
+
+def simulate(number: int, folder: Path) -> None:
+    """Simulate a sounding, unless its file is there."""
+    path = folder / f"{number}.nc"
+    if not path.exists():
+        from_mapping(scene_class("sounding"), ground(number)).run().to_netcdf(path)
+
+
+def write_test(number: int, found: xr.Dataset, folder: Path) -> Path:
+    """The measured test with errors of class 2, and its site file."""
+    rng = np.random.default_rng([SEED, 1, number])
+    depth = found.depth.values
+    water = 9.81e3 * (depth - WATER)
+    u2 = found.excess_pore_pressure.values + water
+    qc = found.net_resistance.values + 1e3 * WEIGHT * depth - (1.0 - AREA_RATIO) * u2
+    measured = {"qc": qc, "fs": found.sleeve_friction.values, "u2": u2}
+    for name, values in measured.items():
+        least, share = ACCURACY["class 2"][name]
+        shift = rng.normal() / 1.96 * np.maximum(least, share * np.abs(values))
+        measured[name] = np.maximum(values + shift, 0.0)
+    rows = zip(depth, *measured.values(), strict=True)
+    lines = [",".join(f"{value:.8g}" for value in row) for row in rows]
+    text = "\n".join(["depth [m],qc [Pa],fs [Pa],u2 [Pa]", *lines])
+    (folder / f"{number}.csv").write_text(text)
+    changes = "rate_factor" in ground(number)
+    layer = f"""rigidity_index = {{ low = 50, high = 400 }}
+adhesion_factor = {{ low = 0.2, high = 0.8 }}
+stress_anisotropy = {{ low = -0.3, high = 0.6 }}
+rate_factor = {"{ low = 0.05, high = 0.15 }" if changes else 0}
+sensitivity = {"{ low = 1.5, high = 6.0 }" if changes else 1}
+ductility = {{ low = 10, high = 50 }}
+laboratory_rate = {RATE}
+model_error = 0
+"""
+    path = folder / f"site{number}.toml"
+    path.write_text(
+        f"""title = "Ground {number}"
+use = USE
+[test]
+file = "{number}.csv"
+area_ratio = {AREA_RATIO}
+water_level = {WATER}
+unit_weight = {WEIGHT}
+[[layer]]
+from = {TOP}
+to = {BORDER}
+{layer}
+[[layer]]
+from = {BORDER}
+to = {BOTTOM}
+{layer}"""
+    )
+    return path
+
+
+def judge(number: int, folder: Path) -> list[list[np.ndarray]]:
+    """By use: whether the truth is inside, the error of the median, the width; over the truth."""
+    truth = xr.open_dataset(folder / f"{number}.nc")
+    path = write_test(number, truth, folder)
+    text, told = path.read_text(), []
+    for use in USES:
+        path.write_text(text.replace("USE", use, 1))
+        found = interpret(load_site(path))
+        depth = found.depth.values
+        strength = np.interp(depth, truth.depth, truth.strength)
+        low, middle, high = found.strength.values.T / strength
+        far = (depth > TOP + START) & ((depth < BORDER - 15 * RADIUS) | (depth > BORDER + START))
+        far &= np.isfinite(middle)
+        told.append([(low <= 1.0)[far] & (high >= 1.0)[far], middle[far] - 1.0, (high - low)[far]])
+    return told
+
+
+def main(folder: Path) -> None:
+    """Simulate, interpret, and print a row a ground and the means."""
+    folder.mkdir(exist_ok=True)
+    with ProcessPoolExecutor(2) as pool:
+        list(pool.map(simulate, range(COUNT), [folder] * COUNT))
+    rows = [judge(number, folder) for number in range(COUNT)]
+    for number, row in enumerate(rows):
+        cells = [f"{it[0].mean():4.0%} {np.median(it[1]):+6.1%} {it[2].mean():5.0%}" for it in row]
+        print(f"{number:3}  " + "   ".join(cells))
+    for use, column in zip(USES, zip(*rows, strict=True), strict=True):
+        inside, error, width = (np.concatenate(it) for it in zip(*column, strict=True))
+        print(
+            f"{use}: inside {inside.mean():.1%} of {len(inside)} depths, "
+            f"|error| {np.median(np.abs(error)):.1%}, width {np.median(width):.0%}"
+        )
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "blind"))
