@@ -50,49 +50,36 @@ def make_soil_plan(
     scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
-    grid, material, window = scene.grid, scene.material, scene.find(MovingGrid)
+    grid, window = scene.grid, scene.find(MovingGrid)
     plan = _empty_plan(scene, share_count, time_step)
     interpolated = scene.find(ConservativeInterpolation) is not None
-    add_points(
-        plan,
-        grid,
-        material,
-        particles_per_side=scene.particles_per_side,
-        spare_fraction=0.0 if window is None else window.spare_fraction_in(grid),
-        stress_at=scene.stress_at_rest_at,
-    )
+    spare_fraction = 0.0 if window is None else window.spare_fraction_in(grid)
+    add_points(plan, scene, spare_fraction=spare_fraction)
     if window is not None:
         window.fill_spare_slots(plan, scene)
     for part in scene.parts:
         part.add_to_points(plan, scene)
 
     add_particles_to_grid(plan, grid, has_empty_slots=window is not None)
-    add_cell_stress(plan, grid, material, bulk_viscosity=scene.bulk_viscosity)
-    add_momentum(plan, grid, material, corrected=has_mass_matrix_correction(scene))
+    add_cell_stress(plan, scene)
+    add_momentum(plan, scene, corrected=has_mass_matrix_correction(scene))
     for part in scene.parts:
         part.add_forces(plan, scene)
     for part in scene.parts:
         part.add_boundary(plan, scene)
     for part in scene.parts:
         part.add_contact(plan, scene)
-    add_cell_rates(
-        plan,
-        grid,
-        density=material.density,
-        particles_per_side=scene.particles_per_side,
-        internal_flow=conservative_flow if interpolated else None,
-    )
+    add_cell_rates(plan, scene, internal_flow=conservative_flow if interpolated else None)
     add_grid_to_particles(
         plan,
-        grid,
-        material,
+        scene,
         flow_displacement=flow_displacement if interpolated else None,
         window_top=None if window is None else window.top(scene),
     )
     for part in scene.parts:
         part.add_after_motion(plan, scene)
 
-    add_yield_check(plan, material)
+    add_yield_check(plan, scene.material)
     for part in scene.parts:
         part.add_records(plan, scene)
     return plan

@@ -50,7 +50,7 @@ def add_changing_adhesion(
     plan.add_array("contact.first_adhesion", "real", adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
-    plan.audit_last(
+    plan.audit(
         plan.launch(
             _make_sum_of_strength(law, material.varies_adhesion),
             plan.arrays["particle.mass"].shape,

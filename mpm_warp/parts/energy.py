@@ -65,8 +65,8 @@ class EnergyAudit(Part):
             )
             for when in ("before", "after")
         )
-        plan.audit_first(after)
-        plan.audit_after("momentum", before)
+        plan.audit(after, before=plan.step[0].name)
+        plan.audit(before, after="momentum")
 
 
 class EnergyBalance(Part):
@@ -105,12 +105,12 @@ class EnergyBalance(Part):
             particle_state=plan.find("particle.state"),
         )
         # Cells still have the mass of their points, and the rates of the step before.
-        plan.audit_before("cell_stress", of_cells)
-        plan.audit_after("momentum", by_stress)
-        plan.audit_before("surface_contact", by_ground)
-        plan.audit_after("surface_contact", of_nodes)
+        plan.audit(of_cells, before="cell_stress")
+        plan.audit(by_stress, after="momentum")
+        plan.audit(by_ground, before="surface_contact")
+        plan.audit(of_nodes, after="surface_contact")
         # The rates of cells are known, and points still have the stress before the law.
-        plan.audit_before("grid_to_particles", of_points)
+        plan.audit(of_points, before="grid_to_particles")
 
 
 @functools.cache

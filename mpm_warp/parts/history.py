@@ -60,7 +60,7 @@ class History(Part):
             particle_state=plan.find("particle.state"),
         )
         # The rates of cells are known, and the stress is still that before the law.
-        plan.audit_before("grid_to_particles", record)
+        plan.audit(record, before="grid_to_particles")
         add_yield_share(plan, material)
 
 

@@ -30,12 +30,13 @@ volume of the body flow out between them, which costs pressure.
 
 import functools
 from dataclasses import dataclass
-from typing import Any, Self
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Checked, check_array, check_nodes, checked
+from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
@@ -121,76 +122,72 @@ class TravellingSource(Checked):
 class SurroundingGround(Part):
     """The elastic ground below, above and beside a window that travels with a body.
 
+    It is around all of a grid whose inner side is the axis and the body. Along the side it is that
+    of an endless cylinder, 2 G / r along r and G / r along z for each area, with the dashpots of a
+    `FarField`. At the top the radial velocity is free: the body is there.
+
     Attributes:
         source: what the body is from afar.
-        ends: flat indices of the nodes of bottom and top whose velocity is given, shape
-            [end_count].
-        free: 1 where the velocity of such a node is free after all, 0 where it is given, shape
-            [end_count, 2].
-        end_positions: where they are [m], shape [end_count, 2].
-        side: flat indices of the nodes on the side, from below to above, shape [side_count].
-        side_positions: where they are [m], shape [side_count, 2].
-        side_areas: area of each per radian [m2], > 0, shape [side_count].
-        spring: stiffness of each along r and z per radian [N/m], > 0, shape [side_count, 2]; where
-            the material varies, that of a stiffness ratio of 1.
-        dashpot: viscosity of each along r and z per radian [N s/m], >= 0, shape [side_count, 2],
-            likewise.
+        grid: that of the scene, or one with the same nodes.
+        material: soil of a stiffness ratio of 1.
     """
 
     needs = (Window,)
     not_beside = ((FarField, ""),)
     source: TravellingSource
-    ends: Integers
-    free: Floats
-    end_positions: Floats
-    side: Integers
-    side_positions: Floats
-    side_areas: Floats
-    spring: Floats
-    dashpot: Floats
+    grid: Grid
+    material: Material
 
     def __post_init__(self) -> None:
-        count = np.size(self.side)
-        check_array("SurroundingGround: side_areas", self.side_areas, (count,), POSITIVE)
-        check_array("SurroundingGround: spring", self.spring, (count, 2), POSITIVE)
-        check_array("SurroundingGround: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
-        for name, nodes in (("end", self.ends), ("side", self.side)):
-            positions = getattr(self, f"{name}_positions")
-            check_array(f"SurroundingGround: {name}_positions", positions, (np.size(nodes), 2))
-        check_array("SurroundingGround: free", self.free, (np.size(self.ends), 2))
-        if not np.isin(self.free, (0.0, 1.0)).all():
-            raise SceneError("SurroundingGround: free must be 0 or 1")
+        check_kind("SurroundingGround: source", self.source, TravellingSource)
+        check_kind("SurroundingGround: grid", self.grid, Grid)
+        check_kind("SurroundingGround: material", self.material, Material)
 
-    @classmethod
-    def around(cls, grid: Grid, material: Material, source: TravellingSource) -> Self:
-        """The ground around all of a grid whose inner side is the axis and the body.
+    @cached_property
+    def _far(self) -> FarField:
+        return FarField.around(self.grid, self.material)
 
-        Along the side it is that of an endless cylinder, 2 G / r along r and G / r along z for each
-        area, with the dashpots of a `FarField`. At the top the radial velocity is free: the body is
-        there.
-        """
-        far = FarField.around(grid, material)
-        of_rows = np.ones((grid.row_count + 1, grid.column_count + 1, 2))
-        of_rows[0] = 0.0
-        of_rows[-1, :, 1] = 0.0
-        free = of_rows.reshape(-1, 2)
-        ends = np.flatnonzero(free.min(axis=-1) == 0.0)
-        return cls(
-            source=source,
-            ends=ends,
-            free=free[ends],
-            end_positions=grid.node_positions[ends],
-            side=far.nodes,
-            side_positions=grid.node_positions[far.nodes],
-            side_areas=far.spring * grid.outer_radius / (2.0 * material.ground_shear_modulus),
-            spring=far.spring[:, None] * np.array([1.0, 0.5]),
-            dashpot=far.dashpot,
-        )
+    @property
+    def side(self) -> Integers:
+        """Flat indices of the nodes on the side, from below to above, shape [side_count]."""
+        return self._far.nodes
+
+    @property
+    def spring(self) -> Floats:
+        """Stiffness of each along r and z per radian [N/m], shape [side_count, 2]."""
+        return self._far.spring[:, None] * np.array([1.0, 0.5])
+
+    @property
+    def dashpot(self) -> Floats:
+        """Viscosity of each along r and z per radian [N s/m], shape [side_count, 2]."""
+        return self._far.dashpot
+
+    @cached_property
+    def side_positions(self) -> Floats:
+        """Where the nodes of the side are [m], shape [side_count, 2]."""
+        return self.grid.node_positions[self.side]
+
+    @cached_property
+    def side_areas(self) -> Floats:
+        """Area of each per radian [m2], shape [side_count]."""
+        modulus = self.material.ground_shear_modulus
+        areas: Floats = self._far.spring * self.grid.outer_radius / (2.0 * modulus)
+        return areas
+
+    @cached_property
+    def _ends(self) -> tuple[Integers, Floats]:
+        """Nodes of bottom and top, and 1 where their velocity is free, else 0, [end_count, 2]."""
+        free = np.ones((self.grid.row_count + 1, self.grid.column_count + 1, 2))
+        free[0] = 0.0
+        free[-1, :, 1] = 0.0
+        of_nodes = free.reshape(-1, 2)
+        nodes = np.flatnonzero(of_nodes.min(axis=-1) == 0.0)
+        return nodes, of_nodes[nodes]
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
-        for name, nodes in (("ends", self.ends), ("side", self.side)):
-            check_nodes(f"SurroundingGround: {name}", nodes, scene.grid.node_count)
+        if not np.array_equal(scene.grid.node_positions, self.grid.node_positions):
+            raise SceneError("SurroundingGround: grid has other nodes than that of the scene")
 
     def stress(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) of elastic ground when the body has gone so far [Pa], [..., 4].
@@ -246,20 +243,16 @@ class SurroundingGround(Part):
         partly = plan.find("cell.full_mass") is not None
         plan.add_launch(_make_moving_side(partly), len(self.side))
         # After the side: a spring in a corner must not move what the bottom holds.
-        plan.add_array("end.nodes", "int", self.ends, nodes)
-        plan.add_array("end.free", "vec2", self.free)
-        plan.add_array("end.flow", "vec2", self._end_flow)
-        plan.add_launch(moving_ends, len(self.ends))
+        ends, free = self._ends
+        flow = self.source.velocity(scene.grid.node_positions[ends])
+        plan.add_array("end.nodes", "int", ends, nodes)
+        plan.add_array("end.free", "vec2", free)
+        plan.add_array("end.flow", "vec2", (1.0 - free) * flow)
+        plan.add_launch(moving_ends, len(ends))
 
     def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
         return scene.material.stiffness_ratio_at(_place(position, travel))
-
-    @property
-    def _end_flow(self) -> Floats:
-        """What the velocity of each node of the ends gets beside what is free of it, over V."""
-        flow: Floats = (1.0 - self.free) * self.source.velocity(self.end_positions)
-        return flow
 
 
 def _place(position: Floats, travel: float) -> Floats:

@@ -225,31 +225,17 @@ class Plan:
         """Add a launch to the end of the step; what is given and what not is said in `launch`."""
         self.step.append(self.launch(kernel, over, **arguments))
 
-    def audit_before(self, name: str, *records: Launch) -> None:
-        """Insert launches into the audited step, right before that of the step of that name.
+    def audit(self, *records: Launch, before: str = "", after: str = "") -> None:
+        """Insert launches into the audited step, a copy of the complete step but for them.
 
-        The step is complete: the audited one is a copy of it, but for what is inserted.
+        They stand right before or right after the launch of the step that has a name, or at the
+        end, after what has been inserted so far.
         """
-        self._audit(self._named(name), records, offset=0)
-
-    def audit_after(self, name: str, *records: Launch) -> None:
-        """The same, right after it."""
-        self._audit(self._named(name), records, offset=1)
-
-    def audit_first(self, *records: Launch) -> None:
-        """The same, before all of the step."""
-        self._audit(self.step[0], records, offset=0)
-
-    def audit_last(self, *records: Launch) -> None:
-        """The same, after all of the step and of what has been inserted so far."""
-        self.audited_step = [*(self.audited_step or self.step), *records]
-
-    def _named(self, name: str) -> Launch:
-        return next(launch for launch in self.step if launch.name == name)
-
-    def _audit(self, place: Launch, records: tuple[Launch, ...], offset: int) -> None:
         audited = self.audited_step or list(self.step)
-        at = audited.index(place) + offset
+        at = len(audited)
+        if name := before or after:
+            place = next(launch for launch in self.step if launch.name == name)
+            at = audited.index(place) + (name == after)
         self.audited_step = [*audited[:at], *records, *audited[at:]]
 
     def _add(self, name: str, array: Array) -> str:

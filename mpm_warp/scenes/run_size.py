@@ -48,10 +48,12 @@ class RunSize:
 def size_in_grid(
     grid: Grid,
     *,
-    particles_per_cell: int,
+    particles_per_cell: int = 4,
     spare_fraction: float = 0.0,
-    step_count: float,
-    curve_bytes: float = 0.0,
+    duration: float,
+    wave_speed: float,
+    time_step_fraction: float,
+    narrowest: Grid | None = None,
 ) -> RunSize:
     """The size of a run of soil in a grid, every cell of which may hold soil.
 
@@ -59,14 +61,16 @@ def size_in_grid(
         grid: the grid.
         particles_per_cell: material points seeded in a cell.
         spare_fraction: slots for points that enter, over those that are there at the start.
-        step_count: steps to the end of the run.
-        curve_bytes: memory of what is sampled.
+        duration: time to the end of the run [s].
+        wave_speed: of pressure waves, with the soil where it moves through the grid [m/s].
+        time_step_fraction: time step over the critical one.
+        narrowest: a part of the grid that has its narrowest cells; default: all of it.
     """
+    time_step = time_step_fraction * shortest_crossing(narrowest or grid) / wave_speed
     return RunSize(
         cell_count=grid.cell_count,
         particle_count=round(grid.cell_count * particles_per_cell * (1.0 + spare_fraction)),
-        step_count=step_count,
-        curve_bytes=curve_bytes,
+        step_count=duration / time_step,
     )
 
 

@@ -13,35 +13,24 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, vec3, vec4, vec5, vec7, vec10, zero
 from mpm_warp.materials.elasticity import motion_of
 from mpm_warp.plan.plan import Plan
+from mpm_warp.scene import Scene
 from mpm_warp.step.mass_matrix_correction import correction_of_cell
 
 
-def add_cell_rates(
-    plan: Plan,
-    grid: Grid,
-    *,
-    density: float,
-    particles_per_side: int,
-    internal_flow: Any | None,
-) -> None:
+def add_cell_rates(plan: Plan, scene: Scene, *, internal_flow: Any | None) -> None:
     """Add the stage.
 
-    Args:
-        plan: of the run; what its earlier stages have arrays for is worked out too: the rate of
-            dilation and the mass-matrix correction.
-        grid: whose cells they are.
-        density: of the soil [kg/m3].
-        particles_per_side: along each side of a cell when it is full.
-        internal_flow: function on the device (velocities of the four nodes, weights of the cell)
-            -> flow within the cell per time, a vector of 4; None: there is none. The plan then has
-            the array "cell.interpolation_weights" already.
+    What its earlier stages have arrays for is worked out too: the rate of dilation and the
+    mass-matrix correction. `internal_flow` is a function on the device (velocities of the four
+    nodes, weights of the cell) -> flow within the cell per time, a vector of 4; None: there is
+    none. With one the plan has the array "cell.interpolation_weights" already.
     """
+    grid = scene.grid
     # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
-    weight = density * (1.0 - particles_per_side**-2.0) / 24.0
+    weight = scene.material.density * (1.0 - scene.particles_per_side**-2.0) / 24.0
     plan.add_array("cell.volume", "real", grid.cell_volumes)
     plan.add_zeros("cell.motion", "vec7", grid.cell_count)
     if internal_flow is not None:
@@ -50,10 +39,7 @@ def add_cell_rates(
     blended = plan.find("cell.pic_fraction")
     plan.add_launch(
         _make_cell_rates(
-            viscous is not None,
-            corrected is not None,
-            blended is not None,
-            internal_flow,
+            viscous is not None, corrected is not None, blended is not None, internal_flow
         ),
         grid.cell_count,
         column_count=grid.column_count,

@@ -12,32 +12,22 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, vec4, zero
-from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
+from mpm_warp.scene import Scene
 
 
-def add_cell_stress(
-    plan: Plan, grid: Grid, material: Material, *, bulk_viscosity: float | None
-) -> None:
-    """Add the stage.
-
-    Args:
-        plan: of the run; it has the array "cell.full_mass" where cells may hold less soil than
-            fills them.
-        grid: whose cells they are.
-        material: of the soil.
-        bulk_viscosity: coefficient b, dimensionless, or none.
-    """
+def add_cell_stress(plan: Plan, scene: Scene) -> None:
+    """Add the stage; the plan has "cell.full_mass" where soil may fill cells in part alone."""
+    grid, viscosity = scene.grid, scene.bulk_viscosity
     plan.add_zeros("cell.stress", "vec4", grid.cell_count)
-    if bulk_viscosity is not None:
-        impedance = material.density * material.pressure_wave_speed
-        plan.add_array("cell.viscosity", "real", bulk_viscosity * impedance * grid.cell_lengths)
+    if viscosity is not None:
+        impedance = scene.material.density * scene.material.pressure_wave_speed
+        plan.add_array("cell.viscosity", "real", viscosity * impedance * grid.cell_lengths)
         plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
     free_surface = plan.find("cell.full_mass") is not None
     plan.add_launch(
-        _make_cell_stress(plan.share_count, bulk_viscosity is not None, free_surface),
+        _make_cell_stress(plan.share_count, viscosity is not None, free_surface),
         grid.cell_count,
         cell_dilation_rate=plan.find("cell.dilation_rate"),
         cell_viscosity=plan.find("cell.viscosity"),

@@ -16,33 +16,28 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.location import make_location
 from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import make_stress_update
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.material import Law
 from mpm_warp.plan.plan import Plan
+from mpm_warp.scene import Scene
 
 
 def add_grid_to_particles(
-    plan: Plan,
-    grid: Grid,
-    material: Material,
-    *,
-    flow_displacement: Any | None,
-    window_top: float | None,
+    plan: Plan, scene: Scene, *, flow_displacement: Any | None, window_top: float | None
 ) -> None:
     """Add the stage.
 
     Args:
         plan: of the run.
-        grid: that the particles are in.
-        material: of the soil.
+        scene: that is run.
         flow_displacement: function on the device (flow within the cell over the step, xi, eta) ->
             displacement; None: there is no such flow.
         window_top: height [m] above which particles leave a grid that travels; None: it rests, and
             they stay in it.
     """
+    grid, material = scene.grid, scene.material
     law = material.law()
     plan.add_launch(
         _make_grid_to_particles(
@@ -66,11 +61,7 @@ def add_grid_to_particles(
 
 @functools.cache
 def _make_grid_to_particles(
-    polar: bool,
-    law: Law,
-    flow_displacement: Any,
-    travelling: bool,
-    blended: bool,
+    polar: bool, law: Law, flow_displacement: Any, travelling: bool, blended: bool
 ) -> Any:
     """The kernel, launched over slots of particles."""
     location = make_location(polar)

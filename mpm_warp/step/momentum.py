@@ -18,21 +18,21 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import half, kernel, one, real, vec2, vec3, vec4, zero
-from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan
+from mpm_warp.scene import Scene
 from mpm_warp.step.mass_matrix_correction import correction_at_node
 
 ABSURD_SPEED = 100.0
 """Speed over that of the pressure wave beyond which a node is left out of the step."""
 
 
-def add_momentum(plan: Plan, grid: Grid, material: Material, *, corrected: bool) -> None:
+def add_momentum(plan: Plan, scene: Scene, *, corrected: bool) -> None:
     """Add the stage; `corrected`: whether there is a mass-matrix correction."""
+    grid = scene.grid
     plan.add_array("cell.integrals", "vec3", grid.gradient_integrals)
     # Where a wall moves it stays that of the start.
-    plan.add_array("node.least_mass", "real", 0.5 * material.density * grid.node_volumes)
+    plan.add_array("node.least_mass", "real", 0.5 * scene.material.density * grid.node_volumes)
     plan.add_zeros("node.mass", "real", grid.node_count)
     plan.add_zeros("node.velocities", "vec4", grid.node_count)
     if corrected:

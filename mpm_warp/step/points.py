@@ -5,37 +5,22 @@ called `particle.*` belongs to the particles: what enters through a window, and 
 all of them along, whichever they are.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.seeding import seed_rows
-from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Material
+from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan
+from mpm_warp.scene import Scene
 
 
-def add_points(
-    plan: Plan,
-    grid: Grid,
-    material: Material,
-    *,
-    particles_per_side: int,
-    spare_fraction: float,
-    stress_at: Callable[[Floats], Floats],
-) -> None:
+def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     """Seed the grid with particles at rest.
 
-    Args:
-        plan: of the run.
-        grid: every cell that it says holds soil is filled.
-        material: of the soil.
-        particles_per_side: along each side of a cell, >= 1.
-        spare_fraction: empty slots over the number of particles, dimensionless, >= 0.
-        stress_at: gives their stress (rr, zz, rz, tt) [Pa], [..., 4], by place [m], [..., 2].
+    `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
     """
-    seed = seed_rows(grid, 0, grid.row_count, particles_per_side)
+    grid, material = scene.grid, scene.material
+    seed = seed_rows(grid, 0, grid.row_count, scene.particles_per_side)
     plan.particle_count = seed.particle_count
     slots = seed.particle_count + round(spare_fraction * seed.particle_count)
     # Empty slots are at the end of each share, so that all shares have as much to do.
@@ -50,7 +35,7 @@ def add_points(
     cell[taken] = seed.cell
     plan.add_array("particle.position", "vec2", position)
     plan.add_zeros("particle.velocity", "vec2", slots)
-    stress = stress_at(position)
+    stress = scene.stress_at_rest_at(position)
     plan.add_array("particle.stress", "vec4", stress)
     plan.add_array("particle.mass", "real", mass, least=0.0)
     counts = (grid.column_count, grid.row_count)

@@ -19,7 +19,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -131,10 +131,12 @@ class Bearing(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the ground, and the steps to the end of the displacement."""
-        grid = self.grid()
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.clay.pressure_wave_speed
-        step_count = self.final_displacement / self.speed / time_step
-        return size_in_grid(grid, particles_per_cell=4, step_count=step_count)
+        return size_in_grid(
+            self.grid(),
+            duration=self.final_displacement / self.speed,
+            wave_speed=self.clay.pressure_wave_speed,
+            time_step_fraction=TIME_STEP_FRACTION,
+        )
 
     def build(self) -> Scene:
         """The ground, and its contact with the body."""

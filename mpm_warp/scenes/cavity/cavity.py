@@ -21,7 +21,7 @@ from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.exact import ExactCavity
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -124,12 +124,12 @@ class Cavity(ClayScene):
 
     def run_size(self) -> RunSize:
         """Cells around the cavity; the steps are those with the first time step."""
-        grid = self.grid()
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.clay.pressure_wave_speed
         return size_in_grid(
-            grid,
+            self.grid(),
             particles_per_cell=self.particles_per_cell,
-            step_count=self.duration(self.wall) / time_step,
+            duration=self.duration(self.wall),
+            wave_speed=self.clay.pressure_wave_speed,
+            time_step_fraction=TIME_STEP_FRACTION,
         )
 
     def build(self) -> Scene:

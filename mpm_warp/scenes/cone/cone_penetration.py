@@ -42,7 +42,7 @@ from mpm_warp.scenes.cone.soundness import (
     with_energy_error,
 )
 from mpm_warp.scenes.cone.strength_modes import factors_by_mode, rigidity_of_law
-from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
@@ -96,7 +96,7 @@ class ConePenetration(ConeTest):
             stress_at_rest=self.stress_at_rest,
             parts=(
                 Fixed.axis(grid),
-                SurroundingGround.around(grid, material, self._source),
+                SurroundingGround(grid=grid, material=material, source=self._source),
                 PenetrometerContact.of(
                     self.penetrometer,
                     grid,
@@ -152,16 +152,18 @@ class ConePenetration(ConeTest):
             depth_below=size,
             height_above=size,
         )
-        speed = self.clay.pressure_wave_speed + window.first_speed
-        time_step = self.time_step_fraction * shortest_crossing(around_cone) / speed
-        return size_in_grid(
+        size_of_run = size_in_grid(
             grid,
             particles_per_cell=self.particles_per_cell,
             spare_fraction=window.spare_fraction,
-            step_count=self._time_to_the_end / time_step,
-            # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
-            curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
+            duration=self._time_to_the_end,
+            wave_speed=self.clay.pressure_wave_speed + window.first_speed,
+            time_step_fraction=self.time_step_fraction,
+            narrowest=around_cone,
         )
+        # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
+        curve_bytes = self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0)
+        return replace(size_of_run, curve_bytes=curve_bytes)
 
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the greatest penetration."""

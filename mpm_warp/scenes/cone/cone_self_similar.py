@@ -19,7 +19,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -85,15 +85,13 @@ class ConeSelfSimilar(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the grid, those above the ground too, and the steps to the final depth."""
-        material, window = self._material, self._window
-        speed = material.pressure_wave_speed + window.first_speed
-        grid = self._grid()
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / speed
+        window = self._window
         return size_in_grid(
-            grid,
-            particles_per_cell=4,
+            self._grid(),
             spare_fraction=window.spare_fraction,
-            step_count=window.time_to(self._final_depth) / time_step,
+            duration=window.time_to(self._final_depth),
+            wave_speed=self._material.pressure_wave_speed + window.first_speed,
+            time_step_fraction=TIME_STEP_FRACTION,
         )
 
     @property

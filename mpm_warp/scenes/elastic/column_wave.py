@@ -1,7 +1,7 @@
 """Pressure waves along a confined elastic column."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.elastic.columns import Column, confined
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
@@ -84,17 +84,15 @@ class ElasticColumnWave(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps of all periods."""
-        grid = self._column.grid
         period_count = 1 if self.excitation == "sudden_load" else self.period_count
-        crossings = period_count * PERIOD * WAVE_SPEED / shortest_crossing(grid)
-        step_count = crossings / TIME_STEP_FRACTION
-        sampled = step_count * min(1.0, MOST_SAMPLED_PERIODS / period_count)
-        return size_in_grid(
-            grid,
-            particles_per_cell=4,
-            step_count=step_count,
-            curve_bytes=SAMPLE_BYTES * sampled,
+        size = size_in_grid(
+            self._column.grid,
+            duration=period_count * PERIOD,
+            wave_speed=WAVE_SPEED,
+            time_step_fraction=TIME_STEP_FRACTION,
         )
+        sampled = size.step_count * min(1.0, MOST_SAMPLED_PERIODS / period_count)
+        return replace(size, curve_bytes=SAMPLE_BYTES * sampled)
 
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""

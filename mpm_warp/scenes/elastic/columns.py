@@ -18,7 +18,7 @@ from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
@@ -111,9 +111,13 @@ class GravityColumn(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps until it is at rest."""
-        grid = self._column.grid
-        crossings = PERIODS * 4 * HEIGHT / shortest_crossing(grid)
-        return size_in_grid(grid, particles_per_cell=4, step_count=crossings / TIME_STEP_FRACTION)
+        wave_speed = self.material.pressure_wave_speed
+        return size_in_grid(
+            self._column.grid,
+            duration=PERIODS * 4 * HEIGHT / wave_speed,
+            wave_speed=wave_speed,
+            time_step_fraction=TIME_STEP_FRACTION,
+        )
 
     def build(self) -> Scene:
         """The column, its weight, and the damping that brings it to rest."""

@@ -22,7 +22,7 @@ from mpm_warp.sampling import follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.elastic.columns import Column, confined
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid, size_of_bodies
+from mpm_warp.scenes.run_size import RunSize, size_in_grid, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
@@ -295,10 +295,11 @@ class StruckColumn(Impact):
 
     def run_size(self) -> RunSize:
         """Cells of the column, and about the steps until the shock has passed it."""
-        grid = self.column.grid
-        crossings = self.duration * self.wave_speed / shortest_crossing(grid)
         return size_in_grid(
-            grid, particles_per_cell=4, step_count=crossings / self.time_step_fraction
+            self.column.grid,
+            duration=self.duration,
+            wave_speed=self.wave_speed,
+            time_step_fraction=self.time_step_fraction,
         )
 
     def build(self) -> Scene:

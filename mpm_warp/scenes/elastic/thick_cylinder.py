@@ -18,7 +18,7 @@ from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 INNER_RADIUS = 1.0
@@ -83,9 +83,12 @@ class ThickCylinder(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the ring, and the steps until it is at rest."""
-        grid = self._grid()
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / self.material.pressure_wave_speed
-        return size_in_grid(grid, particles_per_cell=4, step_count=self.rest_time / time_step)
+        return size_in_grid(
+            self._grid(),
+            duration=self.rest_time,
+            wave_speed=self.material.pressure_wave_speed,
+            time_step_fraction=TIME_STEP_FRACTION,
+        )
 
     def build(self) -> Scene:
         """The ring under pressure, damped until it is at rest."""

@@ -250,7 +250,7 @@ class BallPenetration(Ball, FullFlowPenetration):
         source = TravellingSource(
             radius=self.body.shaft_radius, height=0.0, shear_modulus=clay.ground_shear_modulus
         )
-        return SurroundingGround.around(grid, clay, source)
+        return SurroundingGround(grid=grid, material=clay, source=source)
 
 
 @dataclass(frozen=True, kw_only=True)

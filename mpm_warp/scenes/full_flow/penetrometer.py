@@ -24,7 +24,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
-from mpm_warp.scenes.run_size import RunSize, shortest_crossing, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 NO_PARTING = 1000.0
@@ -152,13 +152,13 @@ class FullFlowPenetrometer(FieldClayScene):
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the end."""
         grid = self.grid
-        speed = self.clay.pressure_wave_speed + self.window.first_speed
-        time_step = TIME_STEP_FRACTION * shortest_crossing(grid) / speed
         return size_in_grid(
             grid,
             particles_per_cell=self.particles_per_cell,
             spare_fraction=self.window.spare_fraction_in(grid),
-            step_count=self.end_time / time_step,
+            duration=self.end_time,
+            wave_speed=self.clay.pressure_wave_speed + self.window.first_speed,
+            time_step_fraction=TIME_STEP_FRACTION,
         )
 
     def step_count_bound(self, plan: Plan) -> int:

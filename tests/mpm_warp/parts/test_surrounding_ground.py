@@ -136,12 +136,12 @@ def test_it_takes_the_place_of_a_far_field_and_needs_a_window(scene: Scene) -> N
         scene.without(Window)
 
 
-def test_values_that_are_not_allowed(scene: Scene) -> None:
-    ground = ground_of(scene)
-    with pytest.raises(SceneError, match="SurroundingGround: spring"):
-        dataclasses.replace(ground, spring=-ground.spring)
-    with pytest.raises(SceneError, match="SurroundingGround: free must be 0 or 1"):
-        dataclasses.replace(ground, free=0.5 + 0.0 * ground.free)
+def test_it_is_around_the_grid_of_the_scene(scene: Scene) -> None:
+    other = dataclasses.replace(SHORT, domain_radius=11.0).build()
+    with pytest.raises(SceneError, match="SurroundingGround: grid has other nodes"):
+        scene.with_parts(ground_of(other))
+    with pytest.raises(SceneError, match="SurroundingGround: source = 1 must be of type"):
+        dataclasses.replace(ground_of(scene), source=1)
 
 
 def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them(

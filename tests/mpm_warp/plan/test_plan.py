@@ -124,10 +124,10 @@ def test_records_stand_in_the_audited_step_where_they_are_asked_for(plan: Plan) 
     plan.add_launch(scale, 5, factor=2.0)
     cleared, scaled = plan.step
     first, before, after, last = (plan.launch(clear, 5, values=values) for _ in range(4))
-    plan.audit_last(last)
-    plan.audit_before("scale", before)
-    plan.audit_after("scale", after)
-    plan.audit_first(first)
+    plan.audit(last)
+    plan.audit(before, before="scale")
+    plan.audit(after, after="scale")
+    plan.audit(first, before="clear")
     assert plan.audited_step == [first, cleared, before, scaled, after, last]
     assert plan.step == [cleared, scaled]
 
