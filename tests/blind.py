@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.interpret.site import ACCURACY, load_site
+from harness.interpret.keys import ACCURACY
+from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class

@@ -37,15 +37,17 @@ Run one case again from its file alone, and tell whether every bit is the same.
 [list] list studies and scenes
 List the studies that ship and all scenes, a line each.
     list
-[describe] describe a scene, or a study
+[describe] describe a scene, a study, or a site file
 Describe a scene: its parameters with default, unit, meaning and allowed range. Or a study: its
-scene, what it varies and fixes, and its cases.
+scene, what it varies and fixes, and its cases. Or a site file: its keys, with values and meaning.
     describe cone_penetration
     describe adhesion_factor
     describe my_study.toml
-[schema] print a JSON schema of studies, for editors
-Print a JSON schema of study files, by which editors complete and check them.
+    describe site.toml
+[schema] print a JSON schema of studies or sites, for editors
+Print a JSON schema of study files, or of site files, by which editors complete and check them.
     schema
+    schema site
 [plan] print what a scene or a study costs, before it runs
 Print what a run will cost. For one case: its kernels, arrays, steps and time. For a study of
 several: material points, memory, steps and time of each.

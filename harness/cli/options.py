@@ -23,9 +23,7 @@ def _shared(*names: str, **options: Any) -> Parser:
 
 
 STUDY = _shared("study", metavar="STUDY", help="name of a study, or a TOML file")
-SUBJECT = _shared(
-    "subject", metavar="NAME", help="of a scene or a study, or the TOML file of a study"
-)
+SUBJECT = _shared("subject", metavar="NAME", help="of a scene or a study, or a TOML file")
 OUT = _shared(
     "--out",
     type=Path,
@@ -87,7 +85,15 @@ def make_parser() -> Parser:
     _add_options_of_new(add("new", "studies.new"))
     add("list", "studies.list_names")
     add("describe", "studies.describe", SUBJECT)
-    add("schema", "studies.schema")
+    schema = add("schema", "studies.schema")
+    schema.add_argument(
+        "of",
+        nargs="?",
+        choices=("study", "site"),
+        default="study",
+        metavar="KIND",
+        help="study, the default, or site: files of `harness interpret`",
+    )
     add("plan", "studies.show_plan", SUBJECT, SET)
     _add_options_of_run(add("run", "run.run", STUDY, OUT, SET, THREADS, DEVICE))
 
@@ -191,7 +197,10 @@ def make_parser() -> Parser:
 def _add_options_of_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("name", metavar="NAME", help="of the study; its file is NAME.toml")
     new.add_argument(
-        "--interpret", type=Path, metavar="CSV", help="write a site file for this measured test"
+        "--interpret",
+        type=Path,
+        metavar="TEST",
+        help="write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags",
     )
     new.add_argument(
         "--scene", default="cone_penetration", metavar="SCENE", help="default: cone_penetration"

@@ -94,7 +94,9 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         raise table.refuse(key, f"must be {HOW}")
     numbers = {name: it for name, it in value.items() if name != "shape"}
     for name, number in numbers.items():
-        if isinstance(number, bool) or not isinstance(number, (int, float)):
+        if isinstance(number, bool) or not (
+            isinstance(number, (int, float)) and abs(number) < 1e300
+        ):
             raise table.refuse(key, f"{name} must be a number")
     quantiles = _distribution(table, key, value)
     middle, ends = quantiles(np.array(0.5)), quantiles(np.array([SURELY, 1.0 - SURELY]))

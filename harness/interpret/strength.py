@@ -362,7 +362,13 @@ def _dataset(
     modes = "; ".join(f"{it.title}: {it.strength}" for it in site.layers)
     return by_depth.assign_coords(
         percentile=list(PERCENTILES), cause=causes, layer=[it.title for it in site.layers]
-    ).assign_attrs(title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use))
+    ).assign_attrs(
+        title=site.title,
+        site=site.name,
+        strength_mode=modes,
+        use=" ".join(site.use),
+        notes="; ".join(test.notes),
+    )
 
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:

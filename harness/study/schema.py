@@ -52,11 +52,11 @@ def study_schema() -> Schema:
             "type": "object",
             "description": "ground by depth: columns as 'depth [m]', or file, a CSV file",
         },
-        "scenes": _table(
+        "scenes": table_schema(
             {name: _of_scene(name) for name in scene_names()},
             description="what holds for one scene of several",
         ),
-        "compare": _table(
+        "compare": table_schema(
             {
                 "references": own,
                 REFERENCE_STUDY: line | {"description": "study whose kept result tells the errors"},
@@ -70,12 +70,12 @@ def study_schema() -> Schema:
             "propertyNames": {"pattern": f"^{REFERENCE_NAME}$"},
             "additionalProperties": _own_reference(line),
         },
-        "timing": _table({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
+        "timing": table_schema({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
     }
     return {
         "$schema": DIALECT,
         "title": "Study of the harness",
-        **_table(properties),
+        **table_schema(properties),
         "anyOf": [{"required": ["base"]}, {"required": ["title", "scene"]}],
         "allOf": [
             *(_if("scene", name, _open(_of_scene(name))) for name in scene_names()),
@@ -101,7 +101,7 @@ def _own_reference(line: Schema) -> Schema:
     }
     formula = _expression(f"of parameters, or of {', '.join(SYMBOLS)}")
     required = ["formula", "label", "source"]
-    return _table({"formula": formula, **texts, "range": ranges}, required=required)
+    return table_schema({"formula": formula, **texts, "range": ranges}, required=required)
 
 
 def _of_scene(name: str) -> Schema:
@@ -109,12 +109,14 @@ def _of_scene(name: str) -> Schema:
     scene = scene_class(name)
     parameters, over = parameters_of(scene).values(), scene.snapshots_over
     values = {parameter.name: value_schema(parameter) for parameter in parameters}
-    fixed = _table(values)
-    return _table(
+    fixed = table_schema(values)
+    return table_schema(
         {
             "fixed": fixed,
-            "vary": _table({parameter.name: _variation(parameter) for parameter in parameters}),
-            "derived": _table({it.name: _expression(it.meaning) for it in parameters}),
+            "vary": table_schema(
+                {parameter.name: _variation(parameter) for parameter in parameters}
+            ),
+            "derived": table_schema({it.name: _expression(it.meaning) for it in parameters}),
             "exclude": {"type": "array", "items": _expression("cases that are not run")},
             "case": {"type": "array", "items": fixed},
             **({} if over is None else {SNAPSHOTS: _variation(moment_of(scene, over))}),
@@ -144,7 +146,7 @@ def _variation(parameter: Parameter) -> Schema:
         return several
     count = _integer("numbers from one end to the other", 2, LARGEST_STUDY)
     ends = {"from": value, "to": value, "count": count, "spacing": {"enum": list(SPACINGS)}}
-    span = _table(ends, required=["from", "to"])
+    span = table_schema(ends, required=["from", "to"])
     return {"description": value["description"], "anyOf": [several, span]}
 
 
@@ -165,7 +167,7 @@ def _scene_name() -> Schema:
     return {"enum": list(scene_names())}
 
 
-def _table(properties: Schema, **more: object) -> Schema:
+def table_schema(properties: Schema, **more: object) -> Schema:
     """A table with these keys and no others."""
     return {"type": "object", "properties": properties, "additionalProperties": False, **more}
 

@@ -7,7 +7,7 @@ import json
 import re
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,8 @@ from tqdm import tqdm
 from harness.archive.atomic_files import write_whole
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
-from harness.interpret.site import site_text
+from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
+from harness.interpret.files import read_file
 from harness.references.registry import all_entries, one_entry
 from harness.run.resources import UPDATE_RATE
 from harness.study.cases import Case
@@ -24,6 +25,7 @@ from harness.study.description import scene_rows, study_rows, study_text, tell_o
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
+from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.parameters import from_mapping
 from mpm_warp.plan.launch import Launch
@@ -48,12 +50,22 @@ def new(options: argparse.Namespace) -> int:
         scene = load_study(options.scene).parts[0].name
         raise HarnessError(f"--scene {options.scene}: is a study; its scene is {scene}")
     is_site = options.interpret is not None
-    text = site_text(str(options.interpret)) if is_site else study_text(name, options.scene)
+    text = _site_text(options.interpret) if is_site else study_text(name, options.scene)
     write_whole(text.encode(), path)
     command = "interpret" if is_site else "run"
     tell(f"edit {path}, then: harness {command} {shlex.quote(str(path))}")
     print(path)
     return DONE
+
+
+def _site_text(test: Path) -> str:
+    """A site file for a test, with what the test's own file says; one that is damaged is told."""
+    told: Mapping[str, float] = {}
+    try:
+        told = read_file(test).told
+    except StudyError as error:
+        tell(str(error))
+    return site_text(str(test), told)
 
 
 def list_names(options: argparse.Namespace) -> int:
@@ -68,7 +80,10 @@ def list_names(options: argparse.Namespace) -> int:
 
 
 def describe(options: argparse.Namespace) -> int:
-    """Print a scene's parameters, or what a study is."""
+    """Print a scene's parameters, or what a study or a site file is."""
+    if is_site_file(options.subject):
+        print(*site_rows(Path(options.subject)), sep="\n")
+        return DONE
     if not is_scene(options.subject):
         print(*study_rows(load_study(options.subject)), sep="\n")
         return DONE
@@ -83,8 +98,8 @@ def _file(study: str) -> str:
 
 
 def schema(options: argparse.Namespace) -> int:
-    """Print the JSON schema of studies."""
-    print(json.dumps(study_schema(), indent=2))
+    """Print the JSON schema of studies, or of site files."""
+    print(json.dumps(site_schema() if options.of == "site" else study_schema(), indent=2))
     return DONE
 
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from harness.cli.main import main
+from harness.interpret.description import site_text
 from harness.interpret.factors import cone_factor, factors
 from harness.interpret.inputs import read_input, sampled
-from harness.interpret.site import load_site, site_text
+from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
 from harness.study.tables import StudyError, Table
 from mpm_warp.arguments import FINITE, POSITIVE
@@ -319,7 +320,7 @@ def test_a_site_is_interpreted_from_the_command_line(
 
 
 def test_the_site_file_that_is_written_names_every_key(folder: Path) -> None:
-    text = site_text("test.csv").replace("[test]", "[test]\narea_ratio = 0.8", 1)
+    text = site_text("test.csv", {"area_ratio": 0.8})
     (folder / "written.toml").write_text(text)
     site = load_site(folder / "written.toml")
     assert site.layers[0].assumed == ()

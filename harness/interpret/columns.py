@@ -1,0 +1,231 @@
+"""Depth, qc, fs and u2 of a measured test in SI units, whatever file they come from.
+
+A row is left out, and told, where the tip stands or goes back a little: at a change of rods. What
+cannot be a cone test is refused, with file, line, value and what is allowed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.interpret.files import Heading, TestFile, read_file
+from harness.interpret.keys import TEST_KEYS
+from harness.interpret.site import MeasuredTest
+from harness.study.tables import StudyError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parameters import nearest_name
+
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "depth": ("depth", "z", "penetration", "penetrationlength", "sondeerlengte", "scpt_dpth"),
+    "qc": ("qc", "cone_resistance", "coneresistance", "tip", "scpt_res"),
+    "fs": ("fs", "sleeve_friction", "localfriction", "friction", "scpt_fres"),
+    "u2": ("u2", "u", "pore_pressure", "porepressureu2", "scpt_pwp2"),
+}
+"""What each column may be called, without regard to capitals."""
+LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+PRESSURES: Mapping[str, float] = {
+    "Pa": 1.0,
+    "kPa": 1e3,
+    "MPa": 1e6,
+    "bar": 1e5,
+    "kN/m2": 1e3,
+    "MN/m2": 1e6,
+}
+"""Units, and what they are in SI units."""
+LARGEST: Mapping[str, float] = {"qc": 200e6, "fs": 5e6, "u2": 100e6}
+"""What no cone bears, no sleeve, no filter [Pa]."""
+LOWEST_QC = -0.2e6
+"""Below a shifted zero; less is a code for no value [Pa]."""
+REBOUND = 0.05
+"""By so much the tip may go back where rods are changed [m]."""
+GAP = 0.25
+"""Steps of depth above this, and above five usual ones, are told as gaps [m]."""
+MOST_ROWS = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A measured test.
+
+    Attributes:
+        values: by name, in SI units, shape [n]; not a number where a value is missing.
+        area_ratio, pre_drilled: by the site file, or by the test's own.
+        notes: what a reader must know of the file, each a line.
+    """
+
+    values: dict[str, Floats]
+    area_ratio: float
+    pre_drilled: float
+    notes: tuple[str, ...]
+
+
+def read_columns(test: MeasuredTest) -> Columns:
+    """The columns of the file of a test; depth rises, and u2 is all missing where it has none.
+
+    Raises:
+        StudyError: the file is missing, damaged or too large, lacks a column, or is no cone test.
+    """
+    path = test.file
+    file = read_file(path, test.sounding)
+    if len(file.rows) > MOST_ROWS:
+        raise StudyError(f"{path}: has {len(file.rows)} rows; a test has at most {MOST_ROWS}")
+    area_ratio, pre_drilled, notes = _of_the_cone(test, file)
+    values = {
+        name: _unit(path, name, file.headings[place], test.units.get(name))
+        * _numbers(path, file, place, test.missing)
+        for name, place in _places(path, file.headings, test.columns).items()
+    }
+    places = np.array([f"{file.row} {number}" for number, _ in file.rows])
+    if np.isnan(values["depth"]).any():
+        raise StudyError(f"{path}: {places[np.isnan(values['depth'])][0]}: depth is missing")
+    if test.ground_level is not None:
+        values["depth"] = test.ground_level - values["depth"]
+    if not file.in_order:
+        order = np.argsort(values["depth"], kind="stable")
+        places, values = places[order], {name: it[order] for name, it in values.items()}
+    kept = _downward(path, values["depth"], places, notes)
+    places, values = places[kept], {name: it[kept] for name, it in values.items()}
+    if "u2" not in values:
+        if area_ratio < 1.0:
+            raise StudyError(
+                f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "
+                "area_ratio = 1 takes qc as corrected"
+            )
+        values["u2"] = np.full_like(values["depth"], np.nan)
+    _refuse_impossible(path, values, places)
+    return Columns(values, area_ratio, pre_drilled, tuple(notes))
+
+
+def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, list[str]]:
+    """Area ratio and pre-drilled depth by the site file or else by the test's own, and notes."""
+    values, notes = [], list(file.notes)
+    for key in ("area_ratio", "pre_drilled"):
+        value = getattr(test, key)
+        if value is None and key in file.told:
+            value = file.told[key]
+            notes.append(f"{key} = {value:g} by the file")
+            if not TEST_KEYS[key].allowed.holds(value, value):
+                raise StudyError(
+                    f"{test.file}: {key} = {value:g}: must be {TEST_KEYS[key].allowed.allowed}; "
+                    "the site file may say another"
+                )
+        values.append(value)
+    area_ratio, pre_drilled = values
+    if area_ratio is None:
+        raise StudyError(
+            f"{test.where} area_ratio: is missing; it stands on the cone's calibration sheet, "
+            "0.55 to 0.9; 1 where the file holds corrected resistances"
+        )
+    return area_ratio, pre_drilled or 0.0, notes
+
+
+def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -> dict[str, int]:
+    """Which column holds what."""
+    found = {}
+    for name, usual in NAMES.items():
+        wanted = given.get(name)
+        names = usual if wanted is None else (wanted.lower(),)
+        places = [
+            place
+            for place, it in enumerate(headings)
+            if it.name in names or (wanted is not None and it.title.lower() in names)
+        ]
+        if name == "depth" and wanted is None:  # the length of rods is more, where they lean
+            places = [it for it in places if headings[it].name == name] or places
+        if len(places) > 1:
+            titles = ", ".join(headings[it].title for it in places)
+            raise StudyError(
+                f"{path}: {len(places)} columns may be {name}: {titles}; name one under columns of "
+                f'the site file, as columns = {{ {name} = "..." }}'
+            )
+        if places:
+            found[name] = places[0]
+        elif name != "u2" or wanted is not None:
+            near = nearest_name(wanted or name, [it.title for it in headings if it.title])
+            raise StudyError(
+                f"{path}: has no column {wanted or name!r}{near}; name it under columns of the "
+                f'site file, as columns = {{ {name} = "..." }}'
+            )
+    return found
+
+
+def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
+    """What the unit of a column is in SI units."""
+    known, unit = LENGTHS if name == "depth" else PRESSURES, given or heading.unit
+    sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
+    if unit.lower() not in sizes:
+        told = f"has unit {unit!r}" if unit else "has no unit"
+        raise StudyError(
+            f"{path}: column {heading.title!r} {told}; allowed: {', '.join(known)}, in the "
+            f'header as "{name} [{next(iter(known))}]", or under units of the site file'
+        )
+    return sizes[unit.lower()]
+
+
+def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...]) -> Floats:
+    """The numbers of a column, not a number where there is none."""
+    heading, values = file.headings[place], np.full(len(file.rows), np.nan)
+    for row, (number, cells) in enumerate(file.rows):
+        if place >= len(cells):
+            raise StudyError(
+                f"{path}: {file.row} {number}: has {len(cells)} values; must have one for each of "
+                f"the {len(file.headings)} columns"
+            )
+        cell = cells[place].strip()
+        if cell:
+            try:
+                values[row] = float(cell)
+            except ValueError:
+                comma = "; a number has a point" if re.fullmatch(r"-?\d+,\d+", cell) else ""
+                raise StudyError(
+                    f"{path}: {file.row} {number}, column {heading.title!r}: {cell[:40]!r} is no "
+                    f"number{comma}"
+                ) from None
+    values[np.isin(values, (*missing, *heading.missing))] = np.nan
+    return values
+
+
+def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -> np.ndarray:
+    """The rows in which the tip is deeper than ever before; others, and gaps, are noted."""
+    if depth[0] < 0.0:
+        raise StudyError(
+            f"{path}: {places[0]}: depth {depth[0]:g} m is above the ground; where the file has "
+            "levels, or depths that are negative downward, give ground_level, 0 for the latter"
+        )
+    before = np.maximum.accumulate(np.concatenate([[-1.0], depth[:-1]]))
+    kept, back = depth > before, before - depth
+    if back.max() > REBOUND:
+        row = int(np.argmax(back > REBOUND))
+        raise StudyError(
+            f"{path}: {places[row]}: depth goes back from {before[row]:g} to {depth[row]:g} m; at "
+            f"most {REBOUND:g} m are allowed, for a change of rods"
+        )
+    if not kept.all():
+        notes.append(f"{np.sum(~kept)} rows left out in which the tip stands or goes back")
+    step = np.diff(depth[kept])
+    wide = step > max(GAP, 5.0 * float(np.median(step)) if len(step) else 0.0)
+    for top, length in zip(depth[kept][:-1][wide], step[wide], strict=True):
+        notes.append(f"no values from {top:g} to {top + length:g} m")
+    return kept
+
+
+def _refuse_impossible(path: Path, values: Mapping[str, Floats], places: np.ndarray) -> None:
+    """Refuse what no cone test measures."""
+    for name, largest in LARGEST.items():
+        wrong = np.abs(values[name]) > largest
+        if wrong.any():
+            raise StudyError(
+                f"{path}: {places[wrong][0]}: {name} = {values[name][wrong][0]:g} Pa, must be "
+                f"<= {largest:g}; look at its unit, or at `missing` of the site file"
+            )
+    below = values["qc"] < LOWEST_QC
+    if below.any():
+        raise StudyError(
+            f"{path}: {places[below][0]}: qc = {values['qc'][below][0]:g} Pa, must be "
+            f">= {LOWEST_QC:g}; a code for no value belongs under `missing` of the site file"
+        )

@@ -1,0 +1,183 @@
+"""Files of sites explained: a new one, one that is there, and the schema of all of them.
+
+All three are made from the definitions in keys.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.interpret.inputs import FORMS, HOW, read_input
+from harness.interpret.keys import (
+    COLUMNS,
+    LAYER_KEYS,
+    RATE,
+    SITE_KEYS,
+    TEST_KEYS,
+    Form,
+    Key,
+)
+from harness.interpret.site import load_site
+from harness.study.files import read_toml
+from harness.study.schema import DIALECT, Schema, table_schema
+from harness.study.tables import StudyError, Table
+
+PERCENTILES = 5, 50, 95
+"""Of a distribution, by which it is told."""
+
+
+def site_text(test: str, told: Mapping[str, float]) -> str:
+    """A site file for a measured test, explained key by key; it is to be edited.
+
+    Args:
+        test: its file.
+        told: values of keys of [test] that the file of the test says itself.
+    """
+    given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
+    layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
+    lines = [
+        f"# A measured cone test and its ground. An input is {HOW}.",
+        "# A line behind # is a comment: what it names is not given.",
+        *_key_rows(SITE_KEYS, {"title": "My site"}),
+        "",
+        "[test]",
+        *_key_rows(TEST_KEYS, given),
+        "",
+        "[[layer]]  # as many as there are layers of undrained clay",
+        *_key_rows(LAYER_KEYS, layer),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]:
+    """A row a key, with its value or its default; without either it stands behind a #."""
+    values = {name: given.get(name, key.default) for name, key in keys.items()}
+    return [
+        f"# {name}: {key.told}"
+        if values[name] is None
+        else f"{name} = {_toml(values[name])}  # {key.told}"
+        for name, key in keys.items()
+    ]
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name} = {_toml(it)}" for name, it in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def is_site_file(name: str) -> bool:
+    """Whether a name is that of a file of a site: one of TOML that has a table [test]."""
+    path = Path(name)
+    if path.suffix != ".toml" or not path.is_file():
+        return False
+    try:
+        return "test" in read_toml(path)
+    except StudyError:
+        return False
+
+
+def site_rows(path: Path) -> list[str]:
+    """What a site file says: each key with its value, and what it is.
+
+    Raises:
+        StudyError: something in it is wrong.
+    """
+    site, values = load_site(path), read_toml(path)
+    rows = [f"{path}: {site.title}", "", *_told_rows(SITE_KEYS, values)]
+    rows += ["", "[test]", *_told_rows(TEST_KEYS, values["test"])]
+    for layer in values["layer"]:
+        rows += ["", "[[layer]]", *_told_rows(LAYER_KEYS, layer)]
+    return [*rows, "", f"an input is {HOW}"]
+
+
+def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[str]:
+    """A row a key; of a distribution a row more."""
+    for name, key in keys.items():
+        value = given.get(name, key.default)
+        default = "default " if name not in given and value is not None else ""
+        text = "-" if value is None else f"{default}{_toml(value)}"
+        yield f"{name:18} {text:36} {key.told}"
+        if isinstance(value, dict) and Form.INPUT in key.forms and "depth" not in value:
+            shares = np.array(PERCENTILES) / 100.0
+            ends = read_input(Table("", {name: value}), name, key.allowed).quantiles(shares)
+            told = ", ".join(f"{n} %: {it:.3g}" for n, it in zip(PERCENTILES, ends, strict=True))
+            yield f"{'':18} {told}"
+
+
+def site_schema() -> Schema:
+    """The JSON schema of a site file."""
+    test, layer = _table_of(TEST_KEYS), _table_of(LAYER_KEYS)
+    test["required"].remove("water_level")
+    test["oneOf"] = [{"required": ["water_level"]}, {"required": ["u0"]}]
+    layer["not"] = {"required": ["K0", "stress_anisotropy"]}
+    whole = _table_of(SITE_KEYS)
+    whole["properties"] |= {
+        "test": test,
+        "layer": {"type": "array", "items": layer, "minItems": 1},
+    }
+    whole["required"] += ["test", "layer"]
+    return {"$schema": DIALECT, "title": "Site of the harness", **whole}
+
+
+def _table_of(keys: Mapping[str, Key]) -> Schema:
+    required = [name for name, key in keys.items() if key.required]
+    return table_schema({name: _of_key(key) for name, key in keys.items()}, required=required)
+
+
+def _of_key(key: Key) -> Schema:
+    forms = [it for form in key.forms for it in _of_form(form, key)]
+    if key.choices and Form.WORDS not in key.forms:
+        forms.append({"enum": list(key.choices)})
+    default = {} if key.default is None else {"default": key.default}
+    return {"description": key.told, "anyOf": forms} | default
+
+
+def _of_form(form: Form, key: Key) -> list[Schema]:
+    """The schemas of what a value of such a form may be."""
+    bounds = {
+        "minimum": key.allowed.minimum,
+        "maximum": key.allowed.maximum,
+        "exclusiveMinimum": key.allowed.above,
+        "exclusiveMaximum": key.allowed.below,
+    }
+    number: Schema = {"type": "number"}
+    within = number | {name: it for name, it in bounds.items() if math.isfinite(it)}
+    text: Schema = {"type": "string", "pattern": "\\S"}
+    by_depth = {"depth": _list(number), "value": _list(within)}
+    errors = dict.fromkeys(COLUMNS[1:], number | {"minimum": 0})
+    return {
+        Form.TEXT: [text],
+        Form.NUMBER: [within],
+        Form.INTEGER: [within | {"type": "integer"}],
+        Form.INPUT: [within, *_distributions()],
+        Form.BY_DEPTH: [table_schema(by_depth, required=list(by_depth))],
+        Form.NUMBERS: [_list(number)],
+        Form.WORDS: [_list({"enum": list(key.choices)})],
+        Form.TEXTS: [table_schema(dict.fromkeys(COLUMNS, text))],
+        Form.ERRORS: [table_schema(errors, required=list(errors))],
+        Form.RATE: [{"type": "string", "pattern": f"^{RATE}$"}],
+    }[form]
+
+
+def _distributions() -> list[Schema]:
+    """All ways to write an input that is not one number."""
+    kinds: dict[str, Schema] = {"shape": {"enum": ["normal", "lognormal"]}}
+    number = {"type": "number"}
+    tables = [
+        table_schema({name: kinds.get(name, number) for name in form}, required=list(form))
+        for form in FORMS
+    ]
+    percentiles = {"patternProperties": {r"^p\d{1,2}$": number}, "minProperties": 2}
+    return [*tables, table_schema({}, **percentiles)]
+
+
+def _list(items: Schema) -> Schema:
+    return {"type": "array", "items": items}

@@ -1,0 +1,313 @@
+"""Files of measured tests: CSV, GEF, BRO (XML) and AGS 4, each as columns of texts.
+
+What a column holds is told by its name in NAMES of columns.py; the readers only find headings,
+rows, codes for missing values, and what the file says of the cone. Formats, as commonly quoted:
+GEF-CPT-Report 1.1.2 (CUR 2006), BRO CPT catalogue (IMBRO), AGS 4.1 (groups SCPG and SCPT).
+
+Libraries were tried. pygef 0.14.1 sorts rows whose depth goes back, makes negative depths positive,
+fills missing values by interpolation and leaves units aside, all without a word; python-ags4 1.2
+cannot be installed beside pandas 3. A sounding is a small table: the standard library reads it.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from harness.study.tables import StudyError
+from mpm_warp.parameters import nearest_name
+
+LARGEST_FILE = 20_000_000
+"""Bytes of a file; a sounding of 100 m in steps of 5 mm has some two million."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Of a column.
+
+    Attributes:
+        name: what it is called, in small letters: of what the file says itself where it says it.
+        title: as it stands in the file.
+        unit: "" where the file has none.
+        missing: numbers that stand for no value.
+    """
+
+    name: str
+    title: str
+    unit: str
+    missing: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TestFile:
+    """A measured test as its file has it.
+
+    Attributes:
+        headings: of the columns.
+        rows: the number of each row in the file, for messages, and its cells.
+        row: what such a number counts.
+        told: what the file says of the test: area_ratio, pre_drilled [m].
+        in_order: whether rows stand in the order in which they were measured.
+        notes: what is odd about the file, each a line.
+    """
+
+    headings: Sequence[Heading]
+    rows: Sequence[tuple[int, list[str]]]
+    row: str = "line"
+    told: Mapping[str, float] = field(default_factory=dict)
+    in_order: bool = True
+    notes: tuple[str, ...] = ()
+
+
+def read_file(path: Path, sounding: str | None = None) -> TestFile:
+    """A test of its file; the format goes by the ending, CSV where it is none of GEF, XML, AGS.
+
+    Args:
+        path: the file.
+        sounding: its name, in a file that has several.
+
+    Raises:
+        StudyError: the file cannot be read, or is damaged; the message is one line.
+    """
+    try:
+        size = path.stat().st_size
+        content = path.read_bytes() if size <= LARGEST_FILE else b""
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise StudyError(f"{path}: cannot be read: {str(reason).lower()}") from None
+    if size > LARGEST_FILE:
+        raise StudyError(f"{path}: has {size} bytes; a test has at most {LARGEST_FILE}")
+    if b"\0" in content:
+        raise StudyError(f"{path}: has null bytes: it is binary, or UTF-16; save it as UTF-8 text")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")  # names of firms; numbers and keys are ASCII anyway
+    reader = READERS.get(path.suffix.lower(), _csv)
+    try:
+        found = reader(path, text, sounding)
+    except csv.Error as error:
+        raise StudyError(f"{path}: is no table: {error}") from None
+    if not found.rows:
+        raise StudyError(f"{path}: has no rows of values")
+    return found
+
+
+def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
+    """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma."""
+    lines = {
+        number: line
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    }
+    if len(lines) < 2:
+        raise StudyError(f"{path}: has no rows below its header")
+    first = next(iter(lines.values()))
+    reader = csv.reader(lines.values(), delimiter=next((it for it in "\t;," if it in first), ","))
+    header = [_heading(it.strip()) for it in next(reader)]
+    numbers = list(lines)
+    return TestFile(
+        headings=header, rows=[(numbers[reader.line_num - 1], cells) for cells in reader]
+    )
+
+
+def _heading(title: str) -> Heading:
+    """Name and unit of "qc [MPa]" or "qc (MPa)"."""
+    found = re.fullmatch(r"(.*?)\s*(?:[\[(]([^\])]*)[\])])?", title)
+    name, unit = (found[1], found[2] or "") if found else (title, "")
+    return Heading(name.strip().lower(), title, unit)
+
+
+GEF_QUANTITIES = {
+    "1": "penetrationlength",
+    "2": "coneresistance",
+    "3": "localfriction",
+    "6": "porepressureu2",
+    "11": "depth",
+}
+"""Numbers that GEF gives to what a column holds."""
+GEF_TOLD = {"3": "area_ratio", "13": "pre_drilled"}
+"""Numbers of #MEASUREMENTVAR."""
+
+
+def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
+    """A header of #KEY = value, value lines down to #EOH, and rows."""
+    header, end, data = text.partition("#EOH")
+    keys: dict[str, list[list[str]]] = {}
+    for key, values in re.findall(r"^#[ \t]*(\w+)[ \t]*=[ \t]*(.*)$", header, re.MULTILINE):
+        keys.setdefault(key.upper(), []).append([it.strip() for it in values.split(",")])
+    if not (end and "GEFID" in keys):
+        raise StudyError(f"{path}: is no whole GEF: has no {'#GEFID' if end else '#EOH'}")
+    code = (keys.get("REPORTCODE") or keys.get("PROCEDURECODE") or [["no #REPORTCODE"]])[0][0]
+    if "CPT" not in code.upper():
+        raise StudyError(f"{path}: is no cone test: {code}, must be GEF-CPT-Report")
+    voids = {it[0]: _numbers(it[1:2]) for it in keys.get("COLUMNVOID", [])}
+    columns = sorted(
+        (int(it[0]), it) for it in keys.get("COLUMNINFO", []) if len(it) > 3 and it[0].isdecimal()
+    )
+    if [number for number, _ in columns] != list(range(1, len(columns) + 1)):
+        raise StudyError(f"{path}: #COLUMNINFO must be there once for each column, from 1 on")
+    headings = [
+        Heading(GEF_QUANTITIES.get(it[3], it[2].lower()), it[2], it[1], voids.get(it[0], ()))
+        for _, it in columns
+    ]
+    parting = _separator(keys, "COLUMNSEPARATOR")
+    record = _separator(keys, "RECORDSEPARATOR") or "\n"
+    first = header.count("\n") + 1
+    rows = [
+        (number, [it.strip() for it in part.split(parting)])
+        for number, line in enumerate(data.splitlines()[1:], start=first + 1)
+        for part in line.split(record)
+        if part.strip()
+    ]
+    last = next(iter(_numbers(keys.get("LASTSCAN", [[]])[0][:1])), len(rows))
+    return TestFile(
+        headings=headings,
+        rows=rows,
+        told={
+            GEF_TOLD[it[0]]: value
+            for it in keys.get("MEASUREMENTVAR", [])
+            if it[0] in GEF_TOLD
+            for value in _numbers(it[1:2])
+        },
+        notes=() if last == len(rows) else (f"#LASTSCAN = {last:g}, but {len(rows)} rows",),
+    )
+
+
+def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:
+    """A separator; None, any blank, where there is none. That of a comma is [``""``, ``""``]."""
+    values = keys.get(name, [[""]])[0]
+    return "," if len(values) > 1 else values[0] or None
+
+
+def _numbers(texts: Iterable[str | None]) -> tuple[float, ...]:
+    """Those of texts that are numbers."""
+    found = []
+    for text in texts:
+        try:
+            found.append(float(text or ""))
+        except ValueError:
+            continue
+    return tuple(found)
+
+
+BRO_UNITS = {"depth": "m", "penetrationlength": "m"}
+"""Units are fixed by the catalogue; all others that are read are in MPa."""
+BRO_MISSING = (-999999.0,)
+BRO_TOLD = {"area_ratio": "coneSurfaceQuotient", "pre_drilled": "predrilledDepth"}
+
+
+def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
+    """Of each test in the document: which parameters were measured, and rows of all of them."""
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise StudyError(f"{path}: has a document type or entities, which no file of the BRO has")
+    try:
+        root = ET.fromstring(text)
+    except (ET.ParseError, ValueError) as error:
+        raise StudyError(f"{path}: is no whole XML: {error}") from None
+    surveys = {
+        it.findtext("{*}broId", f"test {number}"): survey
+        for number, it in enumerate(root.iter(), start=1)
+        if (survey := it.find("{*}conePenetrometerSurvey")) is not None
+    }
+    survey = surveys[_one_of(path, list(surveys), sounding)]
+    parameters = survey.find("{*}parameters")
+    result = survey.find("{*}conePenetrationTest/{*}cptResult")
+    values = None if result is None else result.findtext("{*}values")
+    encoding = None if result is None else result.find("{*}encoding/{*}TextEncoding")
+    if parameters is None or values is None or encoding is None:
+        raise StudyError(f"{path}: lacks parameters, TextEncoding or values of a cone test")
+    titles = [(it.tag.partition("}")[2], it.text == "ja") for it in parameters]
+    point, cell, block = (
+        encoding.get(f"{it}Separator", usual)
+        for it, usual in (("decimal", "."), ("token", ","), ("block", ";"))
+    )
+    return TestFile(
+        headings=[
+            Heading(it.lower() if is_there else "", it, _bro_unit(it), BRO_MISSING)
+            for it, is_there in titles
+        ],
+        rows=[
+            (number, [it.strip().replace(point, ".") for it in row.split(cell)])
+            for number, row in enumerate(values.split(block), start=1)
+            if row.strip()
+        ],
+        row="row",
+        told={
+            name: value
+            for name, tag in BRO_TOLD.items()
+            for value in _numbers([survey.findtext(f".//{{*}}{tag}")])
+        },
+        in_order=False,
+    )
+
+
+def _bro_unit(title: str) -> str:
+    return BRO_UNITS.get(title.lower(), "MPa")
+
+
+def _ags(path: Path, text: str, sounding: str | None) -> TestFile:
+    """Groups of rows that begin with GROUP, HEADING, UNIT, TYPE or DATA."""
+    groups: dict[str, dict[str, list[tuple[int, list[str]]]]] = {}
+    group: dict[str, list[tuple[int, list[str]]]] = {}
+    reader = csv.reader(text.splitlines(), strict=True)
+    for kind, *cells in filter(None, reader):
+        if kind == "GROUP" and cells:
+            group = groups.setdefault(cells[0], {})
+        group.setdefault(kind, []).append((reader.line_num, [it.strip() for it in cells]))
+    if not {"HEADING", "UNIT", "DATA"} <= groups.get("SCPT", {}).keys():
+        remedy = "; AGS 3 has to be converted" if "**" in text else ""
+        raise StudyError(f"{path}: has no group SCPT of AGS 4 with HEADING, UNIT and DATA{remedy}")
+    test, general = groups["SCPT"], groups.get("SCPG", {})
+    (_, titles), (_, units) = test["HEADING"][0], test["UNIT"][0]
+    rows = [(number, _ags_name(titles, cells), cells) for number, cells in test["DATA"]]
+    chosen = _one_of(path, list(dict.fromkeys(name for _, name, _ in rows)), sounding)
+    titles_of_cone = general.get("HEADING", [(0, [])])[0][1]
+    ratios = [
+        dict(zip(titles_of_cone, cells, strict=False)).get("SCPG_CAR")
+        for _, cells in general.get("DATA", [])
+        if _ags_name(titles_of_cone, cells) == chosen
+    ]
+    return TestFile(
+        headings=[
+            Heading(title.lower(), title, unit)
+            for title, unit in zip(titles, units + [""] * len(titles), strict=False)
+        ],
+        rows=[(number, cells) for number, name, cells in rows if name == chosen],
+        told=dict(zip(["area_ratio"], _numbers(ratios), strict=False)),
+    )
+
+
+def _ags_name(titles: Sequence[str], cells: Sequence[str]) -> str:
+    """Location and test of a row, as CPT1/2; CPT1 where the test has no name."""
+    row = dict(zip(titles, cells, strict=False))
+    return "/".join(filter(None, (row.get("LOCA_ID", ""), row.get("SCPG_TESN", ""))))
+
+
+def _one_of(path: Path, names: Sequence[str], wanted: str | None) -> str:
+    """The sounding that is wanted, or the only one."""
+    if not names:
+        raise StudyError(f"{path}: has no cone test")
+    if wanted is None and len(names) == 1:
+        return names[0]
+    told = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+    if wanted is None:
+        raise StudyError(
+            f"{path}: has {len(names)} tests: {told}; name one in the site file, as sounding = "
+            f'"{names[0]}"'
+        )
+    if wanted not in names:
+        near = nearest_name(wanted, names)
+        raise StudyError(f"{path}: sounding = {wanted!r}: is not there{near}; has {told}")
+    return wanted
+
+
+READERS: Mapping[str, Callable[[Path, str, str | None], TestFile]] = {
+    ".gef": _gef,
+    ".xml": _bro,
+    ".ags": _ags,
+}

@@ -1,0 +1,248 @@
+"""All keys of a file of a site: what each means, its unit, what it may be, and its default.
+
+`SITE_KEYS` stand at the top of the file, `TEST_KEYS` under [test], `LAYER_KEYS` under [[layer]].
+What reads, writes, describes or checks such a file takes the keys from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from harness.interpret.factors import TABLE_RATE
+from harness.interpret.inputs import HOW
+from mpm_warp.arguments import FINITE, NOT_NEGATIVE, Range
+
+MEASURES = ("tip", "sleeve", "pore_pressure")
+"""What of a test may tell of the soil."""
+COLUMNS = ("depth", "qc", "fs", "u2")
+"""What is read of a measured test."""
+BY_SLEEVE = "sleeve"
+"""Value of the adhesion factor that takes it from the sleeve friction at each depth."""
+MODES = ("isotropic", "simple_shear", "triaxial_compression", "triaxial_extension", "average")
+"""What the strength that is wanted is the strength in; isotropic: the one of the simulation."""
+ACCURACY: Mapping[str, Mapping[str, tuple[float, float]]] = {
+    "class 1": {"qc": (35e3, 0.05), "fs": (5e3, 0.10), "u2": (10e3, 0.02)},
+    "class 2": {"qc": (100e3, 0.05), "fs": (15e3, 0.15), "u2": (25e3, 0.03)},
+    "class 3": {"qc": (200e3, 0.05), "fs": (25e3, 0.15), "u2": (50e3, 0.05)},
+}
+"""Allowed errors by class of EN ISO 22476-1:2012 as commonly quoted: [Pa], or a share of the value
+where that is more; taken as half widths of 95 %, the same along the whole test."""
+LARGEST_DEPTH = 1000.0
+RATE = r"(\d+\.?\d*) ?%/(s|min|h)"
+"""A strain rate as a text."""
+
+
+class Form(Enum):
+    """How the value of a key is written, in words."""
+
+    TEXT = "a text"
+    NUMBER = "a number"
+    INTEGER = "an integer"
+    INPUT = HOW
+    BY_DEPTH = "{ depth = [..], value = [..] }"
+    NUMBERS = "a list of numbers"
+    WORDS = "a list of"
+    TEXTS = "{ depth, qc, fs, u2 }, each a text"
+    ERRORS = "{ qc, fs, u2 } [kPa], half widths of 95 %"
+    RATE = 'a text as "5 %/h"'
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of the file.
+
+    Attributes:
+        meaning: what it is.
+        forms: how it may be written, `choices` aside.
+        unit: of its numbers, "" where it has none.
+        allowed: what a number may be.
+        choices: texts that it may be.
+        default: what holds where the file does not say it; None where nothing does.
+        required: whether the file must say it.
+    """
+
+    meaning: str
+    forms: tuple[Form, ...] = ()
+    unit: str = ""
+    allowed: Range = FINITE
+    choices: tuple[str, ...] = ()
+    default: object = None
+    required: bool = False
+
+    @property
+    def told(self) -> str:
+        """Meaning, unit and what is allowed, in a line."""
+        unit = f" [{self.unit}]" if self.unit else ""
+        bounds = f" {self.allowed.allowed}" if self.allowed.allowed else ""
+        forms = [it.value for it in self.forms if it is not Form.WORDS]
+        if any(it in self.forms for it in (Form.NUMBER, Form.INTEGER, Form.INPUT)):
+            forms[0] = ("an input" if self.forms[0] is Form.INPUT else forms[0]) + bounds
+        words = ", ".join(self.choices)
+        if self.choices:
+            forms.append(f"a list of {words}" if Form.WORDS in self.forms else words)
+        return f"{self.meaning}{unit}: {', or '.join(forms)}"
+
+
+SITE_KEYS: Mapping[str, Key] = {
+    "title": Key("what the test is called", (Form.TEXT,), required=True),
+    "use": Key(
+        "what tells of the soil, the tip first",
+        (Form.WORDS,),
+        choices=MEASURES,
+        default=[MEASURES[0]],
+    ),
+    "samples": Key(
+        "how many combinations of the inputs are drawn",
+        (Form.INTEGER,),
+        allowed=Range(minimum=64, maximum=65536),
+        default=2048,
+    ),
+    "seed": Key(
+        "of their random numbers",
+        (Form.INTEGER,),
+        allowed=Range(minimum=0, maximum=2**31),
+        default=1,
+    ),
+}
+TEST_KEYS: Mapping[str, Key] = {
+    "file": Key(
+        "the measured test: CSV, GEF (.gef), BRO (.xml) or AGS 4 (.ags)",
+        (Form.TEXT,),
+        required=True,
+    ),
+    "sounding": Key("which one, where the file has several: its name in the file", (Form.TEXT,)),
+    "columns": Key("names of the columns in the file, where they are others", (Form.TEXTS,)),
+    "units": Key("units of the columns, in place of the file's", (Form.TEXTS,)),
+    "missing": Key("numbers that stand for no value, beside the file's own", (Form.NUMBERS,)),
+    "ground_level": Key(
+        "level of the ground, where the file has levels, upward, in place of depths",
+        (Form.NUMBER,),
+        "m",
+    ),
+    "pre_drilled": Key(
+        "depth that was bored beforehand; by default what the file says, or 0",
+        (Form.NUMBER,),
+        "m",
+        NOT_NEGATIVE,
+    ),
+    "area_ratio": Key(
+        "net area ratio of the cone, by its calibration sheet, 1 where qc is corrected; by default "
+        "what the file says",
+        (Form.NUMBER,),
+        "1",
+        Range(above=0, maximum=1),
+    ),
+    "water_level": Key(
+        "depth of the ground water, below which its pressure is hydrostatic",
+        (Form.NUMBER,),
+        "m",
+        required=True,
+    ),
+    "u0": Key("water pressure [kPa] by depth [m], in place of water_level", (Form.BY_DEPTH,)),
+    "unit_weight": Key(
+        "of the ground",
+        (Form.INPUT, Form.BY_DEPTH),
+        "kN/m3",
+        Range(above=0, maximum=30),
+        required=True,
+    ),
+    "accuracy": Key(
+        "class of EN ISO 22476-1, or the test's errors",
+        (Form.ERRORS,),
+        choices=tuple(ACCURACY),
+        default="class 2",
+    ),
+}
+LAYER_KEYS: Mapping[str, Key] = {
+    "title": Key("what it is called; by default its depths", (Form.TEXT,)),
+    "from": Key("depth of its top", (Form.NUMBER,), "m", NOT_NEGATIVE, required=True),
+    "to": Key(
+        "depth of its bottom",
+        (Form.NUMBER,),
+        "m",
+        Range(above=0, maximum=LARGEST_DEPTH),
+        required=True,
+    ),
+    "rigidity_index": Key(
+        "Ir = G / su", (Form.INPUT,), "1", Range(minimum=15, maximum=1000), required=True
+    ),
+    "adhesion_factor": Key(
+        "alpha; sleeve: by fs at each depth",
+        (Form.INPUT,),
+        "1",
+        Range(minimum=0, maximum=1),
+        choices=(BY_SLEEVE,),
+        default={"low": 0.2, "high": 0.8},
+    ),
+    "K0": Key(
+        "effective horizontal over vertical stress",
+        (Form.INPUT,),
+        "1",
+        Range(above=0, maximum=5),
+        default={"low": 0.5, "high": 0.8},
+    ),
+    "stress_anisotropy": Key(
+        "Delta = (sigma_v0 - sigma_h0) / (2 su), in place of K0",
+        (Form.INPUT,),
+        "1",
+        Range(minimum=-0.6, maximum=0.9),
+    ),
+    "rate_factor": Key(
+        "what a log cycle of strain rate adds to su, over su",
+        (Form.INPUT,),
+        "1",
+        Range(minimum=0, maximum=0.25),
+        default={"mean": 0.1, "deviation": 0.03},
+    ),
+    "laboratory_rate": Key(
+        "strain rate at which su is wanted",
+        (Form.NUMBER, Form.RATE),
+        "1/s",
+        Range(minimum=TABLE_RATE, maximum=1e-2),
+        default="1 %/h",
+    ),
+    "sensitivity": Key(
+        "intact over remoulded strength",
+        (Form.INPUT,),
+        "1",
+        Range(minimum=1, maximum=25),
+        default={"low": 1.5, "high": 6.0},
+    ),
+    "ductility": Key(
+        "plastic shear strain at which 95 % of the loss of strength is done",
+        (Form.INPUT,),
+        "1",
+        Range(minimum=5, maximum=60),
+        default={"low": 10, "high": 50},
+    ),
+    "strength": Key(
+        "the test whose su is wanted; isotropic: the one of the simulation",
+        choices=MODES,
+        default=MODES[0],
+    ),
+    "simple_shear_ratio": Key(
+        "su in simple shear over compression",
+        (Form.INPUT,),
+        "1",
+        Range(above=0, maximum=1.2),
+        default={"low": 0.6, "high": 0.9},
+    ),
+    "extension_ratio": Key(
+        "su in extension over compression",
+        (Form.INPUT,),
+        "1",
+        Range(above=0, maximum=1.2),
+        default={"low": 0.35, "high": 0.7},
+    ),
+    "model_error": Key(
+        "what the simulation leaves out, a deviation over Nkt",
+        (Form.NUMBER,),
+        "1",
+        Range(minimum=0, maximum=1),
+        default=0.1,
+    ),
+}
+INPUTS = ("rigidity_index", "rate_factor", "sensitivity", "ductility")
+"""Inputs of a layer that are the same at all its depths."""
