@@ -29,7 +29,8 @@ class Derived(float):
 
     It is a number like any other, but is worked out anew wherever a scene is made from another by
     ``dataclasses.replace``, so that it goes with the parameters that were changed. To keep it as it
-    is, give it as a plain number: ``float(value)``.
+    is, give it as a plain number: ``float(value)``. As the default of a parameter it is the value
+    where neither the user gives one nor another parameter says one.
     """
 
 
@@ -208,7 +209,9 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
     definitions = parameters_of(type(scene))
     for name, definition in definitions.items():
         given = getattr(scene, name)
-        value = definition.checked(definition.default if isinstance(given, Derived) else given)
+        value = definition.default if isinstance(given, Derived) else given
+        if not isinstance(value, Derived):
+            value = definition.checked(value)
         object.__setattr__(scene, name, value)
     fill_in(scene, derived())
 

@@ -34,7 +34,6 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, check_number
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, real, vec7
 from mpm_warp.materials.ellipsoid import (
     nearest_of_ellipsoid,
@@ -145,18 +144,6 @@ class Anisotropic(PerfectlyPlastic):
         greatest = abs(centre) + 1.0 / math.sqrt(min(inverse_squares))
         half_in_compression = math.sqrt(0.75) * greatest * self.strength
         return limit_pressure(self.shear_modulus, half_in_compression)
-
-    def check_stress_at_rest(self, stress: Floats) -> None:
-        """See `Material`; its deviator must be within the yield surface."""
-        rr, zz, rz, tt = stress / self.strength
-        centre, *b = self.shape
-        x = np.array([(0.5 * (rr + tt) - zz) / math.sqrt(3.0) - centre, 0.5 * (rr - tt), rz])
-        if float(b @ x**2) > 1.0 + 1e-9:
-            C, E = self.strength_compression, self.strength_extension
-            raise SceneError(
-                "Anisotropic: the stress of the ground is outside the yield surface: vertical less "
-                f"horizontal stress must be within {-2.0 * E:g} and {2.0 * C:g} Pa"
-            )
 
     def undrained_strength(self, test: str) -> float:
         """Where the normal of the ellipsoid is along the strain of the test."""

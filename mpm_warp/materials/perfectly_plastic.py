@@ -16,12 +16,15 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, checked
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment
 
 STRENGTH = 2
 """Place of su among the properties, behind the moduli."""
+ROUNDING = 1e-9
+"""Share of the strength by which a stress at rest may be outside the yield surface."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +112,18 @@ class PerfectlyPlastic(UndrainedClay):
     def state_at(self, stress: Floats, place: Floats) -> Floats:
         """See `Material`; the axis is vertical."""
         return np.tile(tuple(self.axis.values()), (*place.shape[:-1], 1))
+
+    def check_stress_at_rest(self, stress: Floats) -> None:
+        """See `Material`; the ground yields as triaxial tests do, its horizontal stresses alike."""
+        mode = "compression" if stress[1] < stress[0] else "extension"
+        strength = self.undrained_strength(f"triaxial_{mode}")
+        difference = abs(float(stress[1] - stress[0]))
+        if strength is not None and difference > 2.0 * strength * (1.0 + ROUNDING):
+            raise SceneError(
+                f"{type(self).__name__}: the stress of the ground is outside the yield surface: "
+                f"vertical and horizontal stress differ by {difference:.6g} Pa, which must be <= "
+                f"{2.0 * strength:.6g} Pa in {mode}"
+            )
 
     def update(self) -> Any:
         """Return to the yield surface from outside."""

@@ -6,13 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, make_dataclass
 from typing import Any
 
+import numpy as np
+
 from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import loaded_laws, other_law, other_laws
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import Derived, Parameter, fill_in, parameter, parameters_of
+from mpm_warp.parameters import Derived, Parameter, fill_in, parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
 BOUNDS = ("minimum", "maximum", "above", "below", "choices")
@@ -28,7 +31,9 @@ NEEDED = (
 class Clay:
     """Parameters of clay of one stiffness, over its strength."""
 
-    rigidity_index: float = parameter(100.0, "rigidity index G/su", minimum=2, maximum=5000)
+    rigidity_index: float = parameter(
+        Derived(100.0), "rigidity index G/su", minimum=2, maximum=5000
+    )
     material: str = parameter(
         "tresca",
         "yield criterion, or a law with parameters of its own; von_mises: sqrt(J2) = su, as Tresca "
@@ -134,13 +139,14 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
 
     def _follow(self, strength: float) -> None:
         """Let su and rigidity index be those of the law, and what is derived from them."""
-        definitions, name = parameters_of(type(self)), "undrained_shear_strength"
-        if name in definitions and getattr(self, name) != definitions[name].default:
-            strength = getattr(self, name)
-        elif name in definitions:
+        name = "undrained_shear_strength"
+        su = getattr(self, name, None)
+        if isinstance(su, Derived):
             object.__setattr__(self, name, Derived(strength))
+        elif su is not None:
+            strength = su
         of_law = "shear_modulus" not in self._given_to_law
-        if of_law and self.rigidity_index == definitions["rigidity_index"].default:
+        if of_law and isinstance(self.rigidity_index, Derived):
             index = self.own_clay.ground_shear_modulus / strength
             object.__setattr__(self, "rigidity_index", Derived(index))
             fill_in(self, {"rigidity_index": index})
@@ -171,6 +177,14 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
     def clay(self) -> Material:
         """The clay of the run, made by `clay_with`."""
 
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress (rr, zz, rz, tt) of the ground before, which its law must allow [Pa], shape [4].
+
+        It is that over the stress that balances itself; none by default.
+        """
+        return np.zeros(4)
+
     def clay_with(
         self,
         *,
@@ -194,6 +208,10 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             "strength": strength,
         }
         intact = self._intact(given)
+        try:
+            intact.check_stress_at_rest(self.stress_at_rest)
+        except SceneError as refusal:
+            raise ParameterError("stress_anisotropy", f"stress_anisotropy: {refusal}") from None
         if not (self.strength_changes and isinstance(intact, PerfectlyPlastic)):
             return intact
         return EinavRandolph(
@@ -255,7 +273,11 @@ class FieldClayScene(ClayScene):
     """A scene in clay whose strength is given in pascals, penetrated at a real speed."""
 
     undrained_shear_strength: float = parameter(
-        20e3, "undrained shear strength su in pure shear", unit="Pa", minimum=1e-3, maximum=1e9
+        Derived(20e3),
+        "undrained shear strength su in pure shear",
+        unit="Pa",
+        minimum=1e-3,
+        maximum=1e9,
     )
     density: float = parameter(
         1700.0, "density of the clay", unit="kg m-3", minimum=1e-3, maximum=1e9

@@ -146,11 +146,6 @@ class Cavity(ClayScene):
         )
 
     @property
-    def stress_at_rest(self) -> Floats:
-        """Stress (rr, zz, rz, tt) of the soil before, over that across the wall [Pa], shape [4]."""
-        return np.zeros(4)
-
-    @property
     def exact(self) -> ExactCavity | None:
         """Closed form or integral of the pressures around it; None in a law of another package."""
         clay = self.clay

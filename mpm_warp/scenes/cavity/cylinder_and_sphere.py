@@ -101,7 +101,7 @@ class CavityCylinder(Cavity):
 
     @property
     def stress_at_rest(self) -> Floats:
-        """See `Cavity`: the vertical stress differs from the horizontal one."""
+        """See `ClayScene`; over the horizontal stress, which the vertical one differs from."""
         over_horizontal = 2.0 * self.stress_anisotropy * self.strength
         return np.array([0.0, -over_horizontal, 0.0, 0.0])
 

@@ -6,7 +6,6 @@ from typing import ClassVar, Self
 
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid, growing
 from mpm_warp.parts.boundaries import Fixed
@@ -73,14 +72,6 @@ class ConePenetration(ConeTest):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        # Stress in the ground before must be within the yield surface.
-        bound = 1.0 if self.material == "tresca" else 0.5 * math.sqrt(3.0)
-        if abs(self.stress_anisotropy) >= bound:
-            raise ParameterError(
-                "stress_anisotropy",
-                f"stress_anisotropy = {self.stress_anisotropy:g} is not allowed: clay of "
-                f"{self.material} yields at {bound:.4g}",
-            )
         if self.uncertainty == "measured":
             self.further_tests()  # all are allowed
 

@@ -15,6 +15,8 @@ FILES = {
     "colon.toml": 'title = "t"\nscene: "cone_penetration"\n',
     "list.toml": 'title = "t"\nscene = "cone_penetration"\n[fixed]\nadhesion_factor = [0, 1]\n',
     "single.toml": 'title = "t"\nscene = "cone_penetration"\n[vary]\nadhesion_factor = 0.5\n',
+    "yielding.toml": 'title = "t"\nscene = "cone_penetration"\n[fixed]\nmaterial = "von_mises"\n'
+    "stress_anisotropy = 0.9\n",
     "derived.toml": 'title = "t"\nscene = "cone_penetration"\n[derived]\ndensity = "su / G"\n',
 }
 MISTAKES = {
@@ -56,6 +58,17 @@ MISTAKES = {
     "run mesh_size --set adhesion_factor=[]": "must be a list of one value or more",
     "run mesh_size --set adhesion_factor='1\ndensity=2'": "not a TOML value",
     "run mesh_size --set adhesion_factr=1": "did you mean 'adhesion_factor'?",
+    "run overconsolidation --set stress_anisotropy=0.6": "isotropic_overconsolidation_ratio = 1 "
+    "must be >= 1.11: the stress of the ground is outside the yield surface",
+    "plan element_tests --set stress_anisotropy=-0.9": "the stress of the ground is outside the",
+    "describe yielding.toml": "vertical and horizontal stress differ by 36000 Pa, which must be <= "
+    "34641 Pa in compression",
+    "plan strength_anisotropy --set stress_anisotropy=-0.5 --set remoulded_strength_ratio=0.9 "
+    "--set ductility=10": "differ by 20000 Pa, which must be <= 16000 Pa in extension",
+    "run overconsolidation --set critical_state_ratio=0": "must be a number > 0 and < 3; it is the",
+    "run overconsolidation --set compression_slope=0.04": "must be > swelling_slope = 0.04",
+    "run overconsolidation --set isotropic_overconsolidation_ratio=0.9": "must be a number >= 1",
+    "plan strength_anisotropy --set strength_extension=99e3": "must be > 0 and < 46000",
     "run there/mesh_sizes.toml": "no such file; did you mean 'mesh_size'?",
     "run folder.toml": "not a file",
     "run file.txt": "no such study",

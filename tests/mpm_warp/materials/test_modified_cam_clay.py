@@ -10,7 +10,7 @@ import scipy
 
 import mpm_warp
 from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest, Scene
-from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
+from mpm_warp.errors import ParameterError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
 from mpm_warp.scenes.material.element_test import TESTS
@@ -244,9 +244,8 @@ def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> 
 
 @pytest.mark.parametrize("anisotropy", [0.6, -0.6])
 def test_a_ground_outside_the_yield_surface_is_refused(anisotropy: float) -> None:
-    scene = ElementTest(material="modified_cam_clay", stress_anisotropy=anisotropy)
-    with pytest.raises(SceneError, match="the stress of the ground is outside the yield surface"):
-        scene.build()
+    with pytest.raises(ParameterError, match="the stress of the ground is outside the yield"):
+        ElementTest(material="modified_cam_clay", stress_anisotropy=anisotropy)
 
 
 def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
@@ -263,6 +262,11 @@ def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
     own = replace(scene, undrained_shear_strength=15e3)
     assert own.undrained_shear_strength == 15e3
     assert own.rigidity_index == pytest.approx(0.6 * V * STRESS / KAPPA / 15e3)
+    as_default = mpm_warp.ConePenetration(**given, undrained_shear_strength=20e3)
+    assert as_default.undrained_shear_strength == 20e3
+    assert replace(as_default, cone_radius=0.02).undrained_shear_strength == 20e3
+    index = mpm_warp.ConePenetration(**given, rigidity_index=100.0).rigidity_index
+    assert index == 100.0
     tresca = replace(scene, material="tresca", **dict.fromkeys(scene.of_other_laws))
     assert (tresca.undrained_shear_strength, tresca.rigidity_index) == (20e3, 100.0)
 
