@@ -46,12 +46,14 @@ MOST_CASES = 3
 RESOLUTION = "cells_per_radius"
 """The parameter that refines the mesh: its finest two values give the discretisation's share."""
 BY_MODE = {
-    "cone_factor_by_compression": "by su in_compression",
-    "cone_factor_by_simple_shear": "by su in_simple shear",
-    "cone_factor_by_extension": "by su in_extension",
-    "cone_factor_by_average": "by su,_average",
+    "compression": "by su in_compression",
+    "simple_shear": "by su in_simple shear",
+    "extension": "by su in_extension",
+    "average": "by su,_average",
 }
-"""Cone factors by the test that su is from, and their headings."""
+"""Headings of factors by the test that su is from."""
+PORE_PRESSURE = ("Bq", "N_du", "N_ke")
+"""Factors of a cone that stand beside its own, over the same su."""
 Column = list[str]
 """The lines of a column, of the same width."""
 
@@ -162,15 +164,23 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
 def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
     yield half_width_column(dataset, COMPARED, COMPARED)
     parts = {"cone_factor_simulated": "as_simulated", "cone_factor_normal": "normal_part"}
-    for name, heading in (parts | BY_MODE).items():
+    for name, heading in parts.items():
         if name in dataset:
             yield _numbers(dataset, name, "#.3g", heading)
+    yield from _mode_columns(dataset, COMPARED)
+    yield from (_numbers(dataset, it, ".2f", f"_{it}") for it in PORE_PRESSURE if it in dataset)
     if "cone_factor_shear" in dataset:
         shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
         deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)
         yield _numbers(dataset, shear, ".3f", "shear_part")
         pairs = zip(over_cases(dataset, exact), deviations, strict=True)
         yield column("exact_shear", (_with_deviation(*it, digits=3) for it in pairs))
+
+
+def _mode_columns(dataset: xr.Dataset, factor: str) -> Iterable[Column]:
+    for mode, heading in BY_MODE.items():
+        if (name := f"{factor}_by_{mode}") in dataset:
+            yield _numbers(dataset, name, "#.3g", heading)
 
 
 def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
@@ -263,8 +273,8 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
 def _which_strength(dataset: xr.Dataset) -> str:
     """Which su the cone factors are over."""
     named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
-    if any(name in dataset for name in BY_MODE):
-        return f"{named}: by su in that test; beside it by su in others, and by their average"
+    if f"{COMPARED}_by_compression" in dataset:
+        return f"{named}: by su in that test, as N_du and N_ke; beside it by other su"
     return "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
 
 
@@ -281,6 +291,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
             columns.append(half_width_column(dataset, name, name))
         else:
             columns.append(_numbers(dataset, name, ".4g", name))
+        columns += _mode_columns(dataset, name)
         notes.append(_note(dataset, name))
         if (exact := f"{name}_exact") in one_a_case:
             columns.append(_numbers(dataset, exact, ".4g", exact))

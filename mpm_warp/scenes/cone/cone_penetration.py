@@ -40,8 +40,8 @@ from mpm_warp.scenes.cone.soundness import (
     check_levelled,
     with_energy_error,
 )
-from mpm_warp.scenes.cone.strength_modes import factors_by_mode, rigidity_of_law
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
+from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
@@ -291,7 +291,7 @@ class ConePenetration(ConeTest):
         results = recorded.assign(steady).assign(step_count_bound=bound)
         results = with_energy_error(results, simulation, curves.work)
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
-        results = results.assign(factors_by_mode(self, results) | rigidity_of_law(self))
+        results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         check_energy(results)
         if balances:
             check_balance(results)

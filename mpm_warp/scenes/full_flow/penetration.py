@@ -28,6 +28,7 @@ from mpm_warp.scenes.full_flow.penetrometer import (
 )
 from mpm_warp.scenes.full_flow.round_body import RoundBody
 from mpm_warp.scenes.run_size import RunSize, of_several
+from mpm_warp.scenes.strength_modes import by_mode
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty import full_flow, further_runs
 from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
@@ -174,7 +175,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def _steady_values(self, resistance: xr.DataArray) -> dict[str, xr.Variable]:
         mean, over = steady_mean(resistance)
         before, _ = steady_mean(resistance[:-STEADY_SAMPLES])
-        return labelled(
+        factor = labelled(
             role="headline",
             resistance_factor=(
                 mean / self.undrained_shear_strength,
@@ -182,7 +183,8 @@ class FullFlowPenetration(FullFlowPenetrometer):
                 "resistance over projected area and su",
                 f"mean {over}, of the excess over the in-situ stress",
             ),
-        ) | labelled(
+        )
+        change = labelled(
             resistance_factor_change=(
                 1.0 - before / mean,
                 "1",
@@ -190,6 +192,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
                 f"mean {over} less that over the two before, over it",
             )
         )
+        return factor | change | by_mode(self, **factor)
 
 
 def _empty_cells(simulation: Simulation, height: float) -> int:

@@ -6,9 +6,10 @@ import pytest
 import xarray as xr
 
 from mpm_warp.scenes.catalogue import scene_class
-from mpm_warp.scenes.cone.strength_modes import factors_by_mode, rigidity_of_law
+from mpm_warp.scenes.strength_modes import by_mode, cone_factors_by_mode, rigidity_of_law
 
-FACTOR = xr.Dataset({"cone_factor": ((), 9.0, {"long_name": "cone factor"})})
+FACTOR = xr.Variable((), 9.0, {"long_name": "cone factor"})
+CONE = xr.Dataset({"cone_factor": FACTOR, "pore_pressure_factor_shoulder": ((), 4.5)})
 DIRECTED = {
     "material": "anisotropic",
     "strength_compression": 20e3,
@@ -23,7 +24,7 @@ def cone_test(**given: Any) -> Any:
 
 
 def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None:
-    found = factors_by_mode(cone_test(**DIRECTED), FACTOR)
+    found = by_mode(cone_test(**DIRECTED), cone_factor=FACTOR)
     factors = {name: float(it) for name, it in found.items() if name.startswith("cone_factor")}
     assert factors == pytest.approx(
         {
@@ -36,13 +37,13 @@ def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None
     )
     assert found["cone_factor"].attrs["long_name"] == "cone factor, compression"
     assert float(found["strength_by_extension"]) == pytest.approx(10e3)
-    assert FACTOR.cone_factor.attrs["long_name"] == "cone factor"
+    assert FACTOR.attrs["long_name"] == "cone factor"
 
 
 def test_clay_that_softens_has_the_factors_of_intact_clay() -> None:
     strong = {name: 10.0 * su for name, su in DIRECTED.items() if isinstance(su, float)}
     test = cone_test(material="anisotropic", **strong, remoulded_strength_ratio=0.5, ductility=10.0)
-    found = factors_by_mode(test, FACTOR)
+    found = by_mode(test, cone_factor=FACTOR)
     assert float(found["cone_factor_by_extension"]) == pytest.approx(18.0)
     assert test.clay.strength == test.undrained_shear_strength == 200e3
 
@@ -50,8 +51,38 @@ def test_clay_that_softens_has_the_factors_of_intact_clay() -> None:
 def test_clay_whose_strength_the_scene_gives_has_one_factor() -> None:
     for material in ("tresca", "von_mises"):
         test = cone_test(material=material)
-        assert not factors_by_mode(test, FACTOR)
+        assert not by_mode(test, cone_factor=FACTOR)
         assert not rigidity_of_law(test)
+
+
+def test_pore_pressure_has_factors_by_mode_and_bq_has_none() -> None:
+    """N_ke = (qnet + sigma'_v0 - (u2 - u0)) / su, where the law knows an effective stress."""
+    directed = cone_factors_by_mode(cone_test(**DIRECTED), CONE)
+    assert "N_ke" not in directed
+    assert float(directed["Bq"]) == pytest.approx(0.5)
+    assert float(directed["N_du"]) == pytest.approx(4.5)
+    assert float(directed["N_du_by_extension"]) == pytest.approx(9.0)
+    assert directed["N_du"].attrs["long_name"] == "pore pressure factor N_du, compression"
+    for anisotropy in (0.0, 0.4):
+        test = cone_test(
+            material="modified_cam_clay",
+            isotropic_overconsolidation_ratio=1.5,
+            stress_anisotropy=anisotropy,
+        )
+        su = test.undrained_shear_strength
+        vertical = 50e3 + 2.0 / 3.0 * 2.0 * anisotropy * su
+        found = cone_factors_by_mode(test, CONE)
+        assert float(found["N_ke"]) == pytest.approx(4.5 + vertical / su)
+        of_compression = (4.5 * su + vertical) / float(found["strength_by_compression"])
+        assert float(found["N_ke_by_compression"]) == pytest.approx(of_compression)
+    assert not cone_factors_by_mode(cone_test(material="tresca"), CONE)
+
+
+def test_a_t_bar_and_a_ball_have_factors_by_mode() -> None:
+    for name in ("t_bar_penetration", "ball_penetration"):
+        kind: Any = scene_class(name)
+        found = by_mode(kind(**DIRECTED), resistance_factor=FACTOR)
+        assert float(found["resistance_factor_by_simple_shear"]) == pytest.approx(12.0)
 
 
 def test_a_linear_law_has_one_rigidity_index() -> None:

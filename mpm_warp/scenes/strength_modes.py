@@ -1,0 +1,121 @@
+"""Factors of penetrometers by the test that su is from, and the rigidity index beside them.
+
+The strength of a law that has its own depends on the mode of the test. A factor is a resistance or
+a pressure over one of these strengths; without its name it says nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.materials.elasticity import Isotropic
+from mpm_warp.materials.material import EFFECTIVE_STRESS
+from mpm_warp.materials.other_laws import other_law
+from mpm_warp.results import labelled, variable
+from mpm_warp.scenes.catalogue import scene_class
+from mpm_warp.scenes.clay import FieldClayScene
+
+MODES = {
+    "compression": "triaxial_compression",
+    "simple_shear": "simple_shear",
+    "extension": "triaxial_extension",
+}
+"""Element tests by the names of their modes in results."""
+STEP_COUNT = 2000
+"""Of an element test: G at half of the strength is within 1 % of that of 10,000 steps."""
+
+
+def by_mode(test: FieldClayScene, **factors: xr.Variable) -> dict[str, xr.Variable]:
+    """Factors over each su, and over the mean of the three, of a law that has its own strength.
+
+    The name of each factor then says which su it is over.
+
+    Args:
+        test: of a penetrometer.
+        factors: by name, over the su of the scene; N is also given as N_by_compression and so on.
+    """
+    if test.own_strength is None:
+        return {}
+    clay = test.own_clay
+    strengths = {mode: clay.undrained_strength(name) for mode, name in MODES.items()}
+    known = {mode: su for mode, su in strengths.items() if su is not None}
+    found = {
+        f"strength_by_{mode}": variable(su, unit="Pa", meaning=f"su in {mode.replace('_', ' ')}")
+        for mode, su in known.items()
+    }
+    tests = {mode: MODES[mode].replace("_", " ") for mode in known}
+    if len(known) == len(MODES):
+        known["average"] = sum(known.values()) / len(known)
+        tests["average"] = "the mean of compression, simple shear and extension"
+    of_scene = clay.reference_test.removeprefix("triaxial_").replace("_", " ")
+    for name, factor in factors.items():
+        meaning = factor.attrs["long_name"]
+        found[name] = factor.copy()
+        found[name].attrs["long_name"] = f"{meaning}, {of_scene}"
+        for mode, su in known.items():
+            found[f"{name}_by_{mode}"] = variable(
+                float(factor) * test.undrained_shear_strength / su,
+                meaning=f"{meaning}, {mode.replace('_', ' ')}",
+                description=f"over su in {tests[mode]}",
+            )
+    return found
+
+
+def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str, xr.Variable]:
+    """Nkt, N_du = (u2 - u0) / su and N_ke = (qt - u2) / su by mode, and Bq = N_du / Nkt.
+
+    N_ke needs the effective stress of the ground, which a law of total stress does not have.
+
+    Args:
+        test: a cone test.
+        results: of it: `cone_factor` and `pore_pressure_factor_shoulder`, over the su of the scene.
+    """
+    net, excess = float(results.cone_factor), float(results.pore_pressure_factor_shoulder)
+    factors = {"cone_factor": results.cone_factor.variable} | labelled(
+        N_du=(excess, "1", "pore pressure factor N_du", "(u2 - u0) / su")
+    )
+    vertical = _effective_vertical_stress(test)
+    if vertical is not None:
+        of_effective = net + vertical / test.undrained_shear_strength - excess
+        factors |= labelled(
+            N_ke=(of_effective, "1", "effective cone factor N_ke", "(qt - u2) / su")
+        )
+    found = by_mode(test, **factors)
+    ratio = labelled(
+        Bq=(excess / net, "1", "pore pressure ratio Bq", "(u2 - u0) / (qt - sigma_v0)")
+    )
+    return found | ratio if found else {}
+
+
+def _effective_vertical_stress(test: FieldClayScene) -> float | None:
+    """Of the ground before [Pa]; None of a law without effective stress."""
+    clay, stress = test.clay, test.stress_at_rest
+    if EFFECTIVE_STRESS not in clay.state:
+        return None
+    mean = clay.state_at(stress, np.zeros(2))[clay.state.index(EFFECTIVE_STRESS)]
+    return float(mean + 2.0 / 3.0 * (stress[0] - stress[1]))
+
+
+def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:
+    """G over su in the element test of the law's su, of a law that has its own strength.
+
+    Args:
+        test: a cone test.
+    """
+    if test.own_strength is None:
+        return {}
+    clay = test.own_clay
+    mode = clay.reference_test
+    at_first = at_half = test.clay.ground_shear_modulus / test.own_strength
+    if not isinstance(clay, Isotropic):
+        own = {name: getattr(test, name) for name in other_law(test.material).parameters}
+        element: Any = scene_class("element_test")
+        found = element(material=test.material, test=mode, step_count=STEP_COUNT, **own).run()
+        at_first = float(found.small_strain_rigidity_index)
+        at_half = float(found.half_strength_rigidity_index)
+    by = f"G over su in {mode.replace('_', ' ')}"
+    return labelled(
+        small_strain_rigidity_index=(at_first, "1", "rigidity index at small strain", by),
+        half_strength_rigidity_index=(at_half, "1", "rigidity index at 50 % of su", by),
+    )
