@@ -23,6 +23,8 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[1]
 README, OF_HARNESS = ROOT / "README.md", ROOT / "harness" / "README.md"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
+EXECUTED = ROOT / "studies" / "guide.md"
+"""Its commands are run, see `test_guide.py`."""
 OF_NO_COST = ("list", "describe", "schema")
 SHORT = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
 """Settings of a cone test by which its result has the same names and dims at next to no cost."""
@@ -90,14 +92,13 @@ def test_a_study_of_ones_own_is_made_and_read(
 
 def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None:
     for block in blocks(OF_HARNESS)[1:]:
-        # What is not installed and needs a cluster; what needs snapshots, see test_view.py.
-        if not any(it in block for it in ("dask_jobqueue", ".fields.nc")):
+        if ".fields.nc" not in block:  # which needs snapshots: see test_view.py
             run(block, folder)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
-    if page not in (README, OF_HARNESS):
+    if page not in (README, OF_HARNESS, EXECUTED):
         for block in blocks(page):
             for name in re.findall(r'"results/(\w+)\.nc"', block):
                 assert main(["run", name, *SET_SHORT, f"--out={tmp_path / 'results'}"]) == 0
@@ -111,7 +112,9 @@ def commands(page: Path) -> Iterator[str]:
     yield from re.findall(r"`harness ([^`]+)`", " ".join(page.read_text().split()))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize(
+    "page", [it for it in PAGES if it != EXECUTED], ids=lambda page: str(page.relative_to(ROOT))
+)
 def test_every_command_can_be_given(
     page: Path,
     tmp_path: Path,

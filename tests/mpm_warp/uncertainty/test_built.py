@@ -29,7 +29,7 @@ from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.built import why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
 
-METHOD = Path(__file__).parents[3] / "mpm_warp" / "README.md"
+GUIDE = Path(__file__).parents[3] / "studies" / "guide.md"
 FACTOR = 10.0
 
 
@@ -38,7 +38,7 @@ class OwnClay(Tresca):
 
 
 class InOwnClay:
-    """A scene in soil of one's own, put in as the page on the method says."""
+    """A scene in soil of one's own, put in as the guide says."""
 
     def build(self) -> Scene:
         scene: Scene = super().build()  # type: ignore[misc]
@@ -121,7 +121,7 @@ class ConeOnUprightColumns(ConePenetration):
 @pytest.fixture(scope="module")
 def of_the_page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """The page's own example of a law with memory, as a reader's module."""
-    scripts = re.findall(r"^```python\n(.*?)^```$", METHOD.read_text(), re.MULTILINE | re.DOTALL)
+    scripts = re.findall(r"^```python\n(.*?)^```$", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
     script = next(it for it in scripts if "ConeInHardeningClay" in it)
     file = tmp_path_factory.mktemp("reader") / "hardening_of_a_reader.py"
     file.write_text(script)
