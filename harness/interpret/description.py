@@ -5,7 +5,9 @@ All three are made from the definitions in keys.py.
 
 from __future__ import annotations
 
+import itertools
 import math
+import textwrap
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,7 @@ from harness.interpret.keys import (
     Key,
 )
 from harness.interpret.site import load_site
+from harness.study.description import WIDTH
 from harness.study.files import read_toml
 from harness.study.schema import DIALECT, Schema, table_schema
 from harness.study.tables import StudyError, Table
@@ -41,33 +44,41 @@ def site_text(test: str, told: Mapping[str, float]) -> str:
     given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
     lines = [
-        f"# A measured cone test and its ground. An input is {HOW}.",
-        "# A line behind # is a comment: what it names is not given.",
+        "# A measured cone test and its ground. A line that begins with # is a comment.",
+        *_comment(f"An input is {HOW}."),
+        "",
         *_key_rows(SITE_KEYS, {"title": "My site"}),
         "",
         "[test]",
         *_key_rows(TEST_KEYS, given),
         "",
-        "[[layer]]  # as many as there are layers of undrained clay",
+        "# As many layers as there are of undrained clay.",
+        "[[layer]]",
         *_key_rows(LAYER_KEYS, layer),
     ]
     return "\n".join(lines) + "\n"
 
 
 def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]:
-    """A row a key, with its value or its default; without either it stands behind a #."""
-    values = {name: given.get(name, key.default) for name, key in keys.items()}
-    return [
-        f"# {name}: {key.told}"
-        if values[name] is None
-        else f"{name} = {_toml(values[name])}  # {key.told}"
-        for name, key in keys.items()
-    ]
+    """What each key is, and its value or its default; without either it is a comment."""
+    rows = []
+    for name, key in keys.items():
+        value = given.get(name, key.default)
+        rows += [*_comment(key.told), f"#{name} = ..." if value is None else _line(name, value)]
+    return rows
+
+
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent="# ", subsequent_indent="#   ")
+
+
+def _line(name: str, value: object) -> str:
+    return f"{name} = {_toml(value)}"
 
 
 def _toml(value: object) -> str:
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{name} = {_toml(it)}" for name, it in value.items()) + " }"
+        return "{ " + ", ".join(itertools.starmap(_line, value.items())) + " }"
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml, value)) + "]"
     return f'"{value}"' if isinstance(value, str) else str(value)

@@ -82,7 +82,7 @@ class Key:
         words = ", ".join(self.choices)
         if self.choices:
             forms.append(f"a list of {words}" if Form.WORDS in self.forms else words)
-        return f"{self.meaning}{unit}: {', or '.join(forms)}"
+        return f"{self.meaning}{unit}; {', or '.join(forms)}"
 
 
 SITE_KEYS: Mapping[str, Key] = {
@@ -102,17 +102,17 @@ SITE_KEYS: Mapping[str, Key] = {
     "seed": Key(
         "of their random numbers",
         (Form.INTEGER,),
-        allowed=Range(minimum=0, maximum=2**31),
+        allowed=Range(minimum=0, maximum=1e9),
         default=1,
     ),
 }
 TEST_KEYS: Mapping[str, Key] = {
     "file": Key(
-        "the measured test: CSV, GEF (.gef), BRO (.xml) or AGS 4 (.ags)",
+        "the measured test, CSV, GEF (.gef), BRO (.xml) or AGS 4 (.ags)",
         (Form.TEXT,),
         required=True,
     ),
-    "sounding": Key("which one, where the file has several: its name in the file", (Form.TEXT,)),
+    "sounding": Key("name of the one that is meant, in a file of several", (Form.TEXT,)),
     "columns": Key("names of the columns in the file, where they are others", (Form.TEXTS,)),
     "units": Key("units of the columns, in place of the file's", (Form.TEXTS,)),
     "missing": Key("numbers that stand for no value, beside the file's own", (Form.NUMBERS,)),
@@ -122,13 +122,13 @@ TEST_KEYS: Mapping[str, Key] = {
         "m",
     ),
     "pre_drilled": Key(
-        "depth that was bored beforehand; by default what the file says, or 0",
+        "depth that was bored beforehand, by default what the file says, or 0",
         (Form.NUMBER,),
         "m",
         NOT_NEGATIVE,
     ),
     "area_ratio": Key(
-        "net area ratio of the cone, by its calibration sheet, 1 where qc is corrected; by default "
+        "net area ratio of the cone, by its calibration sheet, 1 where qc is corrected, by default "
         "what the file says",
         (Form.NUMBER,),
         "1",
@@ -140,7 +140,7 @@ TEST_KEYS: Mapping[str, Key] = {
         "m",
         required=True,
     ),
-    "u0": Key("water pressure [kPa] by depth [m], in place of water_level", (Form.BY_DEPTH,)),
+    "u0": Key("water pressure by depth [m], in place of water_level", (Form.BY_DEPTH,), "kPa"),
     "unit_weight": Key(
         "of the ground",
         (Form.INPUT, Form.BY_DEPTH),
@@ -156,7 +156,7 @@ TEST_KEYS: Mapping[str, Key] = {
     ),
 }
 LAYER_KEYS: Mapping[str, Key] = {
-    "title": Key("what it is called; by default its depths", (Form.TEXT,)),
+    "title": Key("what it is called, by default its depths", (Form.TEXT,)),
     "from": Key("depth of its top", (Form.NUMBER,), "m", NOT_NEGATIVE, required=True),
     "to": Key(
         "depth of its bottom",
@@ -169,7 +169,7 @@ LAYER_KEYS: Mapping[str, Key] = {
         "Ir = G / su", (Form.INPUT,), "1", Range(minimum=15, maximum=1000), required=True
     ),
     "adhesion_factor": Key(
-        "alpha; sleeve: by fs at each depth",
+        "alpha, or by fs at each depth",
         (Form.INPUT,),
         "1",
         Range(minimum=0, maximum=1),
@@ -218,7 +218,7 @@ LAYER_KEYS: Mapping[str, Key] = {
         default={"low": 10, "high": 50},
     ),
     "strength": Key(
-        "the test whose su is wanted; isotropic: the one of the simulation",
+        "the test whose su is wanted, or that of the simulation, isotropic",
         choices=MODES,
         default=MODES[0],
     ),

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from harness.cli.main import main
-from harness.interpret.description import site_text
 from harness.interpret.factors import cone_factor, factors
 from harness.interpret.inputs import read_input, sampled
 from harness.interpret.site import load_site
@@ -15,62 +14,7 @@ from harness.interpret.strength import error_shares, interpret
 from harness.study.tables import StudyError, Table
 from mpm_warp.arguments import FINITE, POSITIVE
 from mpm_warp.errors import ParameterError
-
-DEPTH = np.arange(1.0, 12.0, 0.1)
-STRENGTH = (8.0 + 1.5 * DEPTH) * 1e3
-"""Of the ground of all tests here [Pa]."""
-LAYER = """
-[[layer]]
-from = 2
-to = 10
-rigidity_index = 120
-adhesion_factor = 0.4
-stress_anisotropy = 0.2
-rate_factor = 0
-sensitivity = 1
-ductility = 20
-laboratory_rate = 1e-6
-model_error = 0
-"""
-SITE = """
-title = "A site"
-[test]
-file = "test.csv"
-area_ratio = 0.8
-water_level = 1.0
-unit_weight = 17
-accuracy = { qc = 0, fs = 0, u2 = 0 }
-"""
-
-
-def measured_rows(factor: float, friction: float = 0.4) -> str:
-    """A test in that ground whose qnet is `factor` su."""
-    water = 9.81 * np.maximum(0.0, DEPTH - 1.0)
-    net = factor * STRENGTH / 1e3
-    u2 = water + 0.5 * net
-    qc = net + 17.0 * DEPTH - 0.2 * u2
-    rows = zip(DEPTH, qc / 1e3, friction * STRENGTH / 1e3, u2, strict=True)
-    lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
-    return "\n".join(["depth [m],qc [MPa],fs [kPa],u2 [kPa]", *lines]) + "\n"
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A folder with a measured test whose factor is that of the table, and its site file."""
-    factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
-    (tmp_path / "test.csv").write_text(measured_rows(factor))
-    (tmp_path / "site.toml").write_text(SITE + LAYER)
-    return tmp_path
-
-
-def changed(folder: Path, *changes: tuple[str, str], file: str = "site.toml") -> Path:
-    """The site file, after changes of a text of a file."""
-    text = (folder / file).read_text()
-    for old, new in changes:
-        assert text.count(old) >= 1, old
-        text = text.replace(old, new, 1)
-    (folder / file).write_text(text)
-    return folder / "site.toml"
+from tests.harness.interpret.conftest import STRENGTH, changed
 
 
 @pytest.mark.parametrize(
@@ -317,10 +261,3 @@ def test_a_site_is_interpreted_from_the_command_line(
     header, row, *_ = (folder / "results/mine_interpretation.csv").read_text().splitlines()
     assert header.split(",")[-2:] == ["su 95% [kPa]", "reason"]
     assert row.endswith(",no layer")
-
-
-def test_the_site_file_that_is_written_names_every_key(folder: Path) -> None:
-    text = site_text("test.csv", {"area_ratio": 0.8})
-    (folder / "written.toml").write_text(text)
-    site = load_site(folder / "written.toml")
-    assert site.layers[0].assumed == ()
