@@ -169,6 +169,15 @@ def test_a_stranger_reads_it_in_five_minutes() -> None:
     assert len(README.read_text().splitlines()) <= 150
 
 
+@pytest.mark.parametrize(
+    "page",
+    [it for it in PAGES if it.name == "README.md"],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_a_page_is_read_in_a_quarter_of_an_hour(page: Path) -> None:
+    assert len(page.read_text().split()) < 2500
+
+
 def anchors(page: Path) -> set[str]:
     """What the headings of a page are called in links, as GitHub makes it of them."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
