@@ -11,6 +11,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
@@ -23,6 +24,8 @@ from mpm_warp.uncertainty.interval import stated_value
 
 Progress = Callable[[float], None]
 """Is called now and then with the fraction done, 0 to 1."""
+FAILURES = (SimulationDiverged, InaccurateRun, UnfinishedRun)
+"""How a run may end without a result."""
 ALONE: Floats = np.ones(1)
 """The weight of a run in its own value."""
 
@@ -137,25 +140,36 @@ def with_measured_error(
         `run_time` and `particle_updates` too.
     """
     further = case.further_tests()
-    updates = [it.run_size().particle_updates for it in (case, *further.values())]
-    done = np.cumsum([0.0, *updates]) / sum(updates)
-
-    def part(number: int) -> Progress:
-        begin, end = done[number : number + 2]
-        # Rounding must not take it beyond the begin of the next.
-        return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
-
-    results = run(case, part(0))
+    sizes = [it.run_size() for it in (case, *further.values())]
+    own, *parts = one_after_the_other(sizes, progress)
+    results = run(case, own)
     made: dict[str, TestRun | str] = {}
-    for number, (effect, test) in enumerate(further.items(), start=1):
+    for part, (effect, test) in zip(parts, further.items(), strict=True):
         try:
-            made[effect] = test.error_of(run(test, part(number)))
-        except (SimulationDiverged, InaccurateRun, UnfinishedRun) as error:
+            made[effect] = test.error_of(run(test, part))
+        except FAILURES as error:
             made[effect] = str(error)
     measured = measured_error(case.error_of(results), made)
     known = [it for it in results if it in measured or "_uncertainty_" in str(it)]
     costs = [it.recorded for it in made.values() if isinstance(it, TestRun)]
-    return _with_cost(results.drop_vars(known), costs).assign(measured)
+    return with_cost(results.drop_vars(known), costs).assign(measured)
+
+
+def one_after_the_other(sizes: Sequence[Any], progress: Progress) -> list[Progress]:
+    """What receives the progress of each of some runs, by the share of all that each takes.
+
+    Args:
+        sizes: of the runs, see `Test.run_size`.
+        progress: receives the fraction done of all.
+    """
+    updates = [it.particle_updates for it in sizes]
+    done = np.cumsum([0.0, *updates]) / sum(updates)
+
+    def part(begin: float, end: float) -> Progress:
+        # Rounding must not take it beyond the begin of the next.
+        return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
+
+    return [part(*ends) for ends in pairwise(done)]
 
 
 def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[str, xr.Variable]:
@@ -205,7 +219,7 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
     }
 
 
-def _with_cost(case: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
+def with_cost(case: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
     """The results of a case with the cost of its further runs in `run_time`, `particle_updates`."""
     whole = {
         name: case[name].copy(data=sum((float(it[name]) for it in further), float(case[name])))

@@ -120,7 +120,7 @@ class ErrorLaws:
             cell_size=self.cell_size,
             cell_growth=self.cell_growth,
         )
-        return BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh - self._top
+        return BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh - self.top
 
     def half_widths(self, factor: Value) -> dict[str, Value]:
         """Half widths of 95 % of what the laws leave open of a cone factor, by what they are of."""
@@ -129,7 +129,7 @@ class ErrorLaws:
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
             "domain": DOMAIN * factor * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
-            "top": TOP * self._top,
+            "top": TOP * self.top,
             "speed": INERTIA * self.inertia,
             "range": self._beyond_range,
         }
@@ -178,7 +178,8 @@ class ErrorLaws:
         return self.rigidity_index / (self.below * self.below)
 
     @property
-    def _top(self) -> Value:
+    def top(self) -> Value:
+        """What the top of the window adds to the cone factor, shape [...]."""
         return top_error(
             rigidity_index=self.rigidity_index, above=self.above, below=self.below, way=self.way
         )

@@ -1,22 +1,26 @@
 """What is known of the error of the samples of a sounding: a correction, a half width of 95 %.
 
 The resistance is corrected by the laws of a cone factor (`laws`), with rigidity index and mean
-strength of the soil around the tip. These laws were measured in uniform, perfectly plastic clay;
-where strain or its rate changes the strength nothing is known, nor while the surface of the ground
-is in the window. Near a border they are taken as they are. The place of the border is known to a
-cell: half of what a shift by one cell changes is a part of the half width.
+strength of the soil around the tip. These laws were measured in uniform, perfectly plastic clay.
+Where strain or its rate changes the strength they say nothing, but further runs of cone tests may:
+in uniform clay as the ground is at some depths. Nothing is known while the surface of the ground is
+in the window. Near a border laws and tests are taken as they are. The place of the border is known
+to a cell: half of what a shift by one cell changes is a part of the half width.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.cone import POINTS
-from mpm_warp.uncertainty.laws import LARGEST_CELL, Condition, ErrorLaws
+from mpm_warp.uncertainty.interval import REASON
+from mpm_warp.uncertainty.laws import LARGEST_CELL, TOP, Condition, ErrorLaws
 
 AROUND = 2.0
 """Way above and below the tip over which strength is averaged, in cone radii."""
@@ -45,6 +49,51 @@ class SampleError:
     reason: str
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredError:
+    """The error of cone factors at some depths, measured by further runs; linear between them.
+
+    Attributes:
+        depth: rising [m], shape [m].
+        correction: what is to be added to each cone factor, dimensionless, shape [m].
+        half_width: of 95 %, dimensionless, NaN where none was found; shape [m].
+        reasons: why none was found, each as "word: sentence".
+    """
+
+    depth: Floats
+    correction: Floats
+    half_width: Floats
+    reasons: tuple[str, ...] = ()
+
+    def at(self, depth: Floats) -> tuple[Floats, Floats]:
+        """Correction and half width at depths [m] of shape [n], each of that shape.
+
+        Between two depths the correction may be that of either: half of what they differ by is a
+        part of the half width.
+        """
+        correction, half_width = (
+            np.interp(depth, self.depth, it) for it in (self.correction, self.half_width)
+        )
+        steps = np.pad(0.5 * np.abs(np.diff(self.correction)), 1)
+        between = steps[np.searchsorted(self.depth, depth)]
+        return correction, np.hypot(half_width, between)
+
+
+def measured_by(depths: Sequence[float], tests: Sequence[xr.Dataset | str]) -> MeasuredError:
+    """The error at depths [m], rising, by cone tests that measured theirs, or why one has none."""
+    reasons = [it if isinstance(it, str) else str(it[REASON].values) for it in tests]
+    correction, half_width = (
+        np.array([math.nan if isinstance(it, str) else float(it[name]) for it in tests])
+        for name in ("cone_factor_correction", "cone_factor_uncertainty")
+    )
+    return MeasuredError(
+        depth=np.array(depths),
+        correction=correction,
+        half_width=half_width,
+        reasons=tuple(dict.fromkeys(filter(None, reasons))),
+    )
+
+
 def why_not_known(built: Scene, expected: Scene | None) -> list[str]:
     """Why the error of no sample of a sounding is known, whatever its ground; see `built`."""
     return why_not_as_measured(built, expected) or why_not_tresca(built.material)
@@ -59,6 +108,7 @@ def sample_error(
     shift: Floats,
     surface: Mapping[str, Condition],
     why_none: Sequence[str],
+    measured: MeasuredError | None = None,
 ) -> SampleError:
     """What is known of the error of the samples of a resistance.
 
@@ -71,23 +121,29 @@ def sample_error(
         surface: where the surface of the ground is in the window, by what is said of it; nothing
             for a cone that starts in place.
         why_none: why the error of no sample is known; see `why_not_known`.
+        measured: the error by further runs, in place of the laws; but for that of the top of the
+            window, which grows on a way that is longer than theirs.
     """
     factor = resistance / around
-    parts = laws.half_widths(factor) | {
-        "points": POINTS * factor,
-        "noise": SAMPLE_NOISE,
-        "borders": 0.25 * factor * np.abs(shift) / around,
-    }
+    if measured is None:
+        correction = laws.correction
+        parts = laws.half_widths(factor) | {"points": POINTS * factor}
+        of_method = laws.why_none_holds(largest_cell=LARGEST_CELL)
+    else:
+        correction, half_widths = measured.at(depth)
+        correction = correction - laws.top
+        parts = {"measured": half_widths, "top": TOP * laws.top}
+        of_method = dict.fromkeys(measured.reasons, np.isnan(half_widths))
+    parts |= {"noise": SAMPLE_NOISE, "borders": 0.25 * factor * np.abs(shift) / around}
     if surface:
         parts["surface"] = LEFT_BY_SURFACE * factor * FALLING / np.maximum(FALLING, laws.way)
-    of_laws = laws.why_none_holds(largest_cell=LARGEST_CELL)
-    reasons: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_laws, **surface}
+    reasons: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method, **surface}
     not_known = np.zeros(depth.shape, dtype=bool)
     for holds in reasons.values():
         not_known |= holds
     half_width = around * np.sqrt(sum(np.square(it) for it in parts.values()))
     return SampleError(
-        correction=np.where(not_known, 0.0, laws.correction),
+        correction=np.where(not_known, 0.0, correction),
         half_width=np.where(not_known, np.nan, half_width),
         reason="; ".join(
             [

@@ -15,7 +15,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty import interval
 from mpm_warp.uncertainty.laws import TOP, ErrorLaws, top_error
-from mpm_warp.uncertainty.samples import AROUND, SampleError, sample_error
+from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
 FELT = 0.05
@@ -29,7 +29,10 @@ UNDISTURBED = 20
 
 
 def sounding_curves(
-    sounding: SoundingTest, recorded: xr.Dataset, why_none: Sequence[str]
+    sounding: SoundingTest,
+    recorded: xr.Dataset,
+    why_none: Sequence[str],
+    measured: MeasuredError | None = None,
 ) -> xr.Dataset:
     """Curves over the depth of the tip, with the ground beside them, without the way before.
 
@@ -37,6 +40,7 @@ def sounding_curves(
         sounding: what was run.
         recorded: over `penetration`, from the start of the run; it may have ended early.
         why_none: why the error of no sample is known, each as "word: sentence".
+        measured: the error by further runs, in place of the laws.
     """
     given = recorded.isel(penetration=slice(sounding.lead_count, None))
     samples = np.array(sounding.samples[: given.sizes["penetration"]])
@@ -46,7 +50,7 @@ def sounding_curves(
     around = ground.mean_strength_around(depth, AROUND * sounding.cone_radius)
     vertical = ground.vertical_stress_at(depth)
     simulated = given.penetration_resistance.values
-    error = error_of_samples(sounding, depth, simulated, why_none)
+    error = error_of_samples(sounding, depth, simulated, why_none, measured)
     net = simulated + error.correction * around
     own = curves(
         "depth",
@@ -92,7 +96,11 @@ def sounding_curves(
 
 
 def error_of_samples(
-    sounding: SoundingTest, depth: Floats, resistance: Floats, why_none: Sequence[str] = ()
+    sounding: SoundingTest,
+    depth: Floats,
+    resistance: Floats,
+    why_none: Sequence[str] = (),
+    measured: MeasuredError | None = None,
 ) -> SampleError:
     """What is known of the error of the samples of a resistance.
 
@@ -101,6 +109,7 @@ def error_of_samples(
         depth: of the tip [m], shape [n].
         resistance: net, as simulated [Pa], shape [n].
         why_none: as for `sounding_curves`.
+        measured: likewise.
     """
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
 
@@ -135,6 +144,7 @@ def error_of_samples(
         shift=strength_around(depth + cell) - strength_around(depth - cell),
         surface=surface,
         why_none=why_none,
+        measured=measured,
     )
 
 

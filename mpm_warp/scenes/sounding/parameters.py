@@ -42,6 +42,7 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
         "domain_radius",
         "domain_above",
         "domain_below",
+        "uncertainty",
     )
 
     profile: str | None = parameter(
@@ -121,6 +122,14 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
         ConeGrid,
         "domain_below",
         meaning="extent of the grid below the tip over cone radius (default: likewise)",
+    )
+
+    uncertainty: str = parameter(
+        "known",
+        "how the error of the resistance is found: known from other cases, or measured by further "
+        "runs of cone tests in clay as at both ends of the stretch and beside each border, which "
+        "take some ten times as long as a cone test each",
+        choices=("known", "measured"),
     )
 
     def derived(self) -> Mapping[str, float]:
@@ -222,6 +231,11 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
     def _first_depth(self) -> float:
         """Depth of the tip where the curves of the stretch begin [m]."""
         return self.from_depth + self.samples[0] * self.spacing
+
+    @property
+    def _last_depth(self) -> float:
+        """Depth of the tip where the curves of the stretch end [m]."""
+        return self.from_depth + (self.samples[-1] + 1) * self.spacing
 
     @property
     def highest_in_place(self) -> float:

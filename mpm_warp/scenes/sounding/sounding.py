@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
+from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.materials.material import Material
@@ -21,17 +22,20 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves, PorePressureCurves
 from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
-from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import expected_scene
-from mpm_warp.uncertainty.samples import why_not_known
+from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.further_runs import FAILURES, one_after_the_other, with_cost
+from mpm_warp.uncertainty.samples import MeasuredError, measured_by, why_not_known
 
 PIC_FRACTION = 0.02
 """Share of the velocity that material points in that layer take from the grid as it is, in a step.
 Without it soil is thrown off the surface. At 0.01 and 0.03, 3 cells per radius, the resistance
 differs by 10 % two radii below the surface, and by 1 % from three radii on."""
+STEADY_TOLERANCE = 0.003
+"""Of the tests that measure the error, as by default."""
 TIME_STEP_FRACTION = 0.7
 """Greatest time step over the critical one: cells near the surface have no mass-matrix correction,
 without which 0.76 is stable."""
@@ -60,6 +64,8 @@ class Sounding(SoundingTest):
         except (ParameterError, SceneError) as refusal:
             key = refusal.key if isinstance(refusal, ParameterError) else "ductility"
             raise ParameterError(key, f"in the ground that the cone passes: {refusal}") from None
+        if self.uncertainty == "measured":
+            _ = self.tests_by_depth  # all are allowed
 
     @property
     def _test(self) -> ConePenetration:
@@ -87,6 +93,7 @@ class Sounding(SoundingTest):
             ),
             "approach": 0.0,
             "steady_tolerance": 0.0,
+            "uncertainty": "known",
             "speed_ratio": self.speed_ratio * math.sqrt(softest / shear_modulus),
             "time_step_fraction": min(self.time_step_fraction, greatest_fraction),
         }
@@ -111,6 +118,54 @@ class Sounding(SoundingTest):
         """The clay of that test, varied as the ground is."""
         variation = self.ground_passed.variation(self.start_depth, self.stress_anisotropy)
         return replace(self._test.clay, variation=variation)
+
+    @property
+    def tests_by_depth(self) -> dict[float, ConePenetration]:
+        """Tests whose further runs measure the error, in uniform clay as the ground is at depths.
+
+        The depths are the ends of the stretch, the upper one where the surface has left the window,
+        and those half a sample above and below each border between. Of uniform ground the lower end
+        will do. There are none where the surface does not leave.
+        """
+        begin, end = self._first_depth, self._last_depth
+        if self.starts_at_surface:
+            begin = max(begin, self.start_depth + self.surface_passed)
+        depths, half = self.ground.depth, 0.5 * self.spacing
+        borders = depths[1:][np.diff(depths) == 0.0]
+        sides = [it + side for it in borders for side in (-half, half) if begin < it + side < end]
+        others = [] if self.ground_passed.is_uniform else [begin, *sides]
+        return {it: self._test_at(it) for it in ([*others, end] if begin < end else [])}
+
+    def _test_at(self, depth: float) -> ConePenetration:
+        """That test in uniform clay as the ground is at a depth [m], its error to be measured."""
+        ground, at = self.ground, np.array(depth)
+        strength, shear_modulus, adhesion_factor, anisotropy, vertical = (
+            float(it)
+            for it in (
+                ground.strength_at(at),
+                ground.shear_modulus_at(at),
+                ground.adhesion_factor_at(at, self.adhesion_factor),
+                ground.stress_anisotropy_at(at, self.stress_anisotropy),
+                ground.vertical_stress_at(at),
+            )
+        )
+        greatest = ground.greatest_adhesion_factor(self.adhesion_factor)
+        of_shaft = adhesion_factor / greatest if greatest > 0.0 else 1.0
+        changes: dict[str, Any] = {
+            "uncertainty": "measured",
+            "rigidity_index": shear_modulus / strength,
+            "undrained_shear_strength": strength,
+            "adhesion_factor": adhesion_factor,
+            "shaft_adhesion_factor": of_shaft * self.shaft_adhesion_factor,
+            "stress_anisotropy": anisotropy,
+            "in_situ_stress": vertical,
+            "speed_ratio": math.sqrt(self.dynamic_pressure / shear_modulus),
+            "steady_tolerance": STEADY_TOLERANCE,
+            # By default, as in a test of its own.
+            "approach": None,
+            "penetration": None,
+        }
+        return replace(self._test, **changes)
 
     def build(self) -> Scene:
         """The scene of a cone test, in clay that varies; or of one from the surface."""
@@ -140,7 +195,16 @@ class Sounding(SoundingTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the last depth of the stretch."""
+        """Cells and material points of the grid, and the steps to the last depth of the stretch.
+
+        With the uncertainty to be measured, those of the largest run, and the steps that it would
+        do in the time of all.
+        """
+        tests = () if self.uncertainty == "known" else self.tests_by_depth.values()
+        return of_several([self._run_size, *(it.run_size() for it in tests)])
+
+    @property
+    def _run_size(self) -> RunSize:
         test = self._test
         size = test.run_size()
         of_way = self.travel / (test.penetration * test.cone_radius)
@@ -153,6 +217,23 @@ class Sounding(SoundingTest):
         window = self._test.build()[Window]
         return math.ceil(window.time_to(self.travel) / plan.time_step)
 
+    def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
+        """What a run gives; with its uncertainty to be measured, cone tests are run before."""
+        tests = {} if self.uncertainty == "known" else self.tests_by_depth
+        if not tests or why_not_as_measured(self.build(), expected_scene(self)):
+            return super().compute(progress, execution)
+        sizes = [*(it.run_size() for it in tests.values()), self._run_size]
+        *parts, own = one_after_the_other(sizes, progress)
+        made: list[xr.Dataset | str] = []
+        for part, test in zip(parts, tests.values(), strict=True):
+            try:
+                made.append(test.compute(part, execution))
+            except FAILURES as error:
+                made.append(f"further runs: {error}")
+        simulation = Simulation(self.build(), execution)
+        results = self._recorded(simulation, own, measured_by(list(tests), made))
+        return with_cost(results, [it for it in made if isinstance(it, xr.Dataset)])
+
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the penetrometer through the ground.
 
@@ -160,6 +241,12 @@ class Sounding(SoundingTest):
             InaccurateRun: the transfers took too much of the penetrometer's work; not while the
                 surface is in the window, where no accuracy is stated.
         """
+        return self._recorded(simulation, progress, None)
+
+    def _recorded(
+        self, simulation: Simulation, progress: Progress, measured: MeasuredError | None
+    ) -> xr.Dataset:
+        """What `record` gives, with the error as measured, or as known where it was not."""
         curves = PenetrationCurves(
             simulation,
             radius=self.cone_radius,
@@ -167,7 +254,9 @@ class Sounding(SoundingTest):
             tolerance=0.0,
         )
         pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=None)
-        why_none = why_not_known(soil_scene(simulation), expected_scene(self))
+        why_none: list[str] = []
+        if measured is None:
+            why_none = why_not_known(soil_scene(simulation), expected_scene(self))
         count = self.lead_count + len(self.samples)
         moments = [number * self.spacing for number in range(1, count + 1)]
         try:
@@ -176,10 +265,11 @@ class Sounding(SoundingTest):
             )
         except SimulationDiverged as error:
             if error.curves is not None:
-                error.curves = sounding_curves(self, error.curves, why_none)
+                error.curves = sounding_curves(self, error.curves, why_none, measured)
             raise
-        over_depth = sounding_curves(self, recorded, why_none)
-        layer = layer_values(self, over_depth, is_known=not why_none)
+        over_depth = sounding_curves(self, recorded, why_none, measured)
+        laws_hold = measured is None and not why_none
+        layer = layer_values(self, over_depth, is_known=laws_hold)
         is_thin = "layer_share" in layer  # then that is what it was run for
         values = layer if is_thin else last_factor(over_depth) | layer
         results = with_energy_error(over_depth.assign(values), simulation, curves.work)

@@ -116,7 +116,7 @@ def test_uncertainty_is_measured_on_request(
 
 
 @pytest.mark.parametrize(
-    ("study", "scene"), [("sliding_block", "sliding_block"), ("thin_layer", "sounding")]
+    ("study", "scene"), [("sliding_block", "sliding_block"), ("cyclic_ball", "cyclic_ball")]
 )
 def test_a_scene_without_a_measured_uncertainty_is_refused(
     tmp_path: Path, refusal: Refusal, study: str, scene: str
@@ -124,6 +124,6 @@ def test_a_scene_without_a_measured_uncertainty_is_refused(
     line = refusal(["run", study, "--uncertainty", f"--out={tmp_path}"])
     assert line == (
         f"harness: --uncertainty: no measured uncertainty in {scene}; these scenes have one: "
-        "ball_penetration, cone_penetration, t_bar_penetration"
+        "ball_penetration, cone_penetration, sounding, t_bar_penetration"
     )
     assert not list(tmp_path.iterdir())
