@@ -66,9 +66,10 @@ Measure the speed of the simulator on this machine and print it as tables.
 [interpret] turn a measured cone test into strength
 Turn a measured cone test into undrained shear strength by depth, with an error and where it comes
 from. The site file names the test and what is known of the ground; `harness new SITE --interpret
-TEST.csv` writes one.
+TEST` writes one. Several tests are set side by side on one page.
     interpret site.toml
     interpret site.toml --laboratory triaxial.csv --out site
+    interpret cpt1.toml cpt2.toml cpt3.toml
 [references] list what results are compared with
 List the cone factors of the literature and the bands of experience that a study can be compared
 with: formula, range, source, how it is known. With ID: one in full.

@@ -256,7 +256,9 @@ def _add_options_of_run(run: argparse.ArgumentParser) -> None:
 
 
 def _add_options_of_interpret(interpret: argparse.ArgumentParser) -> None:
-    interpret.add_argument("site", type=Path, metavar="SITE", help="TOML file of a site")
+    interpret.add_argument(
+        "site", type=Path, nargs="+", metavar="SITE", help="TOML file of a test and its ground"
+    )
     interpret.add_argument(
         "--laboratory",
         type=Path,

@@ -207,7 +207,11 @@ def _layer(given: Table) -> Layer:
         laboratory_rate=_rate(table),
         strength=strength,
         model_error=_number(table, "model_error", LAYER_KEYS),
-        assumed=tuple(it for it in table.values if it not in given.values and it != unused),
+        assumed=tuple(
+            it
+            for it in (*names, "laboratory_rate", "strength", "model_error")
+            if it not in given.values
+        ),
     )
 
 

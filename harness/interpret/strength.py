@@ -93,7 +93,7 @@ def interpret(site: Site) -> xr.Dataset:
     in_layer = np.full(len(test.depth), -1)
     for number, layer in enumerate(site.layers):
         in_layer[(test.depth >= layer.top) & (test.depth <= layer.bottom)] = number
-    reason[(reason == 0) & (in_layer < 0)] = REASONS.index("no layer")
+    reason[in_layer < 0] = REASONS.index("no layer")
     causes = _causes(site)
     shape = (len(test.depth), len(PERCENTILES))
     strength, factor = np.full(shape, np.nan), np.full(shape, np.nan)

@@ -1,4 +1,4 @@
-"""The picture of an interpreted cone test by depth: what was measured, Nkt, su and its error."""
+"""Pictures of interpreted cone tests by depth: what was measured, Nkt, su and its error."""
 
 from collections.abc import Sequence
 
@@ -7,16 +7,20 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.pictures.drawing.plot_parts import STYLED, series_colour
+from harness.pictures.drawing.plot_parts import STYLED, series_colour, shade
 from mpm_warp.grid.fitted import Floats
 
 KILO = 1e3
 SIZE = 9.0, 6.0
 """Of the figure [inch]: depth needs room."""
-NOT_READ = "0.88"
+NOT_READ = "0.92"
 """Shade of depths that have no strength."""
 LEAST_SHARE = 0.03
 """Causes with less of the error on average are drawn as one."""
+BAND = shade(0.3)
+"""Colour of medians and bands."""
+AROUND = 1.0
+"""Length above and below the layers that is shown [m]."""
 
 
 @STYLED
@@ -43,28 +47,76 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         colour = series_colour(place, 3)
         test.plot(scale * found[name] / KILO, depth, color=colour, lw=0.8, label=label)
     test.set_xlabel("[kPa]")
-    test.set_xlim(0.0, 1.1 * float(np.nanmax(found.net_resistance)) / KILO)
-    _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]")
-    _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]")
+    here = found.reason.values == 0
+    if not here.any():
+        here[:] = True
+    test.set_xlim(0.0, 1.2 * float(np.nanmax(found.net_resistance[here])) / KILO)
+    _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
+    _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
     if points:
         at, values = np.array(points).T
         strength.plot(values / KILO, at, "ko", ms=4, label="laboratory")
-        strength.legend(frameon=False)
+        _legend(strength, 1)
     _shares(shares, found)
     for axes in (test, factor, strength, shares):
         _shade(axes, depth, found.reason.values != 0)
-    test.set_ylabel("depth of the tip [m]")
-    test.set_ylim(depth[-1], depth[0])
-    test.legend(frameon=False, fontsize=7)
-    words = [found.attrs["title"], "Bands hold 90 %; grey: no strength, see the table."]
-    figure.supxlabel("  ".join(words), fontsize=7)
+    _downward(test, [found])
+    _legend(test, 3)
+    words = f"{found.attrs['title']}. Bands hold 90 %. Grey: no strength, the table says why."
+    figure.supxlabel(words, fontsize=7)
     return figure
 
 
-def _band(axes: Axes, depth: Floats, values: Floats, label: str) -> None:
+@STYLED
+def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
+    """Several tests of a site: net resistance and su by depth, each su with its band of 90 %."""
+    figure = Figure(figsize=SIZE, layout="constrained")
+    test, strength = figure.subplots(1, 2, sharey=True)
+    for place, one in enumerate(found):
+        colour = series_colour(place, max(len(found), 2))
+        own = one.net_resistance.where(one.reason == 0) / KILO
+        test.plot(own, one.depth, color=colour, lw=0.8, label=one.attrs["title"])
+        _band(strength, one.depth.values, one.strength.values / KILO, "", colour)
+    test.set_xlabel("$q_{\\mathrm{net}}$ [kPa]")
+    strength.set_xlabel("$s_{\\mathrm{u}}$ [kPa]")
+    for axes in (test, strength):
+        axes.autoscale(axis="x")
+        axes.set_xlim(left=0.0)
+    _downward(test, found)
+    _legend(test, 3)
+    figure.supxlabel("Bands hold 90 % of each test by itself.", fontsize=7)
+    return figure
+
+
+def _legend(axes: Axes, columns: int) -> None:
+    """Above the panel, where it hides nothing."""
+    axes.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        frameon=False,
+        fontsize=6,
+        ncols=columns,
+        columnspacing=1.0,
+    )
+
+
+def _downward(axes: Axes, found: Sequence[xr.Dataset]) -> None:
+    """Depth grows downward, around the layers that were asked for."""
+    asked = np.concatenate([_asked(it) for it in found])
+    axes.set_ylabel("depth of the tip [m]")
+    axes.set_ylim(asked.max() + AROUND, max(0.0, asked.min() - AROUND))
+
+
+def _asked(found: xr.Dataset) -> Floats:
+    """Depths that are in a layer; all where none is."""
+    meanings = found.reason.attrs["flag_meanings"].split()
+    inside: Floats = found.depth.values[found.reason.values != meanings.index("no_layer")]
+    return inside if len(inside) else np.asarray(found.depth.values)
+
+
+def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) -> None:
     """The median of three percentiles, and a band between the outer ones."""
     low, middle, high = values.T
-    colour = series_colour(0, 1)
     axes.fill_betweenx(depth, low, high, color=colour, alpha=0.25, lw=0)
     axes.plot(middle, depth, color=colour, lw=1.0)
     axes.set_xlabel(label)
@@ -73,7 +125,7 @@ def _band(axes: Axes, depth: Floats, values: Floats, label: str) -> None:
 
 def _shares(axes: Axes, found: xr.Dataset) -> None:
     """Shares of the error, side by side to 100 %, the largest first."""
-    shares = found.error_share.dropna("cause", how="all")
+    shares = found.error_share.dropna("cause", how="all").fillna(0.0).where(found.reason == 0)
     means = shares.mean("depth")
     order = list(means.sortby(-means).cause.values)
     large = [it for it in order if float(means.sel(cause=it)) >= LEAST_SHARE]
@@ -91,7 +143,7 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
     axes.set_xlim(0.0, 100.0)
     axes.set_xlabel("share of the error [%]")
     if names:
-        axes.legend(frameon=True, fontsize=6, loc="lower right")
+        _legend(axes, 2)
 
 
 def _shade(axes: Axes, depth: Floats, without: np.ndarray) -> None:

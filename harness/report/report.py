@@ -31,13 +31,14 @@ from harness.report.tables import CaseTable, case_table, comparisons
 PICTURE_DPI, SMALL_DPI = 150, 75
 """Points an inch of the pictures, and of the small ones of the summary."""
 
-_PAGE = Environment(
+TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent),
     autoescape=True,  # what a file says is text, whatever markup is in it
     undefined=StrictUndefined,
     trim_blocks=True,
     lstrip_blocks=True,
-).get_template("page.html")
+)
+"""Of all pages."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,9 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
 def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
     """The page as text, and the errors of the pictures that could not be drawn."""
     sections = [_section(dataset, place) for place, dataset in enumerate(datasets, start=1)]
-    text = _PAGE.render(maker=MAKER, sections=sections, comparisons=comparisons(list(datasets)))
+    text = TEMPLATES.get_template("page.html").render(
+        maker=MAKER, sections=sections, comparisons=comparisons(list(datasets))
+    )
     return text, {
         f"{section.study}_{name}": error
         for section in sections
@@ -119,8 +122,8 @@ def _section(dataset: xr.Dataset, place: int) -> StudySection:
         study=str(dataset.attrs["study"]),
         scene=str(dataset.attrs["scene"]).replace(" ", ", "),
         summary=_summary(dataset),
-        small=next((_picture(name, small) for name, (small, _) in drawn.items()), None),
-        pictures=[_picture(name, large) for name, (_, large) in drawn.items()],
+        small=next((embedded(name, small) for name, (small, _) in drawn.items()), None),
+        pictures=[embedded(name, large) for name, (_, large) in drawn.items()],
         failed=failed,
         missed=misses(dataset),
         stability=stability_rows(dataset) if shows_stability(dataset) else [],
@@ -153,7 +156,8 @@ def _in_two_sizes(figure: Figure) -> tuple[bytes, bytes]:
     return image(figure, dpi=SMALL_DPI), image(figure, dpi=PICTURE_DPI)
 
 
-def _picture(name: str, png: bytes) -> Picture:
+def embedded(name: str, png: bytes) -> Picture:
+    """A picture as it stands in a page."""
     data = base64.b64encode(png).decode("ascii")
     return Picture(name.replace("_", " "), f"data:image/png;base64,{data}")
 

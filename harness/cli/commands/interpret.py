@@ -1,4 +1,4 @@
-"""The command that interprets a measured cone test."""
+"""The command that interprets measured cone tests."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import prepare, write_whole
 from harness.archive.conventions import FORMAT_VERSION
@@ -19,7 +20,8 @@ from harness.interpret.measured import REASONS
 from harness.interpret.site import load_site
 from harness.interpret.strength import in_words, interpret
 from harness.pictures.drawing.plot_parts import image, write_own
-from harness.pictures.interpretation import interpretation_figure
+from harness.pictures.interpretation import interpretation_figure, soundings_figure
+from harness.report.interpretation import Interpreted, interpretation_page
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),
@@ -32,21 +34,44 @@ COLUMNS = {
     "Ic [1]": ("soil_index", 1.0),
 }
 """Columns of the table that is written, beside those of percentiles."""
+ENDING = "_interpretation"
+TOGETHER = "soundings"
+"""Name of what is written of several tests together."""
 
 
 def interpret_site(options: argparse.Namespace) -> int:
-    """Interpret the test of a site file; write dataset, table and picture; print what to quote."""
-    site = load_site(options.site)
+    """Interpret the tests of site files; write datasets, tables, pictures and a page of them all.
+
+    What may be quoted is printed.
+    """
+    sites = [load_site(path) for path in options.site]
+    names = [site.name for site in sites]
+    if len(names) > 1 and (twice := [it for it in names if names.count(it) > 1 or it == TOGETHER]):
+        raise HarnessError(f"{twice[0]}.toml: another result has this name; rename the site file")
     points = read_points(options.laboratory) if options.laboratory else []
-    found = interpret(site)
+    tests = []
+    for path, site in zip(options.site, sites, strict=True):
+        found = interpret(site)
+        tests.append(Interpreted(path, site, found, interpretation_figure(found, points)))
     prepare(options.out)
-    base = options.out / f"{site.name}_interpretation"
-    write_netcdf(found.assign_attrs(format_version=FORMAT_VERSION), base.with_suffix(".nc"))
-    write_whole(_table(found).encode(), base.with_suffix(".csv"))
-    for form in ("png", "svg"):
-        write_own(image(interpretation_figure(found, points), form), base.with_suffix(f".{form}"))
-    for sentence in in_words(site, found):
-        print(sentence)
+    for test in tests:
+        _write(test, f"{options.out}/{test.site.name}{ENDING}")
+    whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
+    together = soundings_figure([it.found for it in tests]) if len(names) > 1 else None
+    if together is not None:
+        _write_figure(together, whole)
+    write_own(interpretation_page(tests, together).encode(), Path(f"{whole}.html"))
+    tell(f"no design value, and no strength of drained soil; a page of all: {whole}.html")
+    return DONE
+
+
+def _write(test: Interpreted, base: str) -> None:
+    """Write what was found of a test, and tell what may be quoted and what is left out."""
+    found = test.found
+    write_netcdf(found.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
+    write_whole(_table(found).encode(), Path(f"{base}.csv"))
+    _write_figure(test.figure, base)
+    print(*in_words(test.site, found), sep="\n")
     left = [
         f"{count} {word}"
         for number, word in enumerate(REASONS)
@@ -54,8 +79,14 @@ def interpret_site(options: argparse.Namespace) -> int:
     ]
     if left:
         tell(f"depths without a strength, of {found.sizes['depth']}: {', '.join(left)}")
-    tell(f"no design value, and no strength of drained soil; written: {base}.nc, .csv, .png, .svg")
-    return DONE
+    if found.attrs["notes"]:
+        tell(f"{test.site.test.file}: {found.attrs['notes']}")
+    tell(f"written: {base}.nc, .csv, .png, .svg")
+
+
+def _write_figure(figure: Figure, base: str) -> None:
+    for form in ("png", "svg"):
+        write_own(image(figure, form), Path(f"{base}.{form}"))
 
 
 def _table(found: xr.Dataset) -> str:

@@ -257,7 +257,7 @@ def test_a_site_is_interpreted_from_the_command_line(
     assert "not given" not in told.out
     assert "no design value" in told.err
     written = sorted(it.name for it in (folder / "results").iterdir())
-    assert written == [f"mine_interpretation.{it}" for it in ("csv", "nc", "png", "svg")]
+    assert written == [f"mine_interpretation.{it}" for it in ("csv", "html", "nc", "png", "svg")]
     header, row, *_ = (folder / "results/mine_interpretation.csv").read_text().splitlines()
     assert header.split(",")[-2:] == ["su 95% [kPa]", "reason"]
     assert row.endswith(",no layer")

@@ -1,0 +1,154 @@
+"""One page of HTML on interpreted cone tests: what may be quoted, and all that it stands on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from harness.archive.provenance import provenance
+from harness.interpret.description import site_rows
+from harness.interpret.measured import REASONS
+from harness.interpret.site import Layer, Site
+from harness.interpret.strength import in_words
+from harness.pictures.drawing.plot_parts import MAKER, image
+from harness.report.report import PICTURE_DPI, TEMPLATES, Picture, embedded
+
+USED = 0
+"""Number of the reason of depths that have a strength."""
+
+Rows = list[tuple[str, ...]]
+"""Of a table, its heading first."""
+
+
+@dataclass(frozen=True)
+class Interpreted:
+    """One test.
+
+    Attributes:
+        path: of its site file.
+        site: what that says.
+        found: what `interpret` gives.
+        figure: the picture of it.
+    """
+
+    path: Path
+    site: Site
+    found: xr.Dataset
+    figure: Figure
+
+
+@dataclass(frozen=True)
+class Section:
+    """What the page says of one test.
+
+    Attributes:
+        anchor: where it begins, for links.
+        title: of the test.
+        sentences: what may be quoted.
+        picture: by depth.
+        inputs: of each layer, as given, and before and after the test tells of them.
+        causes: shares of the error by layer.
+        left_out: depths that have no strength, and why.
+        notes: on the file of the test.
+        site_file: all keys with their values, lines of text.
+    """
+
+    anchor: str
+    title: str
+    sentences: list[str]
+    picture: Picture
+    inputs: Rows
+    causes: Rows
+    left_out: Rows
+    notes: list[str]
+    site_file: str
+
+
+def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -> str:
+    """The page as text.
+
+    Args:
+        tests: all that are on it.
+        together: a picture of them all, where there are several.
+    """
+    overview = None if together is None else embedded("all tests", image(together, dpi=PICTURE_DPI))
+    made = provenance()
+    return TEMPLATES.get_template("interpretation.html").render(
+        maker=MAKER,
+        sections=[_section(it, place) for place, it in enumerate(tests, start=1)],
+        together=overview,
+        made=[(name, made[name]) for name in ("mpm_warp_version", "commit", "time_written")],
+    )
+
+
+def _section(test: Interpreted, place: int) -> Section:
+    site, found = test.site, test.found
+    return Section(
+        anchor=f"test-{place}",
+        title=site.title,
+        sentences=in_words(site, found),
+        picture=embedded(site.name, image(test.figure, dpi=PICTURE_DPI)),
+        inputs=[
+            ("layer", "input", "as given", "before: median (90 %)", "by the test: median (90 %)"),
+            *(row for layer in site.layers for row in _input_rows(layer, found)),
+        ],
+        causes=_cause_rows(site, found),
+        left_out=_left_out(site, found),
+        notes=[it for it in found.attrs["notes"].split("; ") if it],
+        site_file="\n".join(site_rows(test.path)),
+    )
+
+
+def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
+    """A row an input of a layer; then how su is meant."""
+    rows: Rows = []
+    for name, it in layer.inputs.items():
+        given = f"{it.text} (assumed)" if name in layer.assumed else it.text
+        own = {"layer": layer.title, "cause": name}
+        spans = [_span(found[of].sel(own).values) for of in ("input_before", "input_after")]
+        rows.append((layer.title, name, given, *spans))
+    for name, value in (
+        ("strength", layer.strength),
+        ("laboratory_rate", f"{layer.laboratory_rate:.2g} 1/s"),
+        ("model_error", f"{layer.model_error:g}"),
+    ):
+        assumed = " (assumed)" if name in layer.assumed else ""
+        rows.append((layer.title, name, f"{value}{assumed}", "", ""))
+    return rows
+
+
+def _span(percentiles: np.ndarray) -> str:
+    low, middle, high = percentiles
+    return f"{middle:.3g} ({low:.3g} to {high:.3g})" if np.isfinite(middle) else "-"
+
+
+def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
+    """Mean share of each cause in the variance of ln su in each layer, the largest first."""
+    inside = [
+        (found.depth >= it.top) & (found.depth <= it.bottom) & (found.reason == USED)
+        for it in site.layers
+    ]
+    means = xr.concat([found.error_share[it].mean("depth") for it in inside], "layer").fillna(0.0)
+    total = means.sum("layer")
+    rows: Rows = [("cause", *(it.title for it in site.layers))]
+    for cause in total.sortby(-total).cause.values:
+        if float(total.sel(cause=cause)) > 0.0:
+            shares = means.sel(cause=cause).values
+            rows.append((str(cause).replace("_", " "), *(f"{100.0 * it:.0f} %" for it in shares)))
+    return rows
+
+
+def _left_out(site: Site, found: xr.Dataset) -> Rows:
+    """Of each layer and reason how many of its depths have no strength, and where they lie."""
+    rows: Rows = [("layer", "why", "depths", "of", "between [m]")]
+    for layer in site.layers:
+        inside = (found.depth.values >= layer.top) & (found.depth.values <= layer.bottom)
+        for number, why in enumerate(REASONS):
+            here = found.depth.values[inside & (found.reason.values == number)]
+            if number != USED and len(here):
+                span = f"{here[0]:g} and {here[-1]:g}"
+                rows.append((layer.title, why, str(len(here)), str(inside.sum()), span))
+    return rows

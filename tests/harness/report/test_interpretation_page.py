@@ -1,0 +1,92 @@
+"""The page of interpreted cone tests: what may be quoted, what it stands on, what it is not."""
+
+import html
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.cli.main import main
+from tests.harness.interpret.conftest import LAYER, SITE, changed, measured_rows
+
+ASSUMED = """
+[[layer]]
+title = "assumed <clay>"
+from = 10
+to = 11
+rigidity_index = { low = 50, high = 300 }
+"""
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, list[str]]:
+    """Text of the page of one test, and of two; and the files that are written of the two."""
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "test.csv").write_text(measured_rows(11.5))
+    (folder / "a.v1.toml").write_text(SITE + LAYER)
+    (folder / "b.toml").write_text(SITE.replace("A site", "B site") + LAYER + ASSUMED)
+    changed(folder, ("\n5,", "\n5,,,\n5.05,"), file="test.csv")
+    one, two = [str(folder / "a.v1.toml")], [str(folder / f"{it}.toml") for it in ("a.v1", "b")]
+    assert main(["interpret", *one, "--out", str(folder / "one")]) == 0
+    assert main(["interpret", *two, "--out", str(folder / "two")]) == 0
+    pages = [
+        (folder / place).read_text()
+        for place in ("one/a.v1_interpretation.html", "two/soundings_interpretation.html")
+    ]
+    return pages[0], pages[1], sorted(it.name for it in (folder / "two").iterdir())
+
+
+def words(page: str) -> str:
+    """What a reader sees, in one line."""
+    return " ".join(html.unescape(re.sub(r"<(style|[^>]*)>", " ", page)).split())
+
+
+def test_what_it_is_not_stands_in_plain_words(pages: tuple[str, str, list[str]]) -> None:
+    for page in pages[:2]:
+        assert "no characteristic and no design value" in words(page)
+        assert "no strength of soil that drains" in words(page)
+
+
+def test_the_sentence_the_picture_and_all_inputs_are_there(
+    pages: tuple[str, str, list[str]],
+) -> None:
+    page = words(pages[0])
+    assert "2 to 10 m: su (isotropic, at 1e-06 1/s)" in page
+    assert pages[0].count('src="data:image/png;base64,') == 1
+    assert "rigidity_index 120 120 (120 to 120)" in page
+    assert re.search(r"cause 2 to 10 m numerical (99|100) %", page)
+    assert "2 to 10 m value missing 1 82 5 and 5" in page
+    assert "area_ratio 0.8 net area ratio of the cone" in page
+    assert "(assumed)" not in page
+
+
+def test_several_tests_are_set_beside_each_other(pages: tuple[str, str, list[str]]) -> None:
+    page = words(pages[1])
+    assert pages[1].count('src="data:image/png;base64,') == 3
+    assert 'href="#test-2">B site<' in pages[1]
+    assert "assumed <clay> K0 low 0.5, high 0.8 (assumed)" in page
+    assert pages[2] == [
+        f"{name}_interpretation.{form}"
+        for name, forms in (
+            ("a.v1", ("csv", "nc", "png", "svg")),
+            ("b", ("csv", "nc", "png", "svg")),
+            ("soundings", ("html", "png", "svg")),
+        )
+        for form in forms
+    ]
+
+
+def test_nothing_is_fetched_and_nothing_runs(pages: tuple[str, str, list[str]]) -> None:
+    for page in pages[:2]:
+        assert not re.search(r"https?://|<script|<clay>", page)
+
+
+def test_two_site_files_of_one_name_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for place in ("a", "b"):
+        (tmp_path / place).mkdir()
+        (tmp_path / place / "site.toml").write_text(SITE + LAYER)
+    both = [str(tmp_path / it / "site.toml") for it in ("a", "b")]
+    assert main(["interpret", *both, "--out", str(tmp_path / "out")]) == 2
+    assert "site.toml: another result has this name" in capsys.readouterr().err
