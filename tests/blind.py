@@ -1,7 +1,9 @@
 """Simulated soundings through random grounds, interpreted with ranges only; the truth is known.
 
-``python tests/blind.py DIR SEED`` simulates soundings into a folder, or takes those there, adds
-errors of class 2, interprets them by tip, by tip and sleeve, and by all three, and prints a table.
+``python tests/blind.py DIR SEED`` simulates soundings into a folder, or takes those there. To each
+it adds errors of class 2, drawn several times since an error is the same along a whole test, and
+interprets it by tip, by tip and sleeve, and by all three. It prints a row a ground: share of depths
+whose strength is inside the 90 % band, median error, width of the band; then the means.
 """
 
 import sys
@@ -23,6 +25,10 @@ TOP, BORDER, BOTTOM = 3.0, 4.5, 6.0
 START = 0.4
 """Way of the tip [m] until the resistance is steady, left out at the top and at a border."""
 RADIUS, AREA_RATIO, WATER, WEIGHT, RATE = 0.01785, 0.8, 1.0, 17.0, 1.4e-5
+ERRORS_DRAWN = 12
+"""Times that the errors of the test are drawn for a ground."""
+DEPTHS_APART = 10
+"""Of the depths of a simulated sounding every tenth is interpreted."""
 USES = ('["tip"]', '["tip", "sleeve"]', '["tip", "sleeve", "pore_pressure"]')
 
 
@@ -66,9 +72,9 @@ def simulate(number: int, folder: Path) -> None:
         from_mapping(scene_class("sounding"), ground(number)).run().to_netcdf(path)
 
 
-def write_test(number: int, found: xr.Dataset, folder: Path) -> Path:
-    """The measured test with errors of class 2, and its site file."""
-    rng = np.random.default_rng([SEED, 1, number])
+def write_test(number: int, drawn: int, found: xr.Dataset, folder: Path) -> Path:
+    """The measured test with errors of class 2 as they are `drawn`, and its site file."""
+    rng = np.random.default_rng([SEED, 1 + drawn, number])
     depth = found.depth.values
     water = 9.81e3 * (depth - WATER)
     u2 = found.excess_pore_pressure.values + water
@@ -113,21 +119,27 @@ to = {BOTTOM}
     return path
 
 
-def judge(number: int, folder: Path) -> list[list[np.ndarray]]:
-    """By use: whether the truth is inside, the error of the median, the width; over the truth."""
-    truth = xr.open_dataset(folder / f"{number}.nc")
-    path = write_test(number, truth, folder)
-    text, told = path.read_text(), []
-    for use in USES:
-        path.write_text(text.replace("USE", use, 1))
-        found = interpret(load_site(path))
-        depth = found.depth.values
-        strength = np.interp(depth, truth.depth, truth.strength)
-        low, middle, high = found.strength.values.T / strength
-        far = (depth > TOP + START) & ((depth < BORDER - 15 * RADIUS) | (depth > BORDER + START))
-        far &= np.isfinite(middle)
-        told.append([(low <= 1.0)[far] & (high >= 1.0)[far], middle[far] - 1.0, (high - low)[far]])
-    return told
+def judge(number: int, folder: Path) -> np.ndarray:
+    """Shape [3, uses, errors drawn, depths]: inside or not, the median's error, the band's width.
+
+    Near the borders of layers, where nothing is interpreted, they are not a number.
+    """
+    truth = xr.open_dataset(folder / f"{number}.nc").isel(depth=slice(None, None, DEPTHS_APART))
+    depth, told = truth.depth.values, []
+    near = (depth < TOP + START) | ((depth > BORDER - 15 * RADIUS) & (depth < BORDER + START))
+    for drawn in range(ERRORS_DRAWN):
+        path = write_test(number, drawn, truth, folder)
+        text = path.read_text()
+        for use in USES:
+            path.write_text(text.replace("USE", use, 1))
+            found = interpret(load_site(path))
+            low, middle, high = found.strength.values.T / truth.strength.values
+            inside = np.where((low <= 1.0) & (high >= 1.0), 1.0, 0.0)
+            row = np.array([inside, middle - 1.0, high - low])
+            row[:, near | np.isnan(middle)] = np.nan
+            told.append(row)
+    shape = (ERRORS_DRAWN, len(USES), 3, len(depth))
+    return np.reshape(told, shape).transpose(2, 1, 0, 3)
 
 
 def main(folder: Path) -> None:
@@ -135,15 +147,26 @@ def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(simulate, range(COUNT), [folder] * COUNT))
-    rows = [judge(number, folder) for number in range(COUNT)]
-    for number, row in enumerate(rows):
-        cells = [f"{it[0].mean():4.0%} {np.median(it[1]):+6.1%} {it[2].mean():5.0%}" for it in row]
+        grounds = list(pool.map(judge, range(COUNT), [folder] * COUNT))
+    for number, ground_told in enumerate(grounds):
+        cells = [
+            f"{np.nanmean(inside):4.0%} {np.nanmedian(error):+6.1%} {np.nanmean(width):5.0%}"
+            for inside, error, width in zip(*ground_told, strict=True)
+        ]
         print(f"{number:3}  " + "   ".join(cells))
-    for use, column in zip(USES, zip(*rows, strict=True), strict=True):
-        inside, error, width = (np.concatenate(it) for it in zip(*column, strict=True))
+    for place, use in enumerate(USES):
+        inside, error, width = (
+            [np.ravel(it[which, place]) for it in grounds] for which in range(3)
+        )
+        by_draw = [
+            np.nanmean(np.concatenate([np.ravel(it[0, place, drawn]) for it in grounds]))
+            for drawn in range(ERRORS_DRAWN)
+        ]
         print(
-            f"{use}: inside {inside.mean():.1%} of {len(inside)} depths, "
-            f"|error| {np.median(np.abs(error)):.1%}, width {np.median(width):.0%}"
+            f"{use}: inside {np.nanmean(np.concatenate(inside)):.1%} "
+            f"({min(by_draw):.0%} to {max(by_draw):.0%} of one draw of the errors), "
+            f"|error| {np.nanmedian(np.abs(np.concatenate(error))):.1%}, "
+            f"width {np.nanmean(np.concatenate(width)):.0%}"
         )
 
 

@@ -70,6 +70,13 @@ TEST` writes one. Several tests are set side by side on one page.
     interpret site.toml
     interpret site.toml --laboratory triaxial.csv --out site
     interpret cpt1.toml cpt2.toml cpt3.toml
+[benchmark] run the open benchmark, or score submissions
+Run the cases of the open benchmark and write them as a submission, or score the submissions of a
+folder against exact values and one another: a table, a picture and a page. Without a folder: those
+that ship. studies/benchmark/README.md defines the cases.
+    benchmark score
+    benchmark score my_submissions --against mpm_warp_standard
+    benchmark run my_submissions/here --accuracy quick
 [references] list what results are compared with
 List the cone factors of the literature and the bands of experience that a study can be compared
 with: formula, range, source, how it is known. With ID: one in full.

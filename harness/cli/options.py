@@ -182,6 +182,8 @@ def make_parser() -> Parser:
 
     _add_options_of_interpret(add("interpret", "interpret.interpret_site", OUT))
 
+    _add_options_of_benchmark(add("benchmark", "benchmark.benchmark", OUT))
+
     about = add("help", "completion.show_help")
     about.add_argument("about", nargs="?", metavar="COMMAND", choices=tuple(HELP))
     completion = add("completion", "completion.completion")
@@ -264,6 +266,26 @@ def _add_options_of_interpret(interpret: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="CSV",
         help="strengths to draw beside: columns depth [m] and strength [kPa]",
+    )
+
+
+def _add_options_of_benchmark(benchmark: argparse.ArgumentParser) -> None:
+    benchmark.add_argument("action", choices=("run", "score"), metavar="run|score")
+    benchmark.add_argument(
+        "folder", type=Path, nargs="?", metavar="DIR", help="a submission, or a folder of them"
+    )
+    benchmark.add_argument(
+        "--accuracy",
+        choices=("quick", "standard", "fine"),
+        default="standard",
+        help="of a run; default: standard",
+    )
+    benchmark.add_argument(
+        "--against",
+        default="mpm_warp_standard",
+        metavar="NAME",
+        help="submission that others are compared with where no exact value is known; default: "
+        "mpm_warp_standard",
     )
 
 

@@ -1,0 +1,211 @@
+"""Cases of the benchmark, and submissions: what each code found, with its uncertainty and time.
+
+A submission is a folder of two files. `meta.toml` says who computed with what, and `results.csv`
+has a row a case: ``case,value,uncertainty,seconds``. What is not known stays empty.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.study.files import LARGEST_FILE, read_toml, studies_folder
+from harness.study.tables import StudyError, Table
+from mpm_warp.parameters import nearest_name
+
+META_KEYS: Mapping[str, str] = {
+    "author": "who computed, and may be asked",
+    "code": "name of the code, or of the formula",
+    "version": "of the code",
+    "method": "material points, finite elements, ...; element or shape functions, contact",
+    "mesh": "cells at the penetrometer, and how they grow",
+    "domain": "extent of the soil",
+    "speed": "of the penetrometer, and what it was compared with",
+    "machine": "processor, cores, memory used",
+    "uncertainty": "how the uncertainty was found, or 'not stated'",
+}
+"""Keys of `meta.toml`, all of them texts that must be there, and what they say."""
+COLUMNS = ("case", "value", "uncertainty", "seconds")
+"""Of `results.csv`: an uncertainty is the half width of an interval of 95 %, in the unit of the
+value; seconds are those of the wall clock."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchmarkCase:
+    """One case.
+
+    Attributes:
+        name: of the case.
+        phase: 1 exact anchors, 2 cone factors, 3 layers and gradients.
+        title: what is computed.
+        unit: of the value.
+        exact: between which values the exact one is known to be; none where it is not known.
+        scene: the scene of this program that computes it.
+        result: the variable of its dataset, "NAME" or "NAME @ COORDINATE=NUMBER".
+        fixed: parameters of the scene.
+        accuracy: further ones by accuracy: quick, standard and fine.
+    """
+
+    name: str
+    phase: int
+    title: str
+    unit: str
+    exact: tuple[float, float] | None
+    scene: str
+    result: str
+    fixed: Mapping[str, float | str]
+    accuracy: Mapping[str, Mapping[str, float | str]]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The value of a case with its uncertainty and time, not a number where they are not told."""
+
+    value: float
+    uncertainty: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Submission:
+    """What one code found: its name, that of its folder; `META_KEYS`; and results by case."""
+
+    name: str
+    meta: Mapping[str, str]
+    results: Mapping[str, Result]
+
+
+ACCURACIES = ("quick", "standard", "fine")
+
+
+def meta_schema() -> dict[str, object]:
+    """The JSON schema of `meta.toml`; it ships as schema.json."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "meta.toml of a submission to the benchmark of cone penetration",
+        "type": "object",
+        "properties": {
+            key: {"type": "string", "description": meaning, "pattern": "\\S"}
+            for key, meaning in META_KEYS.items()
+        },
+        "required": list(META_KEYS),
+        "additionalProperties": False,
+    }
+
+
+def benchmark_folder() -> Path:
+    """Folder of the cases and submissions that ship."""
+    return studies_folder() / "benchmark"
+
+
+def benchmark_cases() -> tuple[BenchmarkCase, ...]:
+    """All cases, in their order."""
+    path = benchmark_folder() / "cases.csv"
+    return tuple(_case(row) for row in csv.DictReader(path.read_text().splitlines()))
+
+
+def _case(row: Mapping[str, str]) -> BenchmarkCase:
+    low, high = row["exact_low"], row["exact_high"]
+    return BenchmarkCase(
+        name=row["case"],
+        phase=int(row["phase"]),
+        title=row["title"],
+        unit=row["unit"],
+        exact=(float(low), float(high)) if low else None,
+        scene=row["scene"],
+        result=row["result"],
+        fixed=_settings(row["parameters"]),
+        accuracy={name: _settings(row[name]) for name in ACCURACIES},
+    )
+
+
+def _settings(text: str) -> dict[str, float | str]:
+    """Parameters out of a text as ``a=1 b=tresca``."""
+    found: dict[str, float | str] = {}
+    for item in text.split():
+        key, _, value = item.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            found[key] = value
+        else:
+            found[key] = int(number) if value.isdecimal() else number
+    return found
+
+
+def read_submissions(folder: Path) -> list[Submission]:
+    """The submissions of a folder, by name; or the one that the folder itself is.
+
+    Raises:
+        StudyError: there is none, or one is malformed.
+    """
+    if (folder / "meta.toml").exists() or (folder / "results.csv").exists():
+        return [read_submission(folder)]
+    found = [it for it in sorted(folder.glob("*")) if it.is_dir()] if folder.is_dir() else []
+    if not found:
+        raise StudyError(f"{folder}: has no submission: a folder with meta.toml and results.csv")
+    return [read_submission(it) for it in found]
+
+
+def read_submission(folder: Path) -> Submission:
+    """A submission.
+
+    Raises:
+        StudyError: a file is missing, or what it says is not allowed: one line.
+    """
+    table = Table(f"{folder / 'meta.toml'}:", read_toml(folder / "meta.toml"))
+    table.allow(*META_KEYS)
+    meta = {key: table.text(key, f"; {meaning}") for key, meaning in META_KEYS.items()}
+    return Submission(folder.name, meta, read_results(folder / "results.csv"))
+
+
+def read_results(path: Path) -> dict[str, Result]:
+    """The rows of `results.csv` by case.
+
+    Raises:
+        StudyError: it is missing, or not such a table.
+    """
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise StudyError(f"{path}: has more than {LARGEST_FILE} bytes")
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
+    rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
+    if not rows or tuple(rows[0]) != COLUMNS:
+        raise StudyError(f"{path}: its first row must be {','.join(COLUMNS)}")
+    known, results = [case.name for case in benchmark_cases()], {}
+    for number, row in enumerate(rows[1:], start=2):
+        where = f"{path}: row {number}"
+        if len(row) != len(COLUMNS):
+            raise StudyError(f"{where}: has {len(row)} cells, must have {len(COLUMNS)}")
+        name = row[0]
+        if name not in known:
+            raise StudyError(f"{where}: case {name!r} is unknown{nearest_name(name, known)}")
+        if name in results:
+            raise StudyError(f"{where}: case {name} is there twice")
+        results[name] = Result(*_numbers(where, row[1:]))
+    if not results:
+        raise StudyError(f"{path}: has no results")
+    return results
+
+
+def _numbers(where: str, cells: Sequence[str]) -> list[float]:
+    """Value, uncertainty and seconds; the last two may be empty."""
+    numbers = []
+    for name, cell in zip(COLUMNS[1:], cells, strict=True):
+        try:
+            number = float(cell) if cell or name == "value" else math.nan
+        except ValueError:
+            number = math.inf
+        if math.isinf(number) or (cell and not math.isfinite(number)):
+            raise StudyError(f"{where}: {name} = {cell[:40]!r} must be a finite number")
+        if name != "value" and number <= 0.0:
+            raise StudyError(f"{where}: {name} = {cell} must be > 0, or empty where it is not told")
+        numbers.append(number)
+    return numbers

@@ -1,0 +1,155 @@
+"""Scores of submissions: how far each is from what is known, measured by the uncertainties.
+
+    E = value - yardstick,   d = |E| / sqrt(U^2 + U_y^2)
+
+The yardstick of a case is its exact value, with U_y = 0; where that is known between two bounds, E
+counts from the nearer one. Where no exact value is known, it is the value of one submission with
+its own U: a yardstick, not the truth. d <= 1: the two agree within what they state (ASME V&V 20).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.benchmark.cases import BenchmarkCase, Result, Submission
+from harness.references.cone_factors import CONE_FACTORS, Conditions
+from harness.study.tables import StudyError
+from mpm_warp.parameters import nearest_name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """One result beside its yardstick.
+
+    Attributes:
+        submission: its name.
+        case: what was computed.
+        result: what it found.
+        error: E over the yardstick; not a number where there is no yardstick.
+        distance: d; not a number where the submission states no uncertainty.
+    """
+
+    submission: str
+    case: BenchmarkCase
+    result: Result
+    error: float
+    distance: float
+
+
+def scores(
+    cases: Sequence[BenchmarkCase], submissions: Sequence[Submission], against: str
+) -> list[Score]:
+    """All results of all submissions beside the yardsticks of their cases, case by case.
+
+    Args:
+        cases: of the benchmark.
+        submissions: to be scored.
+        against: name of the submission that is the yardstick where no exact value is known.
+
+    Raises:
+        StudyError: no submission has that name.
+    """
+    by_name = {it.name: it for it in submissions}
+    if against not in by_name:
+        near = nearest_name(against, by_name)
+        raise StudyError(f"--against {against}: is no submission{near}")
+    return [
+        _score(submission, case, by_name[against])
+        for case in cases
+        for submission in submissions
+        if case.name in submission.results
+    ]
+
+
+def _score(submission: Submission, case: BenchmarkCase, yardstick: Submission) -> Score:
+    result = submission.results[case.name]
+    beside = yardstick.results.get(case.name)
+    error = distance = math.nan
+    if case.exact is not None:
+        nearest = float(np.clip(result.value, *case.exact))
+        error, distance = _beside(result, nearest, 0.0)
+    elif submission is not yardstick and beside is not None:
+        error, distance = _beside(result, beside.value, beside.uncertainty)
+    return Score(
+        submission=submission.name, case=case, result=result, error=error, distance=distance
+    )
+
+
+def _beside(result: Result, value: float, uncertainty: float) -> tuple[float, float]:
+    """E over the yardstick, and d."""
+    difference = result.value - value
+    return difference / value, abs(difference) / math.hypot(result.uncertainty, uncertainty)
+
+
+def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
+    """The cone factors of the literature as submissions without uncertainty, where they hold."""
+    found = []
+    for reference in CONE_FACTORS:
+        results = {}
+        for case in cases:
+            if case.result != "cone_factor" or case.scene != "cone_penetration":
+                continue
+            conditions = _conditions(case)
+            of_other_soil = "material" in case.fixed and "von Mises" not in reference.criterion
+            if bool(reference.applies(conditions)) and not of_other_soil:
+                value = float(np.asarray(reference.evaluate(conditions)))
+                results[case.name] = Result(value, math.nan, math.nan)
+        if results:
+            meta = {"code": reference.label, "method": reference.method}
+            found.append(Submission(reference.id, meta, results))
+    return found
+
+
+def _conditions(case: BenchmarkCase) -> Conditions:
+    def number(name: str, default: float) -> float:
+        return float(case.fixed.get(name, default))
+
+    adhesion = number("adhesion_factor", 0.0)
+    return Conditions(
+        rigidity_index=number("rigidity_index", 100.0),
+        face_adhesion=adhesion,
+        shaft_adhesion=adhesion,
+        stress_anisotropy=number("stress_anisotropy", 0.0),
+        strength_stays=not {"rate_factor", "remoulded_strength_ratio"} & case.fixed.keys(),
+    )
+
+
+def summary_rows(found: Sequence[Score]) -> list[list[str]]:
+    """A row a submission: cases, share inside its interval, errors, seconds; a heading first."""
+    rows = [["submission", "cases", "stated U", "inside", "median |E|", "largest |E|", "seconds"]]
+    for name in dict.fromkeys(it.submission for it in found):
+        own = [it for it in found if it.submission == name]
+        errors = np.abs([it.error for it in own if math.isfinite(it.error)])
+        stated = [it.distance for it in own if math.isfinite(it.distance)]
+        inside = sum(it <= 1.0 for it in stated)
+        seconds = [it.result.seconds for it in own]
+        rows.append(
+            [
+                name,
+                str(len(own)),
+                str(sum(math.isfinite(it.result.uncertainty) for it in own)),
+                f"{inside} of {len(stated)}" if stated else "",
+                f"{np.median(errors):.1%}" if len(errors) else "",
+                f"{errors.max():.1%}" if len(errors) else "",
+                f"{np.nansum(seconds):.0f}" if np.isfinite(seconds).any() else "",
+            ]
+        )
+    return rows
+
+
+def case_rows(found: Sequence[Score]) -> list[list[str]]:
+    """A row a result; a heading first."""
+    rows = [["case", "submission", "value", "U", "E", "d", "seconds"]]
+    for it in found:
+        numbers = (it.result.value, it.result.uncertainty, it.error, it.distance, it.result.seconds)
+        forms = (".5g", ".2g", "+.1%", ".2f", ".3g")
+        told = [
+            format(value, form) if math.isfinite(value) else ""
+            for value, form in zip(numbers, forms, strict=True)
+        ]
+        rows.append([it.case.name, it.submission, *told])
+    return rows
