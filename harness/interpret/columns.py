@@ -105,15 +105,17 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, list
     """Area ratio and pre-drilled depth by the site file or else by the test's own, and notes."""
     values, notes = [], list(file.notes)
     for key in ("area_ratio", "pre_drilled"):
-        value = getattr(test, key)
-        if value is None and key in file.told:
-            value = file.told[key]
+        value, told = getattr(test, key), file.told.get(key)
+        if value is None and told is not None:
+            value = told
             notes.append(f"{key} = {value:g} by the file")
             if not TEST_KEYS[key].allowed.holds(value, value):
                 raise StudyError(
                     f"{test.file}: {key} = {value:g}: must be {TEST_KEYS[key].allowed.allowed}; "
                     "the site file may say another"
                 )
+        elif told is not None and told != value:
+            notes.append(f"{key} = {value:g} by the site file, {told:g} by the file")
         values.append(value)
     area_ratio, pre_drilled = values
     if area_ratio is None:

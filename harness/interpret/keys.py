@@ -128,8 +128,8 @@ TEST_KEYS: Mapping[str, Key] = {
         NOT_NEGATIVE,
     ),
     "area_ratio": Key(
-        "net area ratio of the cone, by its calibration sheet, 1 where qc is corrected, by default "
-        "what the file says",
+        "net area ratio of the cone by its calibration sheet, 1 where qc is corrected; a CSV does "
+        "not say it, other files may",
         (Form.NUMBER,),
         "1",
         Range(above=0, maximum=1),

@@ -104,7 +104,8 @@ def _downward(axes: Axes, found: Sequence[xr.Dataset]) -> None:
     """Depth grows downward, around the layers that were asked for."""
     asked = np.concatenate([_asked(it) for it in found])
     axes.set_ylabel("depth of the tip [m]")
-    axes.set_ylim(asked.max() + AROUND, max(0.0, asked.min() - AROUND))
+    deepest = max(float(it.depth.max()) for it in found)
+    axes.set_ylim(min(deepest, asked.max() + AROUND), max(0.0, asked.min() - AROUND))
 
 
 def _asked(found: xr.Dataset) -> Floats:

@@ -25,7 +25,11 @@ from harness.report.interpretation import Interpreted, interpretation_page
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),
+    "qc [kPa]": ("cone_resistance", 1e3),
+    "fs [kPa]": ("sleeve_friction", 1e3),
+    "u2 [kPa]": ("pore_pressure", 1e3),
     "qt [kPa]": ("total_resistance", 1e3),
+    "error of qt [kPa]": ("total_resistance_error", 1e3),
     "sigma_v0 [kPa]": ("vertical_stress", 1e3),
     "u0 [kPa]": ("water_pressure", 1e3),
     "qnet [kPa]": ("net_resistance", 1e3),
@@ -33,7 +37,7 @@ COLUMNS = {
     "Fr [1]": ("friction_ratio", 1.0),
     "Ic [1]": ("soil_index", 1.0),
 }
-"""Columns of the table that is written, beside those of percentiles."""
+"""Columns of the table that is written, beside those of percentiles and causes."""
 ENDING = "_interpretation"
 TOGETHER = "soundings"
 """Name of what is written of several tests together."""
@@ -99,6 +103,8 @@ def _table(found: xr.Dataset) -> str:
         for percentile in found.percentile.values:
             values = found[name].sel(percentile=percentile).values / unit
             columns[title.format(percentile)] = values
+    for cause in found.cause.values:
+        columns[f"share of {cause} [1]"] = found.error_share.sel(cause=cause).values
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*columns, "reason"])

@@ -178,6 +178,27 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     assert ("\narea_ratio = 0.8" in (folder / "mine.toml").read_text()) == (kind != "csv")
 
 
+@pytest.mark.parametrize(
+    ("kind", "without"),
+    [("gef", ("Gecorrigeerde diepte, 11", "x, 99")), ("xml", ("<c:depth>ja", "<c:depth>nee"))],
+)
+def test_the_length_of_the_rods_is_the_depth_where_there_is_no_other(
+    folder: Path, kind: str, without: tuple[str, str]
+) -> None:
+    rows = rows_of(folder)
+    text = WRITERS[kind](rows)
+    assert without[0] in text
+    found = columns_of(site_of(folder, kind, text.replace(*without)))
+    np.testing.assert_allclose(found.values["depth"], [row[0] + 0.01 for row in rows])
+
+
+def test_what_the_two_files_say_otherwise_of_the_cone_is_told(folder: Path) -> None:
+    path = site_of(folder, "gef", as_gef(rows_of(folder)), ("area_ratio = 0.8", "area_ratio = 0.6"))
+    found = columns_of(path)
+    assert found.area_ratio == 0.6
+    assert "area_ratio = 0.6 by the site file, 0.8 by the file" in found.notes
+
+
 def test_rows_of_the_bro_may_stand_in_any_order(folder: Path) -> None:
     rows = rows_of(folder)
     shuffled = [rows[it] for it in np.random.default_rng(1).permutation(len(rows))]
@@ -266,7 +287,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "GEF of levels": ("gef", replaced("; 1.0;", "; -1.0;"), "above the ground; where the file has"),
     "GEF, area ratio in %": ("gef", replaced(" 0.80,", " 80,"), "area_ratio = 80: must be > 0 and"),
     "XML cut": ("xml", cut_after("<c:values>"), "is no whole XML: no element found"),
-    "XML with entities": ("xml", replaced("<dispatchDataResponse", BOMB), "document type or entit"),
+    "XML with entities": ("xml", replaced("<dispatchDataResponse", BOMB), "has a document type"),
     "XML of a web page": ("xml", lambda _: b"<html><body/></html>", "has no cone test"),
     "XML without values": (
         "xml",
@@ -287,7 +308,8 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "site: not a number": ("toml", replaced("= 0.4", "= nan"), "must be a number >= 0 and <= 1"),
     "site: rate": ("toml", replaced("= 1e-6", '= "1.2.3 %/h"'), 'must be a text as "5 %/h"'),
     "site: weight": ("toml", replaced("= 17", "= { depth = [1], value = [90] }"), "at all depths"),
-    "site: a folder": ("toml", replaced('"test.csv"', '"."'), "cannot be read: is a directory"),
+    "site: a folder": ("toml", replaced('"test.csv"', '"."'), "is no ordinary file"),
+    "site: a device": ("toml", replaced('"test.csv"', '"/dev/zero"'), "is no ordinary file"),
     "site: binary": ("toml", lambda it: b"\xff\x00" + it, "not UTF-8 at byte 0"),
 }
 
@@ -309,7 +331,7 @@ def test_a_damaged_file_is_one_line(
     assert time.process_time() - begin < 5.0
     told = capsys.readouterr()
     (line,) = told.err.splitlines()
-    assert str(folder) in line
+    assert str(folder) in line or "/dev/zero: " in line
     assert problem in line
     assert not told.out
     assert not (folder / "out").exists()

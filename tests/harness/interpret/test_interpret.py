@@ -259,5 +259,7 @@ def test_a_site_is_interpreted_from_the_command_line(
     written = sorted(it.name for it in (folder / "results").iterdir())
     assert written == [f"mine_interpretation.{it}" for it in ("csv", "html", "nc", "png", "svg")]
     header, row, *_ = (folder / "results/mine_interpretation.csv").read_text().splitlines()
-    assert header.split(",")[-2:] == ["su 95% [kPa]", "reason"]
+    assert header.startswith("depth [m],qc [kPa],fs [kPa],u2 [kPa],qt [kPa],error of qt [kPa],")
+    assert ",su 95% [kPa],share of rigidity_index [1]," in header
+    assert header.endswith(",share of together [1],reason")
     assert row.endswith(",no layer")
