@@ -48,6 +48,8 @@ class Parameter:
         minimum, maximum: inclusive bounds.
         above, below: exclusive bounds.
         choices: all the values that are allowed, where there are few.
+        sane: least and greatest value between which nearly all random cases of the scene complete
+            (studies/README.md, Stability); None where that is all that is allowed.
         optional: whether there may be no value, so that its type is ``float | None``.
     """
 
@@ -61,6 +63,7 @@ class Parameter:
     above: float | None = None
     below: float | None = None
     choices: tuple[Value, ...] | None = None
+    sane: tuple[float, float] | None = None
     optional: bool = False
 
     @property
@@ -139,6 +142,7 @@ def parameter(
     above: float | None = None,
     below: float | None = None,
     choices: tuple[Value, ...] | None = None,
+    sane: tuple[float, float] | None = None,
 ) -> Any:
     """Declare a parameter, as a field of a dataclass; the arguments are those of `Parameter`.
 
@@ -147,7 +151,7 @@ def parameter(
     then ``float | None``. `meaning` has to say which.
     """
     bounds = {"minimum": minimum, "maximum": maximum, "above": above, "below": below}
-    definition = {"unit": unit, "meaning": meaning, "choices": choices, **bounds}
+    definition = {"unit": unit, "meaning": meaning, "choices": choices, "sane": sane, **bounds}
     return dataclasses.field(default=default, metadata=definition)
 
 

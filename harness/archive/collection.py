@@ -22,7 +22,7 @@ from harness.archive.conventions import (
 from harness.archive.provenance import OF_CASE
 from harness.study.cases import Case
 from harness.study.designs import Range
-from harness.study.study import Study
+from harness.study.study import STABILITY_MAP, Study
 from mpm_warp.parameters import Parameter, Value
 from mpm_warp.results import material_as_built, stored_name
 
@@ -74,6 +74,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "scene": " ".join(part.name for part in study.parts),
             "scene_version": study.cases[0].scene_version,
             "format_version": FORMAT_VERSION,
+            **({STABILITY_MAP: 1} if study.stability_map else {}),
             **origin,
         },
     )

@@ -100,6 +100,23 @@ def tell_of_long_cases(cases: Sequence[Case]) -> None:
         )
 
 
+def tell_of_likely_failures(cases: Sequence[Case]) -> None:
+    """Say in one line which cases are likely not to complete, by the cause in the first of them."""
+    reasons = {case.label: likely_failure(case) for case in cases}
+    likely = {label: reason for label, reason in reasons.items() if reason}
+    if likely:
+        label, reason = next(iter(likely.items()))
+        tell(f"{len(likely)} of {len(cases)} cases are likely to fail; {label}: {reason}")
+
+
+def likely_failure(case: Case) -> str:
+    """Why a case is likely not to complete; "" where no cause is known, or it is refused."""
+    try:
+        return from_mapping(scene_class(case.scene), case.parameters).likely_failure
+    except (ParameterError, SceneError):
+        return ""
+
+
 UPDATE_RATE = 20e6
 """Particle updates a second on one thread, as `harness bench` measures them."""
 

@@ -21,6 +21,7 @@ from harness.run.resources import (
     check_device,
     costliest_first,
     default_memory_limit,
+    tell_of_likely_failures,
     tell_of_long_cases,
 )
 from harness.study.cases import Case
@@ -125,6 +126,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     try:
         results.tell_of_other_sources(study, stand)
         tell_of_long_cases(pending)
+        tell_of_likely_failures(pending)
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError, OSError) as error:

@@ -6,6 +6,7 @@ many orders of magnitude means what it says.
 """
 
 import json
+import math
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
@@ -32,9 +33,17 @@ def scene_rows(name: str) -> list[str]:
     scene = scene_class(name)
     rows = [f"{name}: {scene.summary}", ""]
     for parameter, definition in parameters_of(scene).items():
-        meaning = f"{definition.meaning}; {definition.allowed}"
+        meaning = f"{definition.meaning}; {definition.allowed}{_sane(definition)}"
         rows.append(f"{parameter:26} {_default(definition):16} {meaning}")
     return rows
+
+
+def _sane(definition: Parameter) -> str:
+    """The range in which nearly all cases complete, where that is not all that is allowed."""
+    if definition.sane is None:
+        return ""
+    least, greatest = definition.sane
+    return f"; nearly all cases complete from {least:g} to {greatest:g}"
 
 
 def _default(definition: Parameter) -> str:
@@ -252,9 +261,22 @@ USUAL_STRESS = Usual(1e3, 1e11, PASCAL)
 
 
 def tell_of_unusual_values(study: Study) -> None:
-    """Warn of each value that looks like a slip of the unit, in one line."""
-    for line in unusual_values(study):
+    """Warn of each value that looks like a slip of the unit, or is beyond the sane range."""
+    for line in [*unusual_values(study), *beyond_sane_range(study)]:
         tell(line)
+
+
+def beyond_sane_range(study: Study) -> list[str]:
+    """Parameters of which a study gives values that fewer cases complete with: the furthest one."""
+    lines = []
+    for part in study.parts:
+        for name, definition in part.parameters.items():
+            least, greatest = definition.sane or (-math.inf, math.inf)
+            values = _given(part, name) if definition.sane else []
+            beyond = {max(least - it, it - greatest): it for it in values}
+            if beyond and max(beyond) > 0.0:
+                lines.append(f"{name} = {beyond[max(beyond)]:g}{_sane(definition)}")
+    return list(dict.fromkeys(lines))
 
 
 def unusual_values(study: Study) -> list[str]:

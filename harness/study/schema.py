@@ -13,7 +13,7 @@ from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
 from harness.study.own_references import OPTIONAL, OWN_REFERENCES, REFERENCE_NAME, SYMBOLS
 from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
-from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE
+from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.sounding.profile import PROFILE
@@ -70,6 +70,7 @@ def study_schema() -> Schema:
             "propertyNames": {"pattern": f"^{REFERENCE_NAME}$"},
             "additionalProperties": _own_reference(line),
         },
+        STABILITY_MAP: {"type": "boolean", "description": "draw where the cases complete"},
         "timing": table_schema({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
     }
     return {

@@ -12,7 +12,7 @@ from typing import Any
 
 from harness.study.cases import Case, cases_of
 from harness.study.compared import Compared, read_compared
-from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, Design
+from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
 from harness.study.files import find_study, joined, lineage, study_names, with_profile
 from harness.study.own_references import OWN_REFERENCES
 from harness.study.scene_part import (
@@ -31,10 +31,12 @@ from mpm_warp.scenes import scene_class, scene_names
 MOST_REPEATS = 1000
 """Timed runs that a study may ask for; more is a slip."""
 LARGEST_SEED = 2**32 - 1
+STABILITY_MAP = "stability_map"
+"""Key, and attribute of the result, of a study that asks for the map of its stability."""
 
 OF_STUDY = (
     *("title", "base", "scene", "scenes", "design", "samples", "seed"),
-    *("compare", OWN_REFERENCES, "timing"),
+    *("compare", OWN_REFERENCES, "timing", STABILITY_MAP),
 )
 OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
 """Keys that may stand under [scenes.NAME] as well, for that scene alone."""
@@ -53,6 +55,7 @@ class Study:
         timing_repeats: times to run each case again, alone on the machine, to measure its run
             time; 0 where a study does not ask for it.
         source: the definition's file.
+        stability_map: whether it asks for a map of where its cases complete.
     """
 
     name: str
@@ -62,6 +65,7 @@ class Study:
     compared: Compared
     timing_repeats: int
     source: Path
+    stability_map: bool = False
 
     @functools.cached_property
     def cases(self) -> tuple[Case, ...]:
@@ -161,6 +165,7 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         compared=read_compared(document, parts, path.parent),
         timing_repeats=_timing_repeats(document),
         source=path,
+        stability_map=_asks_for_map(document, design, len(scenes)),
     )
 
 
@@ -218,3 +223,13 @@ def _timing_repeats(document: Table) -> int:
     table = document.table("timing")
     table.allow("repeats")
     return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
+
+
+def _asks_for_map(document: Table, design: Design, scene_count: int) -> bool:
+    asked = document.values.get(STABILITY_MAP, False)
+    if not isinstance(asked, bool):
+        raise document.refuse(STABILITY_MAP, "must be true or false")
+    if asked and (design.kind not in (ONE_AT_A_TIME, LATIN_HYPERCUBE) or scene_count > 1):
+        of = f'design = "{ONE_AT_A_TIME}" or "{LATIN_HYPERCUBE}"'
+        raise document.refuse(STABILITY_MAP, f"goes with one scene and {of}")
+    return asked

@@ -108,6 +108,11 @@ class CatalogueScene(ABC):
         """The class that the catalogue offers; a scene may add parameters to what it is itself."""
         return cls
 
+    @property
+    def likely_failure(self) -> str:
+        """Why a run is likely not to complete, and what to change; "" where no cause is known."""
+        return ""
+
     def derived(self) -> Mapping[str, float]:
         """Values of the parameters that are worked out from others where none is given."""
         return {}

@@ -19,7 +19,7 @@ from harness.errors import HarnessError, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
 from harness.interpret.files import read_file
 from harness.references.registry import all_entries, one_entry
-from harness.run.resources import UPDATE_RATE
+from harness.run.resources import UPDATE_RATE, tell_of_likely_failures
 from harness.study.cases import Case
 from harness.study.description import scene_rows, study_rows, study_text, tell_of_unusual_values
 from harness.study.files import STUDY_NAME, find_study, study_names
@@ -117,6 +117,7 @@ def show_plan(options: argparse.Namespace) -> int:
     read = study_of_scene if is_scene(options.subject) else load_study
     study = read(options.subject, options.set)
     tell_of_unusual_values(study)
+    tell_of_likely_failures(study.cases)
     if len(study.cases) > 1:
         _show_cases(study.cases)
         return DONE

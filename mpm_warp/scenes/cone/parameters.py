@@ -41,6 +41,9 @@ SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
 INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 """What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
+SANE_INERTIA, GREATEST_INERTIA = 5.0, 10.0
+"""rho V^2 / su up to which nearly all random cases complete, and beyond which few do: the soil is
+thrown off, and the transfers dissipate much of the work."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +76,7 @@ class ConeGrid:
         0.4, "growth of the cells' width per distance from the penetrometer", minimum=0.1, maximum=2
     )
     time_step_fraction: float = parameter(
-        0.85, "time step over the critical one", minimum=0.01, maximum=1.2
+        0.85, "time step over the critical one", minimum=0.01, maximum=1.2, sane=(0.1, 1.0)
     )
     domain_radius: float = parameter(
         None,
@@ -158,7 +161,7 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         400e3, "vertical total stress in the ground before", unit="Pa", minimum=0
     )
     apex_angle: float = parameter(
-        60.0, "apex angle of the cone", unit="degree", minimum=30, maximum=150
+        60.0, "apex angle of the cone", unit="degree", minimum=30, maximum=150, sane=(30.0, 120.0)
     )
     penetration: float = parameter(
         None,
@@ -193,6 +196,7 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         "penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is quick)",
         minimum=1e-4,
         maximum=0.5,
+        sane=(1e-4, 0.1),
     )
     accuracy: str = parameter(
         "standard",
@@ -256,6 +260,17 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
             "approach": approach,
             "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }
+
+    @property
+    def likely_failure(self) -> str:
+        """See `CatalogueScene`: soil is thrown off where the cone is fast for its strength."""
+        inertia = self.rigidity_index * self.speed_ratio**2
+        if inertia <= GREATEST_INERTIA:
+            return ""
+        return (
+            f"rho V^2 is {inertia:.3g} su, and above {GREATEST_INERTIA:g} su soil is thrown off; "
+            f"try speed_ratio = {math.sqrt(SANE_INERTIA / self.rigidity_index):.2g} or less"
+        )
 
     @property
     def relative_cell_size(self) -> float:

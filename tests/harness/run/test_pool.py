@@ -185,7 +185,8 @@ def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: P
     study = study_in(
         tmp_path,
         'title = "t"\nscene = "sliding_block"\ndesign = "latin_hypercube"\nsamples = 4\nseed = 1\n'
-        "[fixed]\ntravel = 0.1\n[vary]\ncells_per_length = { from = 6, to = 13 }\n",
+        "stability_map = true\n[fixed]\ntravel = 0.1\n"
+        "[vary]\ncells_per_length = { from = 6, to = 13 }\n",
     )
     dataset = run(study, tmp_path, 2, Record())
     expected = np.where(dataset.cells_per_length < 10, "refused", COMPLETED)

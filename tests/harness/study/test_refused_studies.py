@@ -68,6 +68,8 @@ OF_A_CONE = [
     ),
     # Designs and scenes.
     ('design = "ful"', "did you mean 'full'"),
+    ("stability_map = 1", "stability_map = 1: must be true or false"),
+    ("stability_map = true", 'one scene and design = "one_at_a_time" or "latin_hypercube"'),
     ("samples = 3", "latin_hypercube"),
     ('design = "latin_hypercube"\nseed = 1', "samples: is missing"),
     ('design = "latin_hypercube"\nsamples = 2\nseed = 1', "nothing to sample"),

@@ -36,6 +36,15 @@ def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFix
     ]
 
 
+def test_describe_gives_the_range_in_which_nearly_all_cases_complete(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["describe", "cone_penetration"]) == 0
+    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line}
+    assert lines["apex_angle"].endswith("<= 150; nearly all cases complete from 30 to 120")
+    assert "complete" not in lines["cone_radius"]
+
+
 def test_describe_gives_the_unit_of_what_has_no_default(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["describe", "sounding"]) == 0
     assert f"{'layer_top':26} none [m]" in capsys.readouterr().out

@@ -107,3 +107,30 @@ def test_a_value_in_what_looks_like_another_unit_is_told(
     assert main(["plan", "mesh_size", "--set", "cells_per_radius=1", "--set", setting]) == 0
     lines = [f"harness: {setting.partition('=')[0]} {warning}"] if warning else []
     assert capsys.readouterr().err.splitlines() == lines
+
+
+THROWN_OFF = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less"
+SANE = "nearly all cases complete from 0.0001 to 0.1"
+
+
+@pytest.mark.parametrize(
+    ("settings", "lines"),
+    [
+        (["speed_ratio=0.1", "rigidity_index=900"], []),
+        (["speed_ratio=[0.1, 0.2, 0.3]"], [f"speed_ratio = 0.3; {SANE}"]),
+        (
+            ["speed_ratio=[0.1, 0.2]", "rigidity_index=500"],
+            [
+                f"speed_ratio = 0.2; {SANE}",
+                f"1 of 2 cases are likely to fail; speed_ratio=0.2: {THROWN_OFF}",
+            ],
+        ),
+    ],
+    ids=["sane", "beyond", "likely to fail"],
+)
+def test_a_value_that_fewer_cases_complete_with_is_told(
+    settings: list[str], lines: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [it for setting in settings for it in ("--set", setting)]
+    assert main(["plan", "cone_penetration", *given]) == 0
+    assert capsys.readouterr().err.splitlines() == [f"harness: {line}" for line in lines]
