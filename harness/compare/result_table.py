@@ -54,6 +54,8 @@ BY_MODE = {
 """Headings of factors by the test that su is from."""
 PORE_PRESSURE = ("Bq", "N_du", "N_ke")
 """Factors of a cone that stand beside its own, over the same su."""
+PRESSURE = "pore_pressure_factor_shoulder"
+"""u2 of a cone over su, which has an uncertainty of its own."""
 Column = list[str]
 """The lines of a column, of the same width."""
 
@@ -169,6 +171,10 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
             yield _numbers(dataset, name, "#.3g", heading)
     yield from _mode_columns(dataset, COMPARED)
     yield from (_numbers(dataset, it, ".2f", f"_{it}") for it in PORE_PRESSURE if it in dataset)
+    if f"{PRESSURE}_uncertainty" in dataset:
+        half_widths = over_cases(dataset, f"{PRESSURE}_uncertainty")
+        told = zip(over_cases(dataset, PRESSURE), half_widths, strict=True)
+        yield column("u2_over su", (stated(*it) if np.isfinite(it[0]) else MISSING for it in told))
     if "cone_factor_shear" in dataset:
         shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
         deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)

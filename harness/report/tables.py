@@ -123,6 +123,7 @@ def _names(dataset: xr.Dataset) -> list[str]:
         "status",
         *with_role(dataset, Role.HEADLINE),
         *with_role(dataset, Role.UNCERTAINTY),
+        *(f"pore_pressure_factor_shoulder{it}" for it in ("", "_uncertainty")),
         *(with_role(dataset, Role.REASON) if any(reasons_of(dataset)) else []),
         *([error_name(dataset)] if error_name(dataset) else []),
         *with_role(dataset, Role.DEVIATION),

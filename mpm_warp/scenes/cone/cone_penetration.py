@@ -24,13 +24,9 @@ from mpm_warp.scenes.cone.parameters import (
     slowing_penetration,
     unsteady_penetration,
 )
-from mpm_warp.scenes.cone.penetration import (
-    PenetrationCurves,
-    PorePressureCurves,
-    pore_pressure_factors,
-    steady_values,
-)
+from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
+from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
     EnergyBalanceCurves,
@@ -47,6 +43,7 @@ from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
 from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
 from mpm_warp.uncertainty.laws import ErrorLaws
+from mpm_warp.uncertainty.pore_pressure import stated_pressures
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 SOURCE_HEIGHT = 2.0 / 3.0
@@ -66,7 +63,7 @@ class ConePenetration(ConeTest):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 12
+    version: ClassVar[int] = 13
     comparable: ClassVar[str | None] = "cone_factor"
     snapshots_over: ClassVar[str | None] = AXIS
 
@@ -234,6 +231,18 @@ class ConePenetration(ConeTest):
             way=way,
         )
 
+    def _pressures(self, results: xr.Dataset) -> dict[str, xr.Variable]:
+        """The factors of u1 and u2 with their uncertainty, known where that of Nc is."""
+        is_known = math.isfinite(results.cone_factor_uncertainty)
+        return stated_pressures(
+            results,
+            strength=self.undrained_shear_strength,
+            cell_size=self.relative_cell_size,
+            adhesion_factor=self.adhesion_factor,
+            rigidity_index=self.rigidity_index,
+            is_known=is_known and self.shaft_adhesion_factor == self.adhesion_factor,
+        )
+
     @property
     def _expected(self) -> Scene | None:
         """What a cone test of the catalogue builds of these parameters."""
@@ -253,7 +262,12 @@ class ConePenetration(ConeTest):
         built = soil_scene(simulation)
         window = built[Window]
         slowing = slowing_penetration(window, self.cone_radius)
-        pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=slowing)
+        pressures = PorePressureCurves(
+            simulation,
+            penetrometer=self.penetrometer,
+            adhesion_factor=lambda travel: self.shaft_adhesion_factor,
+            slowing=slowing,
+        )
         curves = PenetrationCurves(
             simulation,
             radius=self.cone_radius,
@@ -291,6 +305,7 @@ class ConePenetration(ConeTest):
         results = recorded.assign(steady).assign(step_count_bound=bound)
         results = with_energy_error(results, simulation, curves.work)
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
+        results = results.assign(self._pressures(results))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         check_energy(results)
         if balances:

@@ -19,6 +19,8 @@ _RADIUS = 17.85
 """Of the standard penetrometer [mm]."""
 SHOULDER_FILTER = 5.0 / _RADIUS
 """Height of the filter u2 above the shoulder, over the radius."""
+FILTER_HEIGHT = 5.0 / _RADIUS
+"""Height of a filter over the radius."""
 SLEEVE_BEGIN = 10.0 / _RADIUS
 """Height of the lower end of the sleeve above the shoulder, over the radius."""
 SLEEVE_LENGTH = 133.7 / _RADIUS

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
+from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty import interval
 from mpm_warp.uncertainty.laws import TOP, ErrorLaws, top_error
+from mpm_warp.uncertainty.pore_pressure import shoulder_error
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
@@ -24,6 +26,8 @@ SMOOTHED = 10
 """Samples of a running mean, one radius: the noise of one sample is a few hundredths."""
 NOISE = 0.002
 """Half width of the noise of a mean over a radius, over the resistance."""
+PRESSURE_NOISE = 0.1
+"""Half width of the noise of one sample of u2, over strength."""
 UNDISTURBED = 20
 """Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
 
@@ -51,6 +55,10 @@ def sounding_curves(
     vertical = ground.vertical_stress_at(depth)
     simulated = given.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
+    by_laws = np.isfinite(error.half_width) & (measured is None)
+    pressure, pressure_half_width = _pore_pressure(
+        sounding, depth, given.excess_pore_pressure_shoulder.values, by_laws
+    )
     net = simulated + error.correction * around
     own = curves(
         "depth",
@@ -75,10 +83,16 @@ def sounding_curves(
             "mean shear stress on the sleeve of 150 cm2 when the tip is at the depth",
         ),
         excess_pore_pressure=(
-            given.excess_pore_pressure_shoulder.values,
+            pressure,
             "Pa",
             "excess pore pressure u2",
-            "behind the shoulder when the tip is at the depth; its error is not known",
+            "behind the shoulder when the tip is at the depth",
+        ),
+        excess_pore_pressure_uncertainty=(
+            pressure_half_width,
+            "Pa",
+            "uncertainty of the excess pore pressure u2",
+            "half width, 95 %, of a sample; not a number where the error is not known",
         ),
         cone_factor_at_tip=(net / strength, "1", "net resistance over strength at the tip"),
         cone_factor_around_tip=(
@@ -145,6 +159,35 @@ def error_of_samples(
         surface=surface,
         why_none=why_none,
         measured=measured,
+    )
+
+
+def _pore_pressure(
+    sounding: SoundingTest, depth: Floats, simulated: Floats, is_known: NDArray[np.bool_]
+) -> tuple[Floats, Floats]:
+    """u2 less what is known of its error, and its half width [Pa], shape [n].
+
+    Near a border the strength where it is read is not that beside the filter; all of what this
+    changes is a part of the half width.
+    """
+    ground, radius = sounding.ground, sounding.cone_radius
+    at_shoulder = np.maximum(0.0, depth - sounding.penetrometer.cone_height)
+    strength = ground.strength_at(at_shoulder)
+    adhesion = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
+    correction, half_width = shoulder_error(
+        simulated / strength,
+        cell_size=sounding.cell_size / radius,
+        adhesion_factor=adhesion,
+        rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
+    )
+    above = np.maximum(0.0, at_shoulder - READ_TO * radius)
+    change = simulated * (1.0 - ground.strength_at(above) / strength)
+    as_rough = ground.greatest_adhesion_factor(sounding.adhesion_factor)
+    is_known = is_known & (sounding.shaft_adhesion_factor == as_rough)
+    of_sample = np.hypot(np.hypot(half_width, PRESSURE_NOISE) * strength, change)
+    return (
+        simulated + np.where(is_known, correction, 0.0) * strength,
+        np.where(is_known, of_sample, np.nan),
     )
 
 

@@ -222,6 +222,17 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
         """Depth of the tip at the start [m]."""
         return self.from_depth + (self.samples[0] - self.lead_count) * self.spacing
 
+    def shaft_adhesion(self, of_face: float) -> float:
+        """Adhesion factor of the shaft where the face has another: the same share in all ground."""
+        greatest = self.ground.greatest_adhesion_factor(self.adhesion_factor)
+        share = of_face / greatest if greatest > 0.0 else 1.0
+        return share * self.shaft_adhesion_factor
+
+    def shaft_adhesion_at(self, depth: float) -> float:
+        """Adhesion factor of the shaft beside the soil of a depth [m]."""
+        of_face = self.ground.adhesion_factor_at(np.array(depth), elsewhere=self.adhesion_factor)
+        return self.shaft_adhesion(float(of_face))
+
     @property
     def travel(self) -> float:
         """Way of the cone to the end of the stretch [m]."""

@@ -20,7 +20,8 @@ from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetration import PenetrationCurves, PorePressureCurves
+from mpm_warp.scenes.cone.penetration import PenetrationCurves
+from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves
 from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
@@ -54,7 +55,7 @@ class Sounding(SoundingTest):
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -73,20 +74,16 @@ class Sounding(SoundingTest):
         ground = self.ground_passed
         strength, shear_modulus = float(ground.strength.max()), float(ground.shear_modulus.max())
         softest = float(ground.shear_modulus.min())
-        adhesion_factor, in_all_ground = (
-            it.greatest_adhesion_factor(self.adhesion_factor) for it in (ground, self.ground)
-        )
+        adhesion_factor = ground.greatest_adhesion_factor(self.adhesion_factor)
         # Where the ground varies its stress is a part of the variation.
         of_ground = ground.stress_anisotropy_at(ground.depth[:1], self.stress_anisotropy)
         anisotropy = float(of_ground[0]) if ground.is_uniform else 0.0
-        # Beside all soil the shaft has the same share of the adhesion of the face.
-        of_shaft = adhesion_factor / in_all_ground if in_all_ground > 0.0 else 1.0
         greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
         of_ground_and_start = {
             "rigidity_index": shear_modulus / strength,
             "undrained_shear_strength": strength,
             "adhesion_factor": adhesion_factor,
-            "shaft_adhesion_factor": of_shaft * self.shaft_adhesion_factor,
+            "shaft_adhesion_factor": self.shaft_adhesion(adhesion_factor),
             "stress_anisotropy": anisotropy,
             "in_situ_stress": float(
                 ground.vertical_stress_at(np.array(max(0.0, self.start_depth)))
@@ -253,7 +250,12 @@ class Sounding(SoundingTest):
             unsteady=math.inf,
             tolerance=0.0,
         )
-        pressures = PorePressureCurves(simulation, penetrometer=self.penetrometer, slowing=None)
+        pressures = PorePressureCurves(
+            simulation,
+            penetrometer=self.penetrometer,
+            adhesion_factor=lambda travel: float(self.shaft_adhesion_at(self.start_depth + travel)),
+            slowing=None,
+        )
         why_none: list[str] = []
         if measured is None:
             why_none = why_not_known(soil_scene(simulation), expected_scene(self))

@@ -8,34 +8,69 @@ import xarray as xr
 
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetration import PLACES, PorePressureCurves, pore_pressure_factors
 from mpm_warp.scenes.cone.penetrometer import SHAFT_FILTER, SHOULDER_FILTER
+from mpm_warp.scenes.cone.pore_pressure import (
+    OFFSET,
+    PLACES,
+    PorePressureCurves,
+    pore_pressure_factors,
+)
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-12
 TEST = ConePenetration(
     cells_per_radius=2, domain_radius=10, domain_above=10, domain_below=4, stress_anisotropy=0.3
 )
-HEIGHTS = np.sqrt(3.0) * np.array([0.5, 1.0, 1.0]) + [0.0, SHOULDER_FILTER, SHAFT_FILTER]
-"""Of the places above the tip, over the radius."""
+SHOULDER = np.sqrt(3.0)
+"""Its height above the tip, over the radius."""
+FALL, INWARD, LOWER = 4e4, 3e5, 2e4
+"""Of the pressure: with the logarithm of the height behind the shoulder and linear before it [Pa],
+away from the surface [Pa/m], and in the first column behind the shoulder [Pa]."""
+
+
+def pressures_in(test: ConePenetration, simulation: Simulation) -> np.ndarray:
+    """A field that each reading has the exact value of, shape [cell_count]."""
+    grid = soil_scene(simulation).grid
+    middles = 0.5 * (grid.rows[:-1] + grid.rows[1:]) / test.cone_radius - SHOULDER
+    behind = middles > 0.0
+    by_height = np.where(behind, -np.log(np.abs(middles) + OFFSET), 1.0 - middles)
+    columns = 0.5 * (grid.columns[:-1] + grid.columns[1:])
+    in_row = np.outer(~behind, -INWARD * columns) - np.outer(behind, LOWER * (columns < columns[1]))
+    field: np.ndarray = 1e5 + FALL * by_height[:, None] + in_row
+    # What the shoulder smears must not be read.
+    first = int(np.argmax(behind))
+    field[first : first + 2] = 1e9
+    return field.ravel()
+
+
+def pressures_read(share_of_wedge: float) -> np.ndarray:
+    """What is to be read in that field, at each of the places."""
+    filter_heights = SHOULDER_FILTER + np.linspace(-0.14, 0.14, 2001)
+    logarithms = np.log([*filter_heights + OFFSET, SHAFT_FILTER + OFFSET])
+    shoulder = 1e5 - FALL * logarithms[:-1].mean() - LOWER * share_of_wedge
+    return np.array(
+        [1e5 + FALL * (1.0 + 0.5 * SHOULDER), shoulder, 1e5 - FALL * logarithms[-1] - LOWER]
+    )
 
 
 def sampled(
     test: ConePenetration, times: int, slowing: tuple[float, float] | None = None
-) -> tuple[xr.Dataset, np.ndarray]:
-    """Curves in ground whose pressure falls linearly with height, and the pressures expected."""
+) -> xr.Dataset:
     simulation = Simulation(test.build())
-    grid = soil_scene(simulation).grid
-    middles = np.repeat(0.5 * (grid.rows[:-1] + grid.rows[1:]), grid.column_count)
-    pressure = 1e5 - 2e6 * middles
     # Shear has no part in it, and a shift of stress from one direction to another none either.
     without_pressure = np.array([4e3, -6e3, 7e3, 2e3])
+    pressure = pressures_in(test, simulation)
     change = np.outer(pressure, [-1.0, -1.0, 0.0, -1.0]) + without_pressure
-    curves = PorePressureCurves(simulation, penetrometer=test.penetrometer, slowing=slowing)
+    curves = PorePressureCurves(
+        simulation,
+        penetrometer=test.penetrometer,
+        adhesion_factor=lambda travel: test.shaft_adhesion_factor,
+        slowing=slowing,
+    )
     simulation.assign("cell.stress", soil_scene(simulation).stress_at_rest + change)
     for _ in range(times):
         curves.sample()
-    return curves.dataset(), 1e5 - 2e6 * HEIGHTS * test.cone_radius
+    return curves.dataset()
 
 
 def test_ground_as_it_was_has_no_excess_pore_pressure() -> None:
@@ -44,22 +79,28 @@ def test_ground_as_it_was_has_no_excess_pore_pressure() -> None:
     np.testing.assert_allclose(excess_pore_pressure(simulation), 0.0, atol=1e-6)
 
 
-def test_pressures_are_those_of_the_places_and_begin_with_none() -> None:
-    dataset, expected = sampled(TEST, 3)
-    for name, pressure in zip(PLACES, expected, strict=True):
+@pytest.mark.parametrize(("adhesion_factor", "share"), [(0.0, 0.0), (0.2, 0.4), (0.8, 1.0)])
+def test_pressures_are_those_of_the_places_and_begin_with_none(
+    adhesion_factor: float, share: float
+) -> None:
+    """u3 is linear between rows: off by their distance squared over 8, times the curvature."""
+    cell = TEST.penetrometer.cone_height / TEST.cone_radius / 3
+    off = FALL * (cell / (SHAFT_FILTER - cell)) ** 2 / 8
+    dataset = sampled(dataclasses.replace(TEST, adhesion_factor=adhesion_factor), 3)
+    for name, pressure in zip(PLACES, pressures_read(share), strict=True):
         curve = dataset[f"excess_pore_pressure_{name}"]
-        np.testing.assert_allclose(curve, [0.5 * pressure, pressure, pressure], rtol=ROUNDING)
+        np.testing.assert_allclose(curve, [0.5 * pressure, pressure, pressure], atol=off)
         assert PLACES[name] in curve.attrs["description"]
 
 
 def test_there_is_no_pressure_above_the_window() -> None:
-    dataset, _ = sampled(dataclasses.replace(TEST, domain_above=8.0), 1)
+    dataset = sampled(dataclasses.replace(TEST, domain_above=8.0), 1)
     assert dataset.excess_pore_pressure_shaft.isnull().all()
     assert dataset.excess_pore_pressure_shoulder.notnull().all()
 
 
 def test_no_pressure_is_given_where_the_penetrometer_slows_down() -> None:
-    dataset, _ = sampled(TEST, 5, slowing=(0.2, 0.4))
+    dataset = sampled(TEST, 5, slowing=(0.2, 0.4))
     for name in PLACES:
         given = dataset[f"excess_pore_pressure_{name}"].notnull()
         np.testing.assert_array_equal(given, [True, True, False, False, True])

@@ -62,5 +62,5 @@ def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
     )
     result = cone.run()
     slowed = (result.penetration > 3.0) & (result.penetration < 5.5)
-    for curve in ("penetration_resistance", "excess_pore_pressure_shoulder"):
+    for curve in ("penetration_resistance", "excess_pore_pressure_face"):
         assert (result[curve].isnull() == slowed).all()

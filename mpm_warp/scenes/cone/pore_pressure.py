@@ -1,0 +1,165 @@
+"""The excess pore pressure beside a penetrometer, where a piezocone measures it.
+
+It is the change of mean total stress of the soil at the surface; an elastic, perfectly plastic
+undrained clay has no other part. Each reading is a weighted sum of the pressures of cells.
+
+    u1  a line through the first two columns of cells, drawn on to the face
+    u2  a + b ln(z/R + 0.15), z the height above the shoulder, fitted to the pressure from the third
+        row above the shoulder on, and its mean over the height of the filter
+    u3  the first column, linear between the middles of its cells
+
+At the shoulder the pressure falls at once from that of the face to half of it, and every mesh
+smears this over two and a half rows; above, it falls in all meshes alike. Beside a rough shaft a
+wedge of sheared soil begins at the shoulder, as wide as 0.38 of the height above it, 0.18 where the
+adhesion factor is 0.5. In it the pressure is a third lower than outside. So the first column is
+read there. A smooth shaft has no wedge; but the first column, in which the turn of the flow round
+the shoulder has only one cell, keeps the stress of that turn, however small the cells are. The two
+columns beside it agree with all that are farther out, and are read instead.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.results import Quantity, curves, variable
+from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, soil_scene
+from mpm_warp.scenes.cone.penetration import Slowing, penetration_axis, without_slowing
+from mpm_warp.scenes.cone.penetrometer import (
+    FILTER_HEIGHT,
+    SHAFT_FILTER,
+    SHOULDER_FILTER,
+    Penetrometer,
+)
+from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.pore_pressure import share_of_wedge
+from mpm_warp.uncertainty.steadiness import steady_mean
+
+PLACES: Mapping[str, str] = {
+    "face": "u1: in the middle of the cone's face",
+    "shoulder": f"u2: on the shaft, {SHOULDER_FILTER:.2g} radii above the shoulder",
+    "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
+}
+"""The places by their names in results."""
+NOT_GIVEN = "not a number above the window, and where the penetrometer slows down"
+"""Where there is no pressure."""
+SMEARED_ROWS = 2
+"""Rows above the shoulder that are not read."""
+READ_TO, LEAST_ROWS = 3.2, 3
+"""Height above the shoulder up to which u2 is read, over the radius; and the rows it takes."""
+OFFSET = 0.15
+"""Of the height in the logarithm, over the radius: from there on the pressure of 20 rows beside the
+face follows it down to the filter."""
+
+Reading = tuple[Floats, Floats]
+"""Numbers of cells, and the weights of their pressures."""
+
+
+class PorePressureCurves:
+    """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
+
+    A sample is the mean of the pressures at its begin and at its end.
+
+    Args:
+        simulation: a run, from its start, of a scene in a grid that is fitted to the penetrometer.
+        penetrometer: the penetrometer.
+        adhesion_factor: of the shaft at a travel [m].
+        slowing: penetration between which the pressure is not given; see `PenetrationCurves`.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        *,
+        penetrometer: Penetrometer,
+        adhesion_factor: Callable[[float], float],
+        slowing: Slowing | None,
+    ) -> None:
+        grid = soil_scene(simulation).grid
+        self._simulation = simulation
+        self._slowing = slowing
+        self._adhesion_factor = adhesion_factor
+        self._face = _on_face(grid, 0.5 * penetrometer.cone_height)
+        self._wedge = _behind_shoulder(grid, penetrometer, columns=(0,))
+        self._outside = _behind_shoulder(grid, penetrometer, columns=(1, 2))
+        self._shaft = _in_first_column(
+            grid, penetrometer.cone_height + SHAFT_FILTER * penetrometer.radius
+        )
+        self._pressures = [[0.0] * len(PLACES)]  # at the start, then by sample
+
+    def sample(self) -> None:
+        """Record the pressures at all places."""
+        pressures = excess_pore_pressure(self._simulation)
+        face, wedge, outside, shaft = (
+            float(weights @ pressures[cells])
+            for cells, weights in (self._face, self._wedge, self._outside, self._shaft)
+        )
+        share = float(share_of_wedge(self._adhesion_factor(self._simulation.travel)))
+        self._pressures.append([face, share * wedge + (1.0 - share) * outside, shaft])
+
+    def dataset(self) -> xr.Dataset:
+        """The pressure at each place over penetration."""
+        at_samples = np.array(self._pressures)
+        pressures = 0.5 * (at_samples[:-1] + at_samples[1:])
+        penetration = penetration_axis(len(pressures))
+        by_place: dict[str, Quantity] = {
+            f"excess_pore_pressure_{name}": (
+                without_slowing(pressure, self._slowing),
+                "Pa",
+                f"excess pore pressure, {name}",
+                f"{place}; {PORE_PRESSURE_IS}; {NOT_GIVEN}",
+            )
+            for (name, place), pressure in zip(PLACES.items(), pressures.T, strict=True)
+        }
+        return curves("penetration", penetration, **by_place)
+
+
+def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
+    """What `PorePressureCurves` come to at the end over su [Pa], at each place."""
+    factors = {}
+    for name, place in PLACES.items():
+        pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])
+        factors[f"pore_pressure_factor_{name}"] = variable(
+            pressure / strength,
+            meaning=f"pore pressure factor, {name}",
+            description=f"excess pore pressure over su, mean {over}; {place}",
+        )
+    return factors
+
+
+def _in_first_column(grid: Grid, height: float) -> Reading:
+    """Linear between the middles of the first cells; not a number above the highest."""
+    middles = 0.5 * (grid.rows[:-1] + grid.rows[1:])
+    row = int(np.clip(np.searchsorted(middles, height), 1, grid.row_count - 1))
+    upper = (height - middles[row - 1]) / (middles[row] - middles[row - 1])
+    if upper > 1.0:
+        upper = math.nan
+    return np.array([row - 1, row]) * grid.column_count, np.array([1.0 - upper, upper])
+
+
+def _on_face(grid: Grid, height: float) -> Reading:
+    """The line through the middles of the first two columns, drawn on to the surface."""
+    cells, weights = _in_first_column(grid, height)
+    first, second = 0.5 * (grid.columns[:2] + grid.columns[1:3])
+    outward = first / (second - first)
+    drawn_on = np.concatenate([(1.0 + outward) * weights, -outward * weights])
+    return np.concatenate([cells, cells + 1]), drawn_on
+
+
+def _behind_shoulder(grid: Grid, penetrometer: Penetrometer, columns: tuple[int, ...]) -> Reading:
+    """Mean over the filter of a + b ln(z/R + offset), fitted to the mean of columns by rows."""
+    middles = 0.5 * (grid.rows[:-1] + grid.rows[1:])
+    heights = (middles - penetrometer.cone_height) / penetrometer.radius
+    first = int(np.searchsorted(heights, 0.0)) + SMEARED_ROWS
+    count = max(LEAST_ROWS, int(np.searchsorted(heights, READ_TO)) - first)
+    rows = np.arange(first, min(first + count, grid.row_count))
+    if rows.size < LEAST_ROWS:
+        return np.zeros(1, dtype=int), np.array([math.nan])
+    form = np.stack([np.ones(rows.size), np.log(heights[rows] + OFFSET)], axis=-1)
+    begin, end = SHOULDER_FILTER + OFFSET + 0.5 * FILTER_HEIGHT * np.array([-1.0, 1.0])
+    mean_logarithm = (end * math.log(end) - begin * math.log(begin)) / (end - begin) - 1.0
+    weights = np.array([1.0, mean_logarithm]) @ np.linalg.pinv(form)
+    cells = rows[:, None] * grid.column_count + np.array(columns)
+    return cells.ravel(), np.repeat(weights / len(columns), len(columns))

@@ -1,0 +1,156 @@
+"""What is known of the error of the excess pore pressures u1 and u2 beside a cone, over su.
+
+h is the width of the cells at the cone over its radius, a the adhesion factor of face and shaft, w
+the share with which u2 is read in the wedge beside the shaft, F the factor u1 or u2 over su as
+simulated:
+
+    u1    error  A h          half width  0.6 h, 0.01 F
+    u2    error  w S(a) v h F half width  1.5 h^2, 0.018 F, w S(a) v h F / 2, 0.8 w (1 - w) v F
+
+The parts of a half width add up as squares. A follows the rigidity index; S is 0.43 where a is
+0.5 and 0.12 where it is 1. v tells how deep the wedge is: 1 up to a rigidity index of 100, 0 from
+500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the pressure at the filter
+may be that within or that outside. Beyond rigidity indices of 50 to 500 both half widths grow. How
+all of it was measured is in `scenes/cone/README.md`.
+
+Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
+"""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import variable
+from mpm_warp.uncertainty.steadiness import left_to_come
+
+Value = Floats | float
+
+WHOLE_WEDGE = 0.5
+"""Adhesion factor of the shaft from which on u2 is read in the wedge alone."""
+ADHESION_FACTORS = (0.0, 0.5, 1.0)
+WEDGE_ERROR = (0.0, 0.43, 0.12)
+"""S at these adhesion factors."""
+RIGIDITY_INDICES = (50.0, 100.0, 300.0, 500.0)
+"""Where the errors were measured."""
+FACE_ERROR = (-1.2, -0.7, 0.5, 1.0)
+"""A at these rigidity indices."""
+FACE, FACE_LEFT = 0.6, 0.01
+"""Half widths of u1: over h, and over F."""
+DEEPEST, NONE_AT = 100.0, 500.0
+"""Rigidity indices up to which the wedge is deepest, and from which on there is none."""
+SMEARED, SHAFT_LEFT = 1.5, 0.018
+"""Half widths of u2: over h^2, and over F."""
+WEDGE, THIN_WEDGE = 0.5, 0.8
+"""Half widths of u2: over its correction, and over w (1 - w) v F."""
+RANGE = 0.3
+"""Half width per ln(Ir) beyond the rigidity indices measured."""
+
+
+def share_of_wedge(adhesion_factor: Value) -> Value:
+    """Share w at adhesion factors of the shaft, shape [...]."""
+    share: Value = np.minimum(1.0, np.asarray(adhesion_factor) / WHOLE_WEDGE)
+    return share
+
+
+def face_error(
+    factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
+) -> tuple[Value, Value]:
+    """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`.
+
+    They are the same at all adhesion factors.
+    """
+    slope = np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), FACE_ERROR)
+    half_width = _added(FACE * cell_size, FACE_LEFT * factor, _beyond_range(rigidity_index))
+    return -slope * cell_size, half_width
+
+
+def shoulder_error(
+    factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
+) -> tuple[Value, Value]:
+    """Correction of u2 and its half width of 95 %, over su, shape [...].
+
+    Args:
+        factor: u2 over su as simulated, shape [...].
+        cell_size: width of the cells at the cone over its radius.
+        adhesion_factor: of face and shaft, shape [...].
+        rigidity_index: shape [...].
+    """
+    share = share_of_wedge(adhesion_factor)
+    depth = np.interp(np.log(rigidity_index), np.log([DEEPEST, NONE_AT]), [1.0, 0.0])
+    slope = np.interp(adhesion_factor, ADHESION_FACTORS, WEDGE_ERROR)
+    in_wedge = share * slope * depth * cell_size * factor
+    half_width = _added(
+        SMEARED * cell_size**2,
+        SHAFT_LEFT * factor,
+        WEDGE * in_wedge,
+        THIN_WEDGE * share * (1.0 - share) * depth * factor,
+        _beyond_range(rigidity_index),
+    )
+    return -in_wedge, half_width
+
+
+def stated_pressures(
+    recorded: xr.Dataset,
+    *,
+    strength: float,
+    cell_size: float,
+    adhesion_factor: float,
+    rigidity_index: float,
+    is_known: bool,
+) -> dict[str, xr.Variable]:
+    """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
+
+    What is still to come, by the last change of the curves, is added to the half widths.
+
+    Args:
+        recorded: the curves `excess_pore_pressure_face` and `..._shoulder`, and their factors, as
+            simulated.
+        strength: undrained shear strength [Pa].
+        cell_size: width of the cells at the cone over its radius.
+        adhesion_factor: of face and shaft.
+        rigidity_index: of the clay.
+        is_known: whether these laws hold. If not there is no correction, and the uncertainties are
+            not numbers.
+    """
+    stated = {}
+    for place in ("face", "shoulder"):
+        name = f"pore_pressure_factor_{place}"
+        simulated, spoken = recorded[name].variable, f"pore pressure factor, {place}"
+        factor, correction, half_width = float(simulated.values), 0.0, math.nan
+        if is_known:
+            error = face_error if place == "face" else shoulder_error
+            off, of_laws = error(
+                factor,
+                cell_size=cell_size,
+                adhesion_factor=adhesion_factor,
+                rigidity_index=rigidity_index,
+            )
+            curve = recorded[f"excess_pore_pressure_{place}"].values / strength
+            correction = float(off)
+            half_width = math.hypot(float(of_laws), left_to_come(curve))
+        stated[name] = simulated.copy(data=np.asarray(factor + correction))
+        stated[f"{name}_uncertainty"] = variable(
+            half_width,
+            meaning=f"uncertainty of the {spoken}",
+            description="half width, 95 %; not a number where it is not known of the cone factor, "
+            "and where the shaft has another adhesion than the face",
+        )
+        stated[f"{name}_correction"] = variable(
+            correction,
+            meaning=f"correction of the {spoken}",
+            description="what is known of the error of the mesh, taken off; 0 where nothing is",
+        )
+    return stated
+
+
+def _beyond_range(rigidity_index: Value) -> Value:
+    nearest = np.clip(rigidity_index, RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1])
+    beyond: Floats = RANGE * np.abs(np.log(rigidity_index / nearest))
+    return beyond
+
+
+def _added(*parts: Value) -> Value:
+    added: Floats = np.sqrt(sum(np.square(it) for it in parts))
+    return added

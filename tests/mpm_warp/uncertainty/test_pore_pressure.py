@@ -1,0 +1,119 @@
+"""The laws of the error of u1 and u2, held beside readings of the same case on several meshes."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpm_warp.uncertainty.pore_pressure import (
+    face_error,
+    share_of_wedge,
+    shoulder_error,
+    stated_pressures,
+)
+
+Series = dict[int, float]
+"""As simulated over su, by the rows of cells beside the face."""
+U2: dict[str, tuple[float, float, Series]] = {
+    "smooth": (100, 0.0, {4: 5.58, 5: 5.73, 7: 5.82, 10: 5.87}),
+    "smooth, small window": (100, 0.0, {5: 5.66, 10: 5.85, 20: 5.73}),
+    "half rough": (100, 0.5, {5: 4.42, 10: 3.96, 14: 3.93}),
+    "rough": (100, 1.0, {3: 4.33, 5: 4.34, 7: 4.20, 10: 4.12}),
+    "rough, small window": (100, 1.0, {5: 4.10, 10: 3.98, 14: 3.92}),
+    "soft": (50, 0.0, {5: 4.72, 10: 4.91}),
+    "stiff, half rough": (300, 0.5, {5: 6.22, 10: 6.11}),
+    "stiff": (500, 0.0, {5: 8.19, 7: 8.17, 10: 8.12}),
+}
+"""Rigidity index, adhesion factor and readings."""
+U1: dict[str, tuple[float, float, Series]] = {
+    "smooth": (100, 0.0, {3: 9.04, 4: 8.83, 5: 8.94, 7: 9.04, 10: 9.07}),
+    "smooth, small window": (100, 0.0, {5: 8.89, 10: 9.03, 20: 9.18}),
+    "half rough": (100, 0.5, {5: 9.10, 10: 9.09, 14: 9.11}),
+    "rough": (100, 1.0, {3: 9.38, 5: 9.58, 7: 9.58, 10: 9.67}),
+    "soft": (50, 0.0, {5: 7.25, 10: 7.50}),
+    "stiff, half rough": (300, 0.5, {5: 11.40, 10: 11.28}),
+    "stiff": (500, 0.0, {5: 12.55, 7: 12.24, 10: 12.41}),
+}
+
+
+def check(error: object, series: tuple[float, float, Series]) -> None:
+    """Each mesh has the corrected value of the finest within its half width and that of this."""
+    index, adhesion, readings = series
+    stated = []
+    for rows, reading in readings.items():
+        correction, half_width = error(  # type: ignore[operator]
+            reading,
+            cell_size=math.sqrt(3.0) / rows,
+            adhesion_factor=adhesion,
+            rigidity_index=index,
+        )
+        stated.append((reading + float(correction), float(half_width)))
+    best, of_best = stated[-1]
+    for value, half_width in stated:
+        assert abs(value - best) <= math.hypot(half_width, of_best)
+
+
+@pytest.mark.parametrize("case", U2)
+def test_u2_of_all_meshes_is_one_value(case: str) -> None:
+    check(shoulder_error, U2[case])
+
+
+@pytest.mark.parametrize("case", U1)
+def test_u1_of_all_meshes_is_one_value(case: str) -> None:
+    check(face_error, U1[case])
+
+
+def test_half_width_by_default_and_fine() -> None:
+    """Of a smooth cone 4 % and 2 %; of one whose wedge is thinner than a cell, a fifth."""
+    for rows, share in ((5, 0.04), (10, 0.02)):
+        _, half_width = shoulder_error(
+            5.8, cell_size=math.sqrt(3.0) / rows, adhesion_factor=0.0, rigidity_index=100.0
+        )
+        assert half_width <= share * 5.8
+    _, half_width = shoulder_error(
+        4.8, cell_size=math.sqrt(3.0) / 5, adhesion_factor=0.25, rigidity_index=100.0
+    )
+    assert 0.2 * 4.8 <= half_width <= 0.25 * 4.8
+
+
+def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
+    indices = np.array([10.0, 25.0, 50.0, 500.0, 1000.0, 2000.0])
+    for error in (face_error, shoulder_error):
+        _, half_width = error(6.0, cell_size=0.35, adhesion_factor=0.0, rigidity_index=indices)
+        assert half_width[0] > half_width[1] > half_width[2]
+        assert half_width[3] < half_width[4] < half_width[5]
+        assert half_width[2] == pytest.approx(half_width[3])
+
+
+def test_share_of_the_wedge() -> None:
+    np.testing.assert_array_equal(share_of_wedge(np.array([0.0, 0.25, 0.5, 1.0])), [0, 0.5, 1, 1])
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+def test_stated_pressures(is_known: bool) -> None:
+    """What is still to come is 1.5 times the last change; without a law nothing is corrected."""
+    curve = ("penetration", np.append(np.full(20, 5.2e4), np.full(20, 5.0e4)))
+    places = ("face", "shoulder")
+    recorded = xr.Dataset(
+        {f"excess_pore_pressure_{it}": curve for it in places}
+        | {f"pore_pressure_factor_{it}": 5.0 for it in places}
+    )
+    stated = stated_pressures(
+        recorded,
+        strength=1e4,
+        cell_size=0.2,
+        adhesion_factor=1.0,
+        rigidity_index=100.0,
+        is_known=is_known,
+    )
+    for place, error in zip(places, (face_error, shoulder_error), strict=True):
+        off, of_laws = error(5.0, cell_size=0.2, adhesion_factor=1.0, rigidity_index=100.0)
+        name = f"pore_pressure_factor_{place}"
+        value, correction, half_width = (
+            float(stated[it].values) for it in (name, f"{name}_correction", f"{name}_uncertainty")
+        )
+        assert value == pytest.approx(5.0 + (off if is_known else 0.0))
+        assert correction == pytest.approx(off if is_known else 0.0)
+        expected = math.hypot(of_laws, 1.5 * 0.2) if is_known else math.nan
+        assert half_width == pytest.approx(expected, nan_ok=True)
