@@ -1,4 +1,6 @@
-"""What is known of the error of the excess pore pressures u1 and u2 beside a cone, over su.
+"""What is known of the error of u1, u2 and the sleeve friction beside a cone, all over su.
+
+Of the excess pore pressures it is known by laws.
 
 h is the width of the cells at the cone over its radius, a the adhesion factor of face and shaft, w
 the share with which u2 is read in the wedge beside the shaft, F the factor u1 or u2 over su as
@@ -14,6 +16,10 @@ may be that within or that outside. Beyond rigidity indices of 50 to 500 both ha
 all of it was measured is in `scenes/cone/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
+
+The sleeve friction f lies between the adhesion of remoulded clay, delta a, and the simulated value:
+the law of softening has no length, strain gathers in the first column of cells, and f falls with
+their width. In clay that does not soften both are the same.
 """
 
 import math
@@ -143,6 +149,24 @@ def stated_pressures(
             description="what is known of the error of the mesh, taken off; 0 where nothing is",
         )
     return stated
+
+
+def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Variable]:
+    """How far the sleeve friction over su may be below what was simulated.
+
+    Args:
+        recorded: `sleeve_friction_factor`.
+        remoulded: adhesion of the shaft in remoulded clay, over su; not a number where the strain
+            rate changes the strength, where there is friction, and in other laws.
+    """
+    name = "sleeve_friction_factor"
+    return {
+        f"{name}_uncertainty": variable(
+            abs(float(recorded[name]) - remoulded),
+            meaning="uncertainty of the sleeve friction factor",
+            description="how far it may be lower: to the adhesion beside remoulded clay",
+        )
+    }
 
 
 def _beyond_range(rigidity_index: Value) -> Value:

@@ -26,7 +26,11 @@ from mpm_warp.scenes.cone.parameters import (
 )
 from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves, pore_pressure_factors
+from mpm_warp.scenes.cone.pore_pressure import (
+    PorePressureCurves,
+    pore_pressure_factors,
+    stated_beside_shaft,
+)
 from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
     EnergyBalanceCurves,
@@ -43,7 +47,6 @@ from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
 from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
 from mpm_warp.uncertainty.laws import ErrorLaws
-from mpm_warp.uncertainty.pore_pressure import stated_pressures
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 SOURCE_HEIGHT = 2.0 / 3.0
@@ -231,18 +234,6 @@ class ConePenetration(ConeTest):
             way=way,
         )
 
-    def _pressures(self, results: xr.Dataset) -> dict[str, xr.Variable]:
-        """The factors of u1 and u2 with their uncertainty, known where that of Nc is."""
-        is_known = math.isfinite(results.cone_factor_uncertainty)
-        return stated_pressures(
-            results,
-            strength=self.undrained_shear_strength,
-            cell_size=self.relative_cell_size,
-            adhesion_factor=self.adhesion_factor,
-            rigidity_index=self.rigidity_index,
-            is_known=is_known and self.shaft_adhesion_factor == self.adhesion_factor,
-        )
-
     @property
     def _expected(self) -> Scene | None:
         """What a cone test of the catalogue builds of these parameters."""
@@ -305,7 +296,7 @@ class ConePenetration(ConeTest):
         results = recorded.assign(steady).assign(step_count_bound=bound)
         results = with_energy_error(results, simulation, curves.work)
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
-        results = results.assign(self._pressures(results))
+        results = results.assign(stated_beside_shaft(self, results, built.material))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         check_energy(results)
         if balances:

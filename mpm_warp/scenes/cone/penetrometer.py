@@ -1,9 +1,8 @@
 """The penetrometer: a cone below a shaft, the grid fitted to it, its contact, the forces on it.
 
 The standard penetrometer is 35.7 mm wide, which is 10 cm2. The cylindrical part of its cone reaches
-10 mm above the shoulder, with the filter u2 in its middle. There begins the friction sleeve, of 150
-cm2, and 5 mm above its end is the filter u3. These heights are over the radius, so that a larger
-penetrometer has its places in proportion.
+10 mm above the shoulder. There begins the friction sleeve, of 150 cm2. These heights are over the
+radius, so that a larger penetrometer has its places in proportion.
 """
 
 import math
@@ -17,16 +16,10 @@ from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 
 _RADIUS = 17.85
 """Of the standard penetrometer [mm]."""
-SHOULDER_FILTER = 5.0 / _RADIUS
-"""Height of the filter u2 above the shoulder, over the radius."""
-FILTER_HEIGHT = 5.0 / _RADIUS
-"""Height of a filter over the radius."""
 SLEEVE_BEGIN = 10.0 / _RADIUS
 """Height of the lower end of the sleeve above the shoulder, over the radius."""
 SLEEVE_LENGTH = 133.7 / _RADIUS
 """Length of the sleeve over the radius."""
-SHAFT_FILTER = SLEEVE_BEGIN + SLEEVE_LENGTH + 5.0 / _RADIUS
-"""Height of the filter u3 above the shoulder, over the radius."""
 
 
 @dataclass(frozen=True, kw_only=True)

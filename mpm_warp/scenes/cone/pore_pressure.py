@@ -24,19 +24,24 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.materials.material import Material
 from mpm_warp.results import Quantity, curves, variable
 from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, soil_scene
+from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import Slowing, penetration_axis, without_slowing
-from mpm_warp.scenes.cone.penetrometer import (
-    FILTER_HEIGHT,
-    SHAFT_FILTER,
-    SHOULDER_FILTER,
-    Penetrometer,
-)
+from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penetrometer
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.pore_pressure import share_of_wedge
+from mpm_warp.uncertainty.built import MEASURED_LAWS
+from mpm_warp.uncertainty.pore_pressure import share_of_wedge, stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.steadiness import steady_mean
 
+SHOULDER_FILTER = 0.5 * SLEEVE_BEGIN
+"""Height of the filter u2 above the shoulder, in the middle of the cylindrical part of the cone,
+over the radius."""
+FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN
+"""Height of a filter over the radius: 5 mm."""
+SHAFT_FILTER = SLEEVE_BEGIN + SLEEVE_LENGTH + 0.5 * SLEEVE_BEGIN
+"""Height of the filter u3 above the shoulder, 5 mm over the sleeve, over the radius."""
 PLACES: Mapping[str, str] = {
     "face": "u1: in the middle of the cone's face",
     "shoulder": f"u2: on the shaft, {SHOULDER_FILTER:.2g} radii above the shoulder",
@@ -127,6 +132,33 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
             description=f"excess pore pressure over su, mean {over}; {place}",
         )
     return factors
+
+
+def stated_beside_shaft(
+    test: ConeTest, results: xr.Dataset, material: Material
+) -> dict[str, xr.Variable]:
+    """The factors of u1 and u2, corrected, with their uncertainty; and that of sleeve friction.
+
+    Args:
+        test: what was run.
+        results: the pressures, their factors, and that of the sleeve friction, as simulated; and
+            `cone_factor_uncertainty`.
+        material: the soil that was built.
+    """
+    shaft = test.shaft_adhesion_factor
+    slips_at_adhesion = test.rate_factor == 0.0 and test.friction_coefficient == 0.0
+    is_bounded = slips_at_adhesion and isinstance(material, MEASURED_LAWS)
+    is_known = math.isfinite(results.cone_factor_uncertainty)
+    return stated_pressures(
+        results,
+        strength=test.undrained_shear_strength,
+        cell_size=test.relative_cell_size,
+        adhesion_factor=test.adhesion_factor,
+        rigidity_index=test.rigidity_index,
+        is_known=is_known and shaft == test.adhesion_factor,
+    ) | stated_sleeve(
+        results, remoulded=shaft * test.remoulded_strength_ratio if is_bounded else math.nan
+    )
 
 
 def _in_first_column(grid: Grid, height: float) -> Reading:

@@ -11,6 +11,7 @@ from mpm_warp.uncertainty.pore_pressure import (
     share_of_wedge,
     shoulder_error,
     stated_pressures,
+    stated_sleeve,
 )
 
 Series = dict[int, float]
@@ -117,3 +118,9 @@ def test_stated_pressures(is_known: bool) -> None:
         assert correction == pytest.approx(off if is_known else 0.0)
         expected = math.hypot(of_laws, 1.5 * 0.2) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
+
+
+def test_the_sleeve_friction_may_be_as_low_as_beside_remoulded_clay() -> None:
+    recorded = xr.Dataset({"sleeve_friction_factor": 0.3})
+    stated = stated_sleeve(recorded, remoulded=0.2 * 0.5)
+    assert float(stated["sleeve_friction_factor_uncertainty"].values) == pytest.approx(0.2)

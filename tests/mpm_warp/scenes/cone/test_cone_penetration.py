@@ -68,6 +68,9 @@ def test_sleeve_friction_is_the_adhesion_of_the_shaft_once_it_slips() -> None:
     """Whatever that of the face; over the area of the sleeve, 15 times that of the cone."""
     result = run(adhesion_factor=0.2, shaft_adhesion_factor=0.5, penetration=1.0, domain_above=9.0)
     assert float(result.sleeve_friction_factor) == pytest.approx(0.5, rel=ROUNDING)
+    assert float(result.sleeve_friction_factor_uncertainty) < ROUNDING
+    # No error of u2 was measured where the shaft has another adhesion than the face.
+    assert np.isnan(result.pore_pressure_factor_shoulder_uncertainty)
     of_face = 0.2 / math.tan(math.radians(30.0))
     assert float(result.cone_factor_shear) == pytest.approx(of_face, rel=ROUNDING)
     adhesion = 0.5 * SHORT.undrained_shear_strength

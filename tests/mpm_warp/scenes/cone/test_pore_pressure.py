@@ -8,10 +8,11 @@ import xarray as xr
 
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetrometer import SHAFT_FILTER, SHOULDER_FILTER
 from mpm_warp.scenes.cone.pore_pressure import (
     OFFSET,
     PLACES,
+    SHAFT_FILTER,
+    SHOULDER_FILTER,
     PorePressureCurves,
     pore_pressure_factors,
 )
