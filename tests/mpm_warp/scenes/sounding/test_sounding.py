@@ -11,8 +11,14 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.planning import make_plan
-from mpm_warp.scenes.sounding.curves import change_of_resistance, layer_values
+from mpm_warp.scenes.sounding.curves import (
+    PRESSURE_NOISE,
+    change_of_resistance,
+    layer_values,
+    sounding_curves,
+)
 from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.uncertainty.pore_pressure import shoulder_error
 from mpm_warp.uncertainty.samples import why_not_known
 
 pytestmark = pytest.mark.slow
@@ -60,6 +66,43 @@ def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Data
     np.testing.assert_allclose(
         layered.cone_factor_at_tip, layered.net_resistance / layered.strength
     )
+
+
+@pytest.mark.parametrize(("adhesion_factor", "of_shaft"), [(0.5, 0.5), (0.5, 0.2)])
+def test_the_pore_pressure_has_its_error_away_from_a_border(
+    adhesion_factor: float, of_shaft: float
+) -> None:
+    """In clay that changes at 13 m, and none where the shaft has an adhesion of its own."""
+    sounding = Sounding(
+        profile=LAYERS,
+        from_depth=12.9,
+        to_depth=13.2,
+        adhesion_factor=adhesion_factor,
+        shaft_adhesion_factor=of_shaft,
+    )
+    count = sounding.lead_count + len(sounding.samples)
+    names = ("penetration_resistance", "sleeve_friction", "contact_share")
+    simulated = dict.fromkeys((*names, "excess_pore_pressure_shoulder"), 5e4)
+    recorded = xr.Dataset({it: ("penetration", np.full(count, v)) for it, v in simulated.items()})
+    found = sounding_curves(sounding, recorded, [])
+    pressure, half_width = found.excess_pore_pressure, found.excess_pore_pressure_uncertainty
+    if of_shaft != adhesion_factor:
+        assert half_width.isnull().all()
+        np.testing.assert_array_equal(pressure, 5e4)
+        return
+    correction, of_laws = shoulder_error(
+        5.0,
+        cell_size=sounding.cell_size / sounding.cone_radius,
+        adhesion_factor=0.5,
+        rigidity_index=sounding.rigidity_index,
+    )
+    assert float(pressure[0]) == pytest.approx(5e4 + 1e4 * float(correction))
+    expected = 1e4 * np.hypot(float(of_laws), PRESSURE_NOISE)
+    assert float(half_width[0]) == pytest.approx(expected)
+    # The shoulder has passed the border, the soil that is read has not.
+    at_border = half_width.sel(depth=13.05, method="nearest")
+    assert float(at_border) > 5e4 * (1.0 - 10.0 / 30.0)
+    assert float(half_width[-1]) < 1e4
 
 
 def test_the_resistance_rises_towards_that_of_the_stronger_layer(layered: xr.Dataset) -> None:
