@@ -75,7 +75,6 @@ def make_soil_plan(
         scene,
         flow_displacement=flow_displacement if interpolated else None,
         window_top=None if window is None else window.top(scene),
-        window_speed=0.0 if window is None else window.first_speed,
     )
     for part in scene.parts:
         part.add_after_motion(plan, scene)

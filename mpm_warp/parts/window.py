@@ -23,6 +23,7 @@ from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
+from mpm_warp.parts.velocity_bound import VELOCITY_BOUND, add_velocity_bound
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
@@ -163,6 +164,7 @@ class Window(MovingGrid):
             approach_travel=0.0 if approach is None else approach.travel,
             slowing_travel=0.0 if approach is None else approach.slowing_travel,
         )
+        add_velocity_bound(plan, scene, window_speed=self.first_speed)
         add_inflow(plan, scene)
 
     def between_steps(self, run: Run, scene: Scene) -> BetweenSteps:
@@ -252,6 +254,7 @@ class Inflow:
         if above_bottom < 0.0:
             return
         run, scene = self._run, self._scene
+        run.launch(run.plan.between_steps[VELOCITY_BOUND])
         free = np.flatnonzero(run.array("particle.cell")[:, 0] < 0)
         if len(free) < len(self._position):
             raise WindowOverfull(

@@ -7,13 +7,8 @@ the cell where velocities are interpolated so, a the share of its velocity that 
 from the grid as it is (PIC fraction).
 
     v_p   <- v_p + N (v - u)                    + a (N u - v_p) where a share a is taken as it is
-    w     =  v_p - N v, |w| at most W           where the grid travels, else any
     x_p   <- x_p + dt (N v + U) + E
     sigma, s <- law(R sigma R', e, dt, q, s)
-
-No point moves by its w; it is what the point brings to the nodes in the next step beside their own
-velocity. A point that stays near the tip for long may gather more and more of it, for it gets the
-same changes as those that hurry past, and would at last be faster than waves.
 """
 
 import functools
@@ -28,18 +23,9 @@ from mpm_warp.materials.material import Law
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
-EXCESS_OVER_WAVE, EXCESS_OVER_WINDOW = 0.5, 4.0
-"""W is the lesser of these, over the speed of the pressure wave and the greatest of the grid; in
-sound runs points have up to 0.12 and 2.7 of it."""
-
 
 def add_grid_to_particles(
-    plan: Plan,
-    scene: Scene,
-    *,
-    flow_displacement: Any | None,
-    window_top: float | None,
-    window_speed: float,
+    plan: Plan, scene: Scene, *, flow_displacement: Any | None, window_top: float | None
 ) -> None:
     """Add the stage.
 
@@ -50,7 +36,6 @@ def add_grid_to_particles(
             displacement; None: there is no such flow.
         window_top: height [m] above which particles leave a grid that travels; None: it rests, and
             they stay in it.
-        window_speed: greatest speed of a grid that travels [m/s].
     """
     grid, material = scene.grid, scene.material
     law = material.law()
@@ -71,9 +56,6 @@ def add_grid_to_particles(
         particle_state=plan.find("particle.state"),
         window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
-        greatest_excess=min(
-            EXCESS_OVER_WAVE * material.pressure_wave_speed, EXCESS_OVER_WINDOW * window_speed
-        ),
     )
 
 
@@ -106,7 +88,6 @@ def _make_grid_to_particles(
         particle_cell: wp.array(dtype=wp.vec2i),
         window_motion: wp.array(dtype=real),
         top: real,
-        greatest_excess: real,
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
@@ -132,12 +113,7 @@ def _make_grid_to_particles(
         change = v - u
         if wp.static(blended):
             change += cell_pic_fraction[c] * (u - particle_velocity[p])
-        carried = particle_velocity[p] + change
-        if wp.static(travelling):
-            w = carried - v
-            if wp.dot(w, w) > greatest_excess * greatest_excess:
-                carried = v + (greatest_excess / wp.length(w)) * w
-        particle_velocity[p] = carried
+        particle_velocity[p] += change
 
         sigma, remembered = stress_update(
             particle_stress[p],

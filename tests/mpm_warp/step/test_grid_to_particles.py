@@ -6,12 +6,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parts.interpolation import ConservativeInterpolation
-from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
-from mpm_warp.step.grid_to_particles import EXCESS_OVER_WINDOW
 
 
 def test_a_rigid_motion_along_the_axis_leaves_no_stress_and_keeps_momentum(floating: Scene) -> None:
@@ -63,48 +59,3 @@ def test_strength_bounds_the_stress_of_every_particle(cone: Scene) -> None:
     principal = np.stack([centre - radius, centre + radius, stress[:, 3]])
     assert np.ptp(principal, axis=0).max() <= 2.0 * cone.material.strength * (1.0 + 1e-9)
     assert np.ptp(principal, axis=0).max() >= 2.0 * cone.material.strength * (1.0 - 1e-9)
-
-
-@pytest.mark.parametrize("share", [0.5, 3.0])
-def test_a_point_is_not_faster_than_the_soil_at_it_by_more_than_the_bound(
-    cone: Scene, share: float
-) -> None:
-    """One point has a velocity of its own, at the bound times `share`; it moves with the soil."""
-    parts = tuple(part for part in cone.parts if not isinstance(part, ConservativeInterpolation))
-    simulation = Simulation(dataclasses.replace(cone, parts=parts))
-    simulation.travel_to(0.2)
-    bound = EXCESS_OVER_WINDOW * cone[Window].first_speed
-    point = np.flatnonzero(simulation.array("particle.cell")[:, 0] == 2)[20]
-    velocity = simulation.array("particle.velocity")
-    velocity[point] = [0.0, share * bound]
-    before = simulation.array("particle.position")[point].copy()
-    rise = simulation.array("window.motion")[1]
-    simulation.advance(1)
-    moved = simulation.array("particle.position")[point] - before
-    of_soil = moved / simulation.plan.time_step - [0.0, rise]
-    excess = np.linalg.norm(simulation.array("particle.velocity")[point] - of_soil)
-    if share > 1.0:
-        assert excess == pytest.approx(bound, rel=1e-9)
-    else:
-        assert 0.3 * bound < excess < bound
-
-
-def test_no_point_at_the_tip_outruns_waves_where_a_cone_is_fast_in_soft_soil() -> None:
-    """Ir 7.7 at 0.42 of the shear wave's speed: without the bound a point reaches the wave's."""
-    test = ConePenetration(
-        rigidity_index=7.7,
-        poissons_ratio=0.04,
-        adhesion_factor=0.4,
-        friction_coefficient=0.67,
-        in_situ_stress=0.0,
-        speed_ratio=0.42,
-        time_step_fraction=0.26,
-        particles_per_cell=16,
-        cells_per_radius=1.38,
-        domain_radius=20,
-        domain_above=10.9,
-        domain_below=8.9,
-        penetration=12,
-        steady_tolerance=0,
-    )
-    assert float(test.run().cone_factor) > 0.0
