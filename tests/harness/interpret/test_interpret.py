@@ -181,7 +181,7 @@ def test_shares_of_the_error_are_those_of_a_sum() -> None:
         ("site.toml", "rate_factor = 0\n", "rate_factor = 0\nK0 = 0.6\n", "says the same"),
         ("site.toml", "laboratory_rate = 1e-6", 'laboratory_rate = "fast"', "must be a text as"),
         ("site.toml", "laboratory_rate = 1e-6", "laboratory_rate = 1", "must be >= 1e-06"),
-        ("site.toml", 'file = "test.csv"', 'file = "none.csv"', "no such file"),
+        ("site.toml", 'file = "test.csv"', 'file = "none.csv"', "No such file"),
         ("site.toml", "accuracy = {", 'accuracy = "class 7"  # {', "must be one of class"),
         ("test.csv", "qc [MPa]", "qc", "has no unit"),
         ("test.csv", "qc [MPa]", "qc [psi]", "has unit 'psi'; allowed: Pa, kPa, MPa, bar"),
