@@ -8,12 +8,12 @@ undrained clay has no other part. Each reading is a weighted sum of the pressure
         row above the shoulder on, and its mean over the height of the filter
     u3  the first column, linear between the middles of its cells
 
-At the shoulder the pressure falls at once from that of the face to half of it, and every mesh
+At the shoulder the pressure falls at once from 9 su on the face to below 6 (Ir 100), and every mesh
 smears this over two and a half rows; above, it falls in all meshes alike. Beside a rough shaft a
 wedge of sheared soil begins at the shoulder, as wide as 0.38 of the height above it, 0.18 where the
-adhesion factor is 0.5. In it the pressure is a third lower than outside. So the first column is
-read there. A smooth shaft has no wedge; but the first column, in which the turn of the flow round
-the shoulder has only one cell, keeps the stress of that turn, however small the cells are. The two
+adhesion factor is 0.5. In it the pressure is up to a third lower than outside, and the first column
+is read. A smooth shaft has no wedge; but the first column, in which the turn of the flow round the
+shoulder has only one cell, keeps the stress of that turn, however small the cells are. The two
 columns beside it agree with all that are farther out, and are read instead.
 """
 
