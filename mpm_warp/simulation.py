@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.arguments import Range, check_kind, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
-from mpm_warp.execution.execution import DeviceRun, Execution
+from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.threads import in_turn
 from mpm_warp.parts.window import Inflow
 from mpm_warp.plan.launch import Launch
@@ -54,7 +54,7 @@ class Simulation:
         on_gpu = wp.get_device(execution.device).is_cuda
         self._share_count = 1 if on_gpu else SHARE_COUNT
         plan = make_plan(scene, share_count=self._share_count)
-        self._run = DeviceRun(plan, execution)
+        self._execution, self._run = execution, execution.begin(plan)
         self.scene = scene
         self.compile_time = self._run.compile_time
         self.setup_time = time.perf_counter() - start - self.compile_time
@@ -153,7 +153,8 @@ class Simulation:
                 self._watch.prepare()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             block = min([block, *(actor.steps_ahead for actor in self._between_steps)])
-            self._run.replay(range(self.step_count, self.step_count + block))
+            steps = range(self.step_count, self.step_count + block)
+            self._run.replay(steps, self._execution.threads)
             self.step_count += block
             self.particle_updates += block * self.particle_count
             if is_watched:

@@ -10,8 +10,7 @@ from contextlib import AbstractContextManager, contextmanager, redirect_stderr, 
 from types import FrameType
 from typing import Any, NoReturn, TextIO
 
-from harness.errors import HarnessError, printable
-from harness.terminal import CODES
+from harness.errors import CODES, HarnessError, printable
 
 DONE, INCOMPLETE = 0, 1
 BAD_INPUT = 2

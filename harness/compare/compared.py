@@ -20,7 +20,7 @@ from harness.errors import HarnessError
 from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor
 from harness.references.experience import HOLDS, Experience
 from harness.references.registry import cone_factor_reference, experience_entry
-from harness.study.own_references import OWN_LABEL, OwnReference, stored_own_reference
+from harness.study.compared import OWN_LABEL, OwnReference, stored_own_reference
 from mpm_warp.parameters import did_you_mean
 
 

@@ -31,7 +31,7 @@ from harness.pictures.drawing.quantities import Floats, Values, axis_label
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED, NEEDED
-from harness.study.own_references import OwnReference
+from harness.study.compared import OwnReference
 
 FINE = 400
 """Points of a literature curve."""

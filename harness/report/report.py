@@ -1,9 +1,9 @@
 """One page of HTML on results, with all that they hold and nothing to be fetched."""
 
 import base64
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,9 +24,8 @@ from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import Failures, rendered
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import ConeFactor
 from harness.report import words
-from harness.report.tables import CaseTable, case_table, comparisons
+from harness.report.tables import case_table, comparisons
 
 PICTURE_DPI, SMALL_DPI = 150, 75
 """Points an inch of the pictures, and of the small ones of the summary."""
@@ -39,51 +38,6 @@ TEMPLATES = Environment(
     lstrip_blocks=True,
 )
 """Of all pages."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture of a study: its name, and its PNG as a data address."""
-
-    name: str
-    address: str
-
-
-@dataclass(frozen=True)
-class StudySection:
-    """What the page says of one study.
-
-    Attributes:
-        anchor: where the section begins, for links.
-        title: of the study.
-        study: its name.
-        scene: its scenes.
-        summary: the outcome in a line.
-        small: the main picture in small, None where there is none.
-        pictures: all pictures.
-        failed: the errors of the pictures that could not be drawn.
-        missed: tolerances that it misses.
-        stability: the stability map in words, its heading first; empty where there is none.
-        table: its cases.
-        half_width: what its uncertainties mean, "" where it has none.
-        references: what its results were compared with.
-        provenance: where it comes from: names and values.
-    """
-
-    anchor: str
-    title: str
-    study: str
-    scene: str
-    summary: str
-    small: Picture | None
-    pictures: list[Picture]
-    failed: Failures
-    missed: list[str]
-    stability: list[tuple[str, ...]]
-    table: CaseTable
-    half_width: str
-    references: tuple[ConeFactor, ...]
-    provenance: list[tuple[str, str]]
 
 
 def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
@@ -103,35 +57,40 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
 
 def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
     """The page as text, and the errors of the pictures that could not be drawn."""
-    sections = [_section(dataset, place) for place, dataset in enumerate(datasets, start=1)]
+    drawn = [rendered(dataset, _in_two_sizes) for dataset in datasets]
+    numbered = enumerate(zip(datasets, drawn, strict=True), start=1)
+    sections = [_section(place, dataset, *pictures) for place, (dataset, pictures) in numbered]
     text = TEMPLATES.get_template("page.html").render(
         maker=MAKER, sections=sections, comparisons=comparisons(list(datasets))
     )
     return text, {
-        f"{section.study}_{name}": error
-        for section in sections
-        for name, error in section.failed.items()
+        f"{dataset.attrs['study']}_{name}": error
+        for dataset, (_, failed) in zip(datasets, drawn, strict=True)
+        for name, error in failed.items()
     }
 
 
-def _section(dataset: xr.Dataset, place: int) -> StudySection:
-    drawn, failed = rendered(dataset, _in_two_sizes)
-    return StudySection(
-        anchor=f"study-{place}",
-        title=str(dataset.attrs.get("title", dataset.attrs["study"])),
-        study=str(dataset.attrs["study"]),
-        scene=str(dataset.attrs["scene"]).replace(" ", ", "),
-        summary=_summary(dataset),
-        small=next((embedded(name, small) for name, (small, _) in drawn.items()), None),
-        pictures=[embedded(name, large) for name, (_, large) in drawn.items()],
-        failed=failed,
-        missed=misses(dataset),
-        stability=stability_rows(dataset) if shows_stability(dataset) else [],
-        table=case_table(dataset),
-        half_width=HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
-        references=stored_references(dataset),
-        provenance=list(_provenance(dataset)),
-    )
+def _section(
+    place: int, dataset: xr.Dataset, drawn: Mapping[str, tuple[bytes, bytes]], failed: Failures
+) -> dict[str, Any]:
+    """What the page says of a study, by the names that stand in page.html."""
+    small, large = ([embedded(name, sizes[it]) for name, sizes in drawn.items()] for it in (0, 1))
+    return {
+        "anchor": f"study-{place}",
+        "title": str(dataset.attrs.get("title", dataset.attrs["study"])),
+        "study": str(dataset.attrs["study"]),
+        "scene": str(dataset.attrs["scene"]).replace(" ", ", "),
+        "summary": _summary(dataset),
+        "small": next(iter(small), None),  # of the main picture
+        "pictures": large,
+        "failed": failed,
+        "missed": misses(dataset),
+        "stability": stability_rows(dataset) if shows_stability(dataset) else [],
+        "table": case_table(dataset),
+        "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
+        "references": stored_references(dataset),
+        "provenance": list(_provenance(dataset)),
+    }
 
 
 def _summary(dataset: xr.Dataset) -> str:
@@ -156,10 +115,10 @@ def _in_two_sizes(figure: Figure) -> tuple[bytes, bytes]:
     return image(figure, dpi=SMALL_DPI), image(figure, dpi=PICTURE_DPI)
 
 
-def embedded(name: str, png: bytes) -> Picture:
-    """A picture as it stands in a page."""
+def embedded(name: str, png: bytes) -> dict[str, str]:
+    """A picture as it stands in a page: its name, and its PNG as a data address."""
     data = base64.b64encode(png).decode("ascii")
-    return Picture(name.replace("_", " "), f"data:image/png;base64,{data}")
+    return {"name": name.replace("_", " "), "address": f"data:image/png;base64,{data}"}
 
 
 def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:

@@ -43,10 +43,9 @@ from harness.compare.compared import (
     with_tolerances,
 )
 from harness.compare.finest_error import with_finest_error
-from harness.errors import tell
+from harness.errors import coloured, tell
 from harness.study.cases import Case
 from harness.study.study import Study
-from harness.terminal import coloured
 from mpm_warp.parameters import Value
 
 

@@ -7,9 +7,8 @@ from tqdm import tqdm
 
 from harness.archive.case_files import Outcome
 from harness.archive.conventions import COMPLETED
-from harness.errors import LONGEST_LINE, printable, shortened
+from harness.errors import LONGEST_LINE, coloured, printable, shortened
 from harness.study.cases import Case
-from harness.terminal import coloured
 
 NOTICED = 0.05
 """Seconds to start or to compile that are shown, at least."""

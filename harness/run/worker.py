@@ -30,8 +30,15 @@ from harness.archive.conventions import (
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
-from harness.run.measuring import Measurement, with_samples, without_idle_time
-from harness.run.resources import DEFAULTS, RunOptions, check_memory, default_memory_limit
+from harness.run.resources import (
+    DEFAULTS,
+    Measurement,
+    RunOptions,
+    check_memory,
+    default_memory_limit,
+    with_samples,
+    without_idle_time,
+)
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution

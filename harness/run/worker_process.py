@@ -16,8 +16,7 @@ import xarray as xr
 from harness.archive.atomic_files import discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
-from harness.run.measuring import case_time
-from harness.run.resources import DEFAULTS, RunOptions
+from harness.run.resources import DEFAULTS, RunOptions, case_time
 from harness.study.cases import Case
 
 ABANDONED = 1

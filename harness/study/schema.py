@@ -8,10 +8,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from harness.references.registry import experience_ids, reference_ids
-from harness.study.compared import REFERENCE_STUDY
+from harness.study.compared import (
+    OPTIONAL,
+    OWN_REFERENCES,
+    REFERENCE_NAME,
+    REFERENCE_STUDY,
+    SYMBOLS,
+)
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.expressions import LONGEST
-from harness.study.own_references import OPTIONAL, OWN_REFERENCES, REFERENCE_NAME, SYMBOLS
 from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
 from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
 from mpm_warp.parameters import Parameter, parameters_of

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from harness.study.cases import Case, cases_of
-from harness.study.compared import Compared, read_compared
+from harness.study.compared import OWN_REFERENCES, Compared, read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
 from harness.study.files import find_study, joined, lineage, study_names, with_profile
-from harness.study.own_references import OWN_REFERENCES
 from harness.study.scene_part import (
     LARGEST_STUDY,
     SNAPSHOTS,

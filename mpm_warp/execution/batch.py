@@ -10,12 +10,12 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import warp as wp
 
 from mpm_warp.execution.execution import Execution
-from mpm_warp.execution.replay import Replay
+from mpm_warp.execution.replay import DeviceRun
 from mpm_warp.plan.plan import Plan
 
 Result = TypeVar("Result")
@@ -36,7 +36,7 @@ class Batch(Execution):
 
     _turn: threading.Condition = field(default_factory=threading.Condition, init=False)
     _at_work: int = field(default=0, init=False)  # cases that neither wait nor have ended
-    _waiting: "list[_BatchedSteps]" = field(default_factory=list, init=False)
+    _waiting: "list[_BatchedRun]" = field(default_factory=list, init=False)
     _error: BaseException | None = field(default=None, init=False)
     _is_given_up: bool = field(default=False, init=False)
     _idle: _IdleTime = field(default_factory=_IdleTime, init=False)
@@ -65,16 +65,16 @@ class Batch(Execution):
                     self._turn.notify_all()
         return [result.result() for result in results]
 
-    def steps(self, plan: Plan, arrays: dict[str, Any]) -> Replay:
-        """The steps of a plan, for one run; to be called from a function given to `run`."""
-        return _BatchedSteps(self, plan, arrays)
+    def begin(self, plan: Plan) -> DeviceRun:
+        """A run of a plan on the device; to be called from a function given to `run`."""
+        return _BatchedRun(self, plan)
 
     @property
     def idle_time(self) -> float:
         """Wall-clock time for which the case that asks has waited for steps of others [s]."""
         return self._idle.seconds
 
-    def wait_for(self, run: "_BatchedSteps") -> None:
+    def wait_for(self, run: "_BatchedRun") -> None:
         """Let the other cases work until the steps of a run have been taken; asked by its case."""
         begin = time.perf_counter()
         self._waiting.append(run)
@@ -118,17 +118,17 @@ class Batch(Execution):
             self._turn.notify_all()
 
 
-class _BatchedSteps(Replay):
-    """The steps of one run of a batch, which waits while they are taken.
+class _BatchedRun(DeviceRun):
+    """One run of a batch, which waits while its steps are taken.
 
     Attributes:
         left: steps that are to be taken before the case goes on.
         busy_time: this run's part of the time of the last steps [s].
     """
 
-    def __init__(self, batch: Batch, plan: Plan, arrays: dict[str, Any]) -> None:
+    def __init__(self, batch: Batch, plan: Plan) -> None:
         on_gpu = wp.get_device(batch.device).is_cuda
-        super().__init__(plan, arrays, batch.device, wp.Stream(batch.device) if on_gpu else None)
+        super().__init__(plan, batch.device, wp.Stream(batch.device) if on_gpu else None)
         self.left = range(0)
         self.busy_time = 0.0
         self._batch = batch

@@ -1,4 +1,4 @@
-"""Replay of the steps of a plan: each step is recorded once and then repeated without Python.
+"""A plan on a device. Each step is recorded once and then repeated without Python.
 
 On a processor the steps are replayed by as many threads as are faster than one; each replays a loop
 over its part of a step, and Python is called again only between two calls of a replay. On a GPU
@@ -6,11 +6,13 @@ each step is one launch of a captured graph.
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 from mpm_warp.execution.threads import (
     CHUNKS_PER_THREAD,
@@ -22,6 +24,7 @@ from mpm_warp.execution.threads import (
     share_of,
     worker_threads,
 )
+from mpm_warp.kernel_types import kernels_kept
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
 
@@ -138,40 +141,71 @@ WEIGHT = 0.25
 """Weight of the last replay in the mean time of a step: a single replay may be late by chance."""
 
 
-class Replay:
-    """The launches of a plan on a device, recorded.
+class DeviceRun:
+    """The arrays of a plan on a device, filled, and its launches, compiled and recorded.
 
     Args:
-        plan: the plan; its kernels are compiled here.
-        arrays: the arrays of the plan on the device, by name.
+        plan: it is for this run alone.
         device: name of the device.
         stream: of a GPU, on which steps are taken; default: that of the device.
+
+    Attributes:
+        plan: its arrays and launches.
+        arrays: on the device, by the names of the plan.
+        compile_time: wall-clock time to compile the kernels or to load them from the cache [s].
     """
 
     @in_turn
-    def __init__(
-        self,
-        plan: Plan,
-        arrays: Mapping[str, Any],
-        device: str,
-        stream: wp.Stream | None = None,
-    ) -> None:
-        self._plan = plan
-        self._arrays = arrays
+    def __init__(self, plan: Plan, device: str, stream: wp.Stream | None = None) -> None:
+        self.plan = plan
+        self.arrays = {name: array.allocate(device) for name, array in plan.arrays.items()}
         self._device = wp.get_device(device)
         self._stream = stream
         self._choice = ThreadChoice()
-        kernels = [*(launch.kernel for launch in plan.launches), next_step]
-        wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
+        self._seen: dict[str, NDArray[Any]] = {}
+        start = time.perf_counter()
+        self._load()
+        self.compile_time = time.perf_counter() - start
+
+    @in_turn
+    def _load(self) -> None:
+        """Compile the kernels or load them; nothing is recorded yet."""
+        kernels = [*(launch.kernel for launch in self.plan.launches), next_step]
+        with kernels_kept():
+            wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
         self._recorded: dict[int, RecordedSteps] = {}  # by number of threads
         self._graphs: dict[bool, Any] = {}  # on a GPU: of a step, audited or not
         self._commands: dict[Launch, list[Any]] = {}
+
+    def array(self, name: str) -> NDArray[Any]:
+        """The present values of an array; on a processor writing to them changes the run."""
+        if name in self._seen:
+            return self._seen[name]
+        values: NDArray[Any] = self.arrays[name].numpy()
+        if not self._device.is_cuda:
+            self._seen[name] = values  # asked for often where particles are few
+        return values
+
+    def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
+        """Give an array other values, or one value everywhere."""
+        if not self._device.is_cuda:
+            self.array(name)[...] = values
+        elif isinstance(values, float):
+            self.arrays[name].fill_(values)
+        else:
+            self.arrays[name].assign(values)
+
+    def change_time_step(self, changed: Plan) -> None:
+        """Go on with the launches of the same plan with another time step."""
+        self.plan.time_step = changed.time_step
+        self.plan.step, self.plan.audited_step = changed.step, changed.audited_step
+        self._load()
 
     @in_turn
     def launch(self, launch: Launch) -> None:
         """Launch one kernel of the plan, all of it, now."""
         if launch not in self._commands:
-            shares = share_of(launch, 0, 1, self._plan.share_count).static
+            shares = share_of(launch, 0, 1, self.plan.share_count).static
             self._commands[launch] = [self._command(share) for share in shares]
         for command in self._commands[launch]:
             command.launch()
@@ -188,11 +222,9 @@ class Replay:
         if self._device.is_cuda:
             self._replay_one_by_one(steps)
             return
-        threads = self._choice.choose(min(threads, self._plan.share_count))
+        threads = self._choice.choose(min(threads, self.plan.share_count))
         if threads not in self._recorded:
-            self._recorded[threads] = RecordedSteps(
-                self._plan, self._command, threads, self._device
-            )
+            self._recorded[threads] = RecordedSteps(self.plan, self._command, threads, self._device)
         start = time.perf_counter()
         try:
             self._recorded[threads].replay(steps)
@@ -209,14 +241,14 @@ class Replay:
     def _graph(self, audited: bool) -> Any:
         if audited not in self._graphs:
             with wp.ScopedCapture(device=self._device) as capture:
-                for launch in (audited and self._plan.audited_step) or self._plan.step:
+                for launch in (audited and self.plan.audited_step) or self.plan.step:
                     self.launch(launch)
             self._graphs[audited] = capture.graph
         return self._graphs[audited]
 
     def _command(self, launch: Launch) -> Any:
         """Warp's recorded command of a launch, or of a share of one."""
-        dim, arguments = launch.call(self._arrays)
+        dim, arguments = launch.call(self.arrays)
         kinds = [argument.type for argument in launch.kernel.adj.args]
         arguments = [
             # Warp's code for a processor is slower where an array is None: an empty one stands in.

@@ -26,12 +26,12 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, check_number, checked
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, zero
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene, refuse_together
+from mpm_warp.step.points import seed_rows
 
 RESTING_COLUMN = "particle.resting_column"
 """Column of cells in which a particle left the grid, -1 while it is in it; shape [slot_count]."""

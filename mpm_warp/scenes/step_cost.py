@@ -3,7 +3,6 @@
 import dataclasses
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -23,7 +22,6 @@ from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
@@ -37,38 +35,25 @@ WARM_FRACTION = 0.5
 """Fraction of the time of a sample for which steps are taken before the first sample."""
 
 
-@dataclass(frozen=True)
-class TimedRun:
-    """A run whose speed is measured.
+def sample(simulation: Simulation, step_count: int) -> tuple[float, float]:
+    """Take so many steps: wall-clock time [s], particle updates per second."""
+    updates = simulation.particle_updates
+    start = time.perf_counter()
+    simulation.advance(step_count)
+    simulation.array("particle.mass")  # waits for a GPU
+    seconds = time.perf_counter() - start
+    return seconds, (simulation.particle_updates - updates) / seconds
 
-    Attributes:
-        simulation: the run.
-        take: takes about so many of its steps.
-    """
 
-    simulation: Simulation
-    take: Callable[[int], None]
-
-    def sample(self, step_count: int) -> tuple[float, int, float]:
-        """Take about so many steps: wall-clock time [s], number of steps, updates per second."""
-        simulation = self.simulation
-        steps, updates = simulation.step_count, simulation.particle_updates
-        start = time.perf_counter()
-        self.take(step_count)
-        simulation.array("particle.mass")  # waits for a GPU
-        seconds = time.perf_counter() - start
-        rate = (simulation.particle_updates - updates) / seconds
-        return seconds, simulation.step_count - steps, rate
-
-    def steps_within(self, seconds: float) -> int:
-        """Number of steps that take about so long [s]; the run is warm after it is found out."""
-        count = LEAST_STEPS
-        # The first steps load kernels and record launches: only many tell how long one takes.
-        while True:
-            taken, steps, _ = self.sample(count)
-            if taken >= WARM_FRACTION * seconds:
-                return max(LEAST_STEPS, math.ceil(steps * seconds / taken))
-            count *= 2
+def steps_within(simulation: Simulation, seconds: float) -> int:
+    """Number of steps that take about so long [s]; the run is warm after it is found out."""
+    count = LEAST_STEPS
+    # The first steps load kernels and record launches: only many tell how long one takes.
+    while True:
+        taken, _ = sample(simulation, count)
+        if taken >= WARM_FRACTION * seconds:
+            return max(LEAST_STEPS, math.ceil(count * seconds / taken))
+        count *= 2
 
 
 def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
@@ -97,7 +82,7 @@ class StepCost(CatalogueScene):
     """
 
     summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 8
+    version: ClassVar[int] = 9
     runs_alone: ClassVar[bool] = True
 
     size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
@@ -162,28 +147,27 @@ class StepCost(CatalogueScene):
         def accompany() -> None:
             case = self._stirred(batch)
             while not results:
-                case.take(LEAST_STEPS)
+                case.advance(LEAST_STEPS)
 
         batch.run([measure] + [accompany] * (self.cases - 1))
         return results[0]
 
     def _measured(self, execution: Execution, progress: Progress) -> xr.Dataset:
         """The speed of a case, or of all that go along with it step by step."""
-        run = self._stirred(execution)
-        simulation = run.simulation
+        simulation = self._stirred(execution)
         # The speed of a machine changes from second to second: so that two speeds can be compared,
         # each sample is followed by one on one thread.
         alone = self._stirred(Execution()) if self.cases == 1 < self.threads else None
         progress(0.0)
-        step_count = run.steps_within(self.sample_time)
+        step_count = steps_within(simulation, self.sample_time)
         if alone is not None:
-            alone.take(LEAST_STEPS)  # warm
+            alone.advance(LEAST_STEPS)  # warm
         rates, gains = [], []
         for number in range(self.samples):
-            _, steps, rate = run.sample(step_count)
+            _, rate = sample(simulation, step_count)
             rates.append(self.cases * rate)
             if alone is not None:
-                gains.append(rate / alone.sample(steps)[2])
+                gains.append(rate / sample(alone, step_count)[1])
             progress((number + 1) / self.samples)
         simulation.check()
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
@@ -220,7 +204,7 @@ class StepCost(CatalogueScene):
             )
         return xr.Dataset(result)
 
-    def _stirred(self, execution: Execution) -> TimedRun:
+    def _stirred(self, execution: Execution) -> Simulation:
         """A run whose soil has random stresses, and whose window has its speed."""
         simulation = Simulation(self.build(), execution)
         scene = soil_scene(simulation)
@@ -230,25 +214,6 @@ class StepCost(CatalogueScene):
         for first in range(0, len(stress), BLOCK):
             part = stress[first : min(first + BLOCK, len(stress))]
             part.assign(block[: len(part)])
-        window = scene.find(Window)
-        if window is None:
-            return TimedRun(simulation, simulation.advance)
-        simulation.assign("window.motion", np.array([window.ramp_time, window.speed, 0.0]))
-        per_step = window.speed * simulation.plan.time_step
-        cone = self.cone()
-        curves = PenetrationCurves(
-            simulation,
-            radius=cone.cone_radius,
-            unsteady=math.inf,  # as for all but the last radii of a test
-            tolerance=cone.steady_tolerance,
-        )
-
-        def take(count: int) -> None:
-            distance = simulation.travel + (count - 0.5) * per_step
-            while curves.next_distance <= distance:
-                simulation.travel_to(curves.next_distance)
-                curves.sample()
-                curves.is_steady()
-            simulation.travel_to(distance)
-
-        return TimedRun(simulation, take)
+        if (window := scene.find(Window)) is not None:
+            simulation.assign("window.motion", np.array([window.ramp_time, window.speed, 0.0]))
+        return simulation

@@ -18,7 +18,7 @@ from harness.references.cone_factors import (
     envelope_applies,
 )
 from harness.references.experience import Factor
-from harness.study.own_references import OwnReference
+from harness.study.compared import OwnReference
 
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, one after the other: a reader can tell them apart where they overlap."""

@@ -18,7 +18,7 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.elastic.columns import Column, confined
@@ -139,97 +139,72 @@ class Impact(CatalogueScene):
         velocity = simulation.array("particle.velocity").copy()
         velocity[: weights.size, 1] = -shock.speed
         simulation.assign("particle.velocity", velocity)
-        sampler = ShockFront(simulation, shock, heights, weights)
+
+        def along_bar(name: str) -> Floats:
+            rows = simulation.array(f"particle.{name}")[: weights.size, 1].reshape(weights.shape)
+            means: Floats = np.average(rows, axis=1, weights=weights)
+            return means
+
+        def front() -> tuple[float, float]:
+            """Time, and height in the unstrained bar at which half of the velocity is gone."""
+            velocity, half = along_bar("velocity"), -0.5 * shock.speed
+            first = int(np.flatnonzero(velocity < half)[0])
+            around = [first, first - 1]
+            return simulation.time, float(np.interp(half, velocity[around], heights[around]))
+
+        def at_end(time: Floats, front: Floats) -> xr.Dataset:
+            stress, velocity = along_bar("stress"), along_bar("velocity")
+            recorded = shock_curves(shock, simulation.time, heights, stress, velocity)
+            # Between what the first touch has left at the wall and the width of the shock.
+            behind = (heights > 0.25 * front[-1]) & (heights < 0.75 * front[-1])
+            if time.size < 2:  # the run has ended before
+                return recorded
+            speed = (front[1] - front[0]) / (time[1] - time[0])
+            return recorded.assign(shock_errors(shock, speed, stress[behind], velocity[behind]))
+
         moments = [share * TRAVEL * heights[-1] / shock.front_speed for share in (0.5, 1.0)]
-        recorded = follow(simulation, moments, simulation.advance_to, [sampler], progress)
-        return recorded.assign(sampler.errors())
+        samples = Samples(front, at_end)
+        return follow(simulation, moments, simulation.advance_to, [samples], progress)
 
 
-class ShockFront:
-    """Samples where the shock is, and velocity and stress along the bar.
+def shock_curves(
+    shock: Shock, time: float, heights: Floats, stress: Floats, velocity: Floats
+) -> xr.Dataset:
+    """Stress and velocity along the bar at a time [s], and exact."""
+    passed = heights < shock.front_speed * time
+    return curves(
+        "place",
+        (heights, "m", "place in the unstrained bar"),
+        stress=(stress, "Pa", "stress at the end"),
+        stress_exact=(np.where(passed, shock.stress, 0.0), "Pa", "stress, exact"),
+        velocity=(velocity, "m s-1", "velocity at the end"),
+        velocity_exact=(np.where(passed, 0.0, -shock.speed), "m s-1", "velocity, exact"),
+    )
 
-    Args:
-        simulation: of a bar that is about to touch the wall.
-        shock: the exact one.
-        heights, weights: see `Impact.sections`.
-    """
 
-    def __init__(
-        self, simulation: Simulation, shock: Shock, heights: Floats, weights: Floats
-    ) -> None:
-        self._simulation = simulation
-        self._shock = shock
-        self._heights = heights
-        self._weights = weights
-        self._fronts: list[tuple[float, float]] = []
-        """Times [s] and heights of the front in the unstrained bar [m]."""
-
-    def sample(self) -> None:
-        """Find the front: the height at which half of the velocity is gone."""
-        velocity, half = self._along_bar("velocity"), -0.5 * self._shock.speed
-        first = int(np.flatnonzero(velocity < half)[0])
-        around = [first, first - 1]
-        front = np.interp(half, velocity[around], self._heights[around])
-        self._fronts.append((self._simulation.time, float(front)))
-
-    def dataset(self) -> xr.Dataset:
-        """Stress and velocity along the bar as they are now, and exact."""
-        shock, heights = self._shock, self._heights
-        passed = heights < shock.front_speed * self._simulation.time
-        exact_stress = np.where(passed, shock.stress, 0.0)
-        exact_velocity = np.where(passed, 0.0, -shock.speed)
-        return curves(
-            "place",
-            (heights, "m", "place in the unstrained bar"),
-            stress=(self._along_bar("stress"), "Pa", "stress at the end"),
-            stress_exact=(exact_stress, "Pa", "stress, exact"),
-            velocity=(self._along_bar("velocity"), "m s-1", "velocity at the end"),
-            velocity_exact=(exact_velocity, "m s-1", "velocity, exact"),
+def shock_errors(
+    shock: Shock, front_speed: float, stress: Floats, velocity: Floats
+) -> dict[str, xr.Variable]:
+    """Errors of the speed of the shock [m/s], and of stress and velocity behind it."""
+    of_speed = abs(front_speed / shock.front_speed - 1.0)
+    of_stress = abs(stress.mean() / shock.stress - 1.0)
+    of_velocity = abs(velocity.mean()) / shock.speed
+    greatest = max(of_speed, of_stress, of_velocity)
+    scatter = stress.std() / abs(shock.stress)
+    in_words = "standard deviation of the stress behind the shock over its mean"
+    return (
+        labelled(
+            role="error",
+            front_speed_error=(of_speed, "1", "error of its speed"),
+            stress_error=(of_stress, "1", "error of the mean stress behind it"),
+            velocity_error=(of_velocity, "1", "mean velocity behind it over that of the impact"),
         )
-
-    def errors(self) -> dict[str, xr.Variable]:
-        """Errors of speed, stress and velocity, once there are two samples."""
-        shock, heights = self._shock, self._heights
-        (middle_time, middle), (end_time, end) = self._fronts
-        # Between what the first touch has left at the wall and the width of the shock.
-        behind = (heights > 0.25 * end) & (heights < 0.75 * end)
-        front_speed = (end - middle) / (end_time - middle_time)
-        stress = self._along_bar("stress")[behind]
-        velocity = self._along_bar("velocity")[behind]
-        of_speed = abs(front_speed / shock.front_speed - 1.0)
-        of_stress = abs(stress.mean() / shock.stress - 1.0)
-        of_velocity = abs(velocity.mean()) / shock.speed
-        greatest = max(of_speed, of_stress, of_velocity)
-        scatter = stress.std() / abs(shock.stress)
-        return (
-            labelled(
-                role="error",
-                front_speed_error=(of_speed, "1", "error of its speed"),
-                stress_error=(of_stress, "1", "error of the mean stress behind it"),
-                velocity_error=(
-                    of_velocity,
-                    "1",
-                    "mean velocity behind it over that of the impact",
-                ),
-            )
-            | labelled(
-                role="headline",
-                error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
-            )
-            | labelled(
-                stress_scatter=(
-                    scatter,
-                    "1",
-                    "standard deviation of the stress behind the shock over its mean",
-                )
-            )
+        | labelled(
+            role="headline",
+            error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
         )
-
-    def _along_bar(self, name: str) -> Floats:
-        values = self._simulation.array(f"particle.{name}")[: self._weights.size, 1]
-        rows = values.reshape(self._weights.shape)
-        means: Floats = np.average(rows, axis=1, weights=self._weights)
-        return means
+        | labelled(stress_scatter=(scatter, "1", in_words))
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,10 +19,10 @@ import numpy as np
 import scipy  # loads sparse matrices where they are first used: no other scene waits for them
 
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
-from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.scene import Scene
+from mpm_warp.step.points import seed_rows
 
 
 def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> complex:

@@ -10,7 +10,6 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import GroundGrid
-from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
@@ -27,6 +26,7 @@ from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
 from mpm_warp.simulation import Simulation
+from mpm_warp.step.points import seed_rows
 from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
 from mpm_warp.uncertainty.further_runs import FAILURES, one_after_the_other, with_cost
 from mpm_warp.uncertainty.samples import MeasuredError, measured_by, why_not_known

@@ -13,9 +13,8 @@ from harness.archive.case_files import write_case
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.cli.process import safe_output
-from harness.errors import LONGEST_LINE
+from harness.errors import CODES, GREEN, LONGEST_LINE
 from harness.study.study import Study
-from harness.terminal import CODES, GREEN
 from tests.harness.conftest import prepared
 
 pytestmark = pytest.mark.slow

@@ -14,7 +14,7 @@ from harness.archive import case_files, study_files
 from harness.archive.atomic_files import partial_ending
 from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
 from harness.cli.main import main
-from harness.run.measuring import case_time
+from harness.run.resources import case_time
 from harness.study.cases import Case
 from harness.study.study import Study
 from tests.harness.conftest import DONE, prepared

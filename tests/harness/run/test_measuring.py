@@ -9,11 +9,10 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.run import measuring
-from harness.run.measuring import Measurement, with_samples
+from harness.run import resources
 from harness.run.pool import run_cases
 from harness.run.progress import Display
-from harness.run.resources import RunOptions
+from harness.run.resources import Measurement, RunOptions, with_samples
 from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from mpm_warp.parameters import Value
@@ -65,7 +64,7 @@ def test_the_peak_of_memory_is_that_of_the_case_alone() -> None:
 def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(measuring, "_RESET", tmp_path / "none" / "clear_refs")
+    monkeypatch.setattr(resources, "_RESET", tmp_path / "none" / "clear_refs")
     peak = Measurement().variables()["peak_memory"]
     assert peak.attrs["description"].endswith("since it was started, maybe for earlier cases")
     assert int(peak) > 10 * MIB

@@ -12,7 +12,7 @@ import warp as wp
 
 import mpm_warp.execution.replay
 from mpm_warp.execution.execution import Execution
-from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, Replay, ThreadChoice
+from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, DeviceRun, ThreadChoice
 from mpm_warp.execution.threads import has_dynamic_chunks
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes import CatalogueScene
@@ -127,8 +127,8 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
 def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
     at_once, one_by_one = (Simulation(CONE.build()) for _ in range(2))
     at_once.advance(100)
-    replay = Replay._replay_one_by_one
-    monkeypatch.setattr(Replay, "replay", lambda self, steps, threads: replay(self, steps))
+    replay = DeviceRun._replay_one_by_one
+    monkeypatch.setattr(DeviceRun, "replay", lambda self, steps, threads: replay(self, steps))
     one_by_one.advance(100)
     assert_same_bits(arrays_of(at_once), arrays_of(one_by_one))
 

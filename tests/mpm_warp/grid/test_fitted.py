@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats, Grid, GroundGrid, graded
-from mpm_warp.grid.seeding import seed_rows
+from mpm_warp.step.points import seed_rows
 
 ROUNDING = 1e-12
 

@@ -10,8 +10,8 @@ import warp as wp
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.location import make_location
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.grid.seeding import seed_rows
 from mpm_warp.kernel_types import vec5
+from mpm_warp.step.points import seed_rows
 
 ROUNDING = 1e-12
 INNER, OUTER = 1.0, 3.0
