@@ -23,11 +23,7 @@ class ArchiveError(HarnessError):
 
 
 def prepare(folder: Path) -> None:
-    """Make the folder, and check by writing a small file that it can be written to.
-
-    Raises:
-        ArchiveError: it cannot be made, or not be written to.
-    """
+    """Make the folder, and check by writing a small file that it can be written to."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

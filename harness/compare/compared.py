@@ -25,16 +25,16 @@ from mpm_warp.parameters import did_you_mean
 
 
 class NothingToCompareError(HarnessError):
-    """The dataset lacks what a comparison needs; the message is one line."""
+    """The dataset lacks what a comparison needs; the message is one line.
+
+    Whatever compares results may raise it.
+    """
 
 
 def conditions_of(dataset: xr.Dataset) -> Conditions:
     """What the literature's formulas depend on, out of the parameters stored in `dataset`.
 
     What a scene has no parameter of is absent. A shaft adhesion that is not a number is the face's.
-
-    Raises:
-        NothingToCompareError: the dataset has no rigidity index or no adhesion factor.
     """
     for name in NEEDED:
         if name not in dataset:
@@ -62,9 +62,6 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
         The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
         each id, over the dims of `cone_factor`. Values of those that ship are given outside their
         range too; the attribute `validity` gives that range.
-
-    Raises:
-        NothingToCompareError: the dataset has no cone factor, or not its parameters.
     """
     if not references:
         return dataset
@@ -89,11 +86,7 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
 
 
 def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
-    """The references that :func:`with_references` has set into `dataset`.
-
-    Raises:
-        StudyError: the file says of one of the study's own what it cannot be.
-    """
+    """The references that :func:`with_references` has set into `dataset`."""
     return tuple(_stored(dataset, name) for name in with_role(dataset, Role.REFERENCE))
 
 
@@ -116,11 +109,7 @@ def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
-    """The computed cone factors.
-
-    Raises:
-        NothingToCompareError: there are none.
-    """
+    """The computed cone factors."""
     if COMPARED not in dataset:
         raise NothingToCompareError(
             f"nothing to compare: no {COMPARED}; it is another scene's, or no case completed"
@@ -138,9 +127,6 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
     Returns:
         The dataset with `experience_<id>` for each id, over the dim `bound`: the least and the
         greatest factor.
-
-    Raises:
-        UnknownReferenceError: an id is unknown.
     """
     if not entry_ids:
         return dataset

@@ -67,9 +67,6 @@ def with_finest_error(
         dataset: the result of a study of one scene.
         method: the parameters of the method.
         reference: a result whose cases stand for the true values of those alike; or none.
-
-    Raises:
-        NothingToCompareError: no case is like one of the reference.
     """
     headlines = with_role(dataset, Role.HEADLINE)
     if ERROR in dataset or not (method and headlines and "particle_updates" in dataset):

@@ -58,7 +58,6 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
 
     Raises:
         HarnessError: no result of the scene has an error; the message says whether any is there.
-        ArchiveError: a file is damaged.
     """
     known = scene_class(scene)
     # What refines an exact solution is a parameter of the method too.

@@ -65,9 +65,6 @@ def result_table(dataset: xr.Dataset) -> str:
 
     Where cone factors stand beside results of other scenes, these have a table of their own, and
     each ratio of two scenes in one soil stands below.
-
-    Raises:
-        NothingToCompareError: no case has a result, or a cone factor lacks its parameters.
     """
     return "\n".join([_tables(dataset), *ratio_notes(dataset), *change_notes(dataset)])
 
@@ -142,11 +139,7 @@ def _text(value: object) -> str:
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:
-    """A text table for a terminal: one row a case, and how to read it below.
-
-    Raises:
-        NothingToCompareError: the dataset has no cone factor, or not its parameters.
-    """
+    """A text table for a terminal: one row a case, and how to read it below."""
     cone_factor_of(dataset)
     references = stored_references(dataset)
     columns = [

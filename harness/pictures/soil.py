@@ -290,9 +290,6 @@ def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
 
     Returns:
         The files, each written whole or not at all.
-
-    Raises:
-        ArchiveError: one cannot be written.
     """
     writers: dict[Path, AbstractMovieWriter] = {path: PillowWriter(fps=FRAMES_PER_SECOND)}
     if shutil.which("ffmpeg") is not None:

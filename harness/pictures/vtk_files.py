@@ -33,7 +33,6 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
 
     Raises:
         HarnessError: pyvista is not installed.
-        ArchiveError: a file cannot be written.
     """
     beside = folder / f"{name}_vtk"
     prepare(beside)

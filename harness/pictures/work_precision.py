@@ -116,11 +116,7 @@ LABEL_GAP = 0.06
 
 
 def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
-    """Write the picture of `error` and `run_time` over `check` and `rank`, whole or not at all.
-
-    Raises:
-        ArchiveError: it cannot be written.
-    """
+    """Write the picture of `error` and `run_time` over `check` and `rank`, whole or not at all."""
     write_whole(image(_checks_figure(dataset)), path)
 
 

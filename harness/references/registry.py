@@ -33,20 +33,12 @@ def experience_ids() -> tuple[str, ...]:
 
 
 def cone_factor_reference(reference_id: str) -> ConeFactor:
-    """The cone factor of the literature called `reference_id`.
-
-    Raises:
-        UnknownReferenceError: there is none of that id.
-    """
+    """The cone factor of the literature called `reference_id`."""
     return _entry_of(CONE_FACTORS, reference_id, kind="reference")
 
 
 def experience_entry(entry_id: str) -> Experience:
-    """The band called `entry_id`.
-
-    Raises:
-        UnknownReferenceError: there is none of that id.
-    """
+    """The band called `entry_id`."""
     return _entry_of(EXPERIENCE, entry_id, kind="band of experience")
 
 
@@ -105,11 +97,7 @@ def all_entries() -> str:
 
 
 def one_entry(entry_id: str) -> str:
-    """One reference, or one band of experience, with all that is known of it.
-
-    Raises:
-        UnknownReferenceError: there is none of that id.
-    """
+    """One reference, or one band of experience, with all that is known of it."""
     entries: list[ConeFactor | Experience] = [*CONE_FACTORS, *EXPERIENCE]
     entry = _entry_of(entries, entry_id, kind="reference")
     said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)

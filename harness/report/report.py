@@ -45,10 +45,6 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
 
     Returns:
         The errors of the pictures that could not be drawn; the page is whole without them.
-
-    Raises:
-        NotOwnFileError: a file is in the way that was not written by this program.
-        ArchiveError: it cannot be written.
     """
     text, failed = page(datasets)
     write_own(text.encode(), path)

@@ -71,7 +71,6 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
 
     Raises:
         ClusterError: the scheduler is lost.
-        ArchiveError: a result cannot be written.
     """
     # The scheduler takes first what comes first. Not pure: a case asked for again failed before.
     case_of = {

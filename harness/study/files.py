@@ -113,11 +113,7 @@ def _remedy(content: bytes, error: ValueError) -> str:
 
 
 def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
-    """A study's file and those that it stands on by ``base``, the farthest first.
-
-    Raises:
-        StudyError: a file is missing or unreadable, or the bases are too many or go in a circle.
-    """
+    """A study's file and those that it stands on by ``base``, the farthest first."""
     line: list[tuple[Path, dict[str, Any]]] = []
     here: Path | None = path
     while here is not None:

@@ -83,9 +83,6 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     A setting's value is a TOML value, or a bare word for a text. A list or a range varies the
     parameter, a scalar fixes it, whatever the file says; of two settings of one key the last holds.
     Of several scenes a setting is for those that have the parameter.
-
-    Raises:
-        StudyError: the file is missing or not a study, or a setting is malformed.
     """
     if study in scene_names() and study not in study_names():
         raise StudyError(

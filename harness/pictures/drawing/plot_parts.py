@@ -43,12 +43,7 @@ def check_replaceable(path: Path) -> None:
 
 
 def write_own(content: bytes, path: Path) -> None:
-    """Write a file that holds `MAKER`, whole or not at all.
-
-    Raises:
-        NotOwnFileError: a file is in the way that the harness has not written.
-        ArchiveError: it cannot be written.
-    """
+    """Write a file that holds `MAKER`, whole or not at all."""
     assert MAKER.encode() in content, "the file would not be known again"
     check_replaceable(path)
     write_whole(content, path)
