@@ -2,6 +2,7 @@
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,14 @@ TEMPLATES = Environment(
     lstrip_blocks=True,
 )
 """Of all pages."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture of a study: its name, and its PNG as a data address."""
+
+    name: str
+    address: str
 
 
 def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
@@ -111,10 +120,10 @@ def _in_two_sizes(figure: Figure) -> tuple[bytes, bytes]:
     return image(figure, dpi=SMALL_DPI), image(figure, dpi=PICTURE_DPI)
 
 
-def embedded(name: str, png: bytes) -> dict[str, str]:
-    """A picture as it stands in a page: its name, and its PNG as a data address."""
+def embedded(name: str, png: bytes) -> Picture:
+    """A picture as it stands in a page."""
     data = base64.b64encode(png).decode("ascii")
-    return {"name": name.replace("_", " "), "address": f"data:image/png;base64,{data}"}
+    return Picture(name.replace("_", " "), f"data:image/png;base64,{data}")
 
 
 def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:
