@@ -19,6 +19,8 @@ LEAST_SHARE = 0.03
 """Causes with less of the error on average are drawn as one."""
 BAND = shade(0.3)
 """Colour of medians and bands."""
+GAP = 5.0
+"""Steps of depth that are a gap, over the usual one."""
 AROUND = 1.0
 """Length above and below the layers that is shown [m]."""
 
@@ -33,6 +35,7 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         found: what `interpret` gives.
         points: depth [m] and strength [Pa] of a laboratory, beside it.
     """
+    found = _broken(found)
     figure = Figure(figsize=SIZE, layout="constrained")
     test, factor, strength, shares = figure.subplots(1, 4, sharey=True)
     depth = found.depth.values
@@ -72,7 +75,7 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     """Several tests of a site: net resistance and su by depth, each su with its band of 90 %."""
     figure = Figure(figsize=SIZE, layout="constrained")
     test, strength = figure.subplots(1, 2, sharey=True)
-    for place, one in enumerate(found):
+    for place, one in enumerate(map(_broken, found)):
         colour = series_colour(place, max(len(found), 2))
         own = one.net_resistance.where(one.reason == 0) / KILO
         test.plot(own, one.depth, color=colour, lw=0.8, label=one.attrs["title"])
@@ -86,6 +89,14 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     _legend(test, 3)
     figure.supxlabel("Bands hold 90 % of each test by itself.", fontsize=7)
     return figure
+
+
+def _broken(found: xr.Dataset) -> xr.Dataset:
+    """With a depth without values at the top of each gap: no line is drawn across it."""
+    depth = found.depth.values
+    step = np.diff(depth, append=depth[-1])
+    tops = depth[step > GAP * float(np.median(step))]
+    return found.reindex(depth=np.union1d(depth, np.nextafter(tops, np.inf)))
 
 
 def _legend(axes: Axes, columns: int) -> None:

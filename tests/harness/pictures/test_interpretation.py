@@ -1,0 +1,61 @@
+"""Pictures of interpreted cone tests."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.pictures.interpretation import interpretation_figure, soundings_figure
+
+
+def made_up(title: str = "A site") -> xr.Dataset:
+    """Clay from 2 to 10 m, with a gap between 5 and 7 m, and soil that drains at 9 m."""
+    depth = np.concatenate([np.arange(1.0, 5.01, 0.1), np.arange(7.0, 12.0, 0.1)])
+    strength = np.outer(10.0e3 + 1.0e3 * depth, [0.8, 1.0, 1.3])
+    reason = np.where((depth < 2.0) | (depth > 10.0), 1, np.where(np.isclose(depth, 9.0), 2, 0))
+    meanings = {"flag_meanings": "used no_layer not_undrained_clay"}
+    return xr.Dataset(
+        {
+            "net_resistance": ("depth", 12.0 * strength[:, 1]),
+            "sleeve_friction": ("depth", 0.4 * strength[:, 1]),
+            "pore_pressure": ("depth", 6.0 * strength[:, 1]),
+            "strength": (("depth", "percentile"), np.where(reason[:, None], np.nan, strength)),
+            "resistance_factor": (("depth", "percentile"), np.full_like(strength, 12.0)),
+            "error_share": (("depth", "cause"), np.full((len(depth), 2), 0.5)),
+            "reason": ("depth", reason.astype(np.int8), meanings),
+        },
+        {"depth": depth, "percentile": [5.0, 50.0, 95.0], "cause": ["test", "model"]},
+        {"title": title},
+    )
+
+
+def test_no_line_is_drawn_across_a_gap() -> None:
+    for figure in (interpretation_figure(made_up()), soundings_figure([made_up()])):
+        for axes in figure.axes:
+            for line in axes.get_lines():
+                depth, value = line.get_ydata(), line.get_xdata()
+                assert np.isnan(value[(depth > 4.95) & (depth < 6.95)]).any()
+
+
+def test_the_layers_fill_the_picture() -> None:
+    figure = interpretation_figure(made_up())
+    assert figure.axes[0].get_ylim() == pytest.approx((11.0, 1.0))
+
+
+def test_several_tests_have_a_line_and_a_band_each() -> None:
+    figure = soundings_figure([made_up("one"), made_up("two")])
+    test, strength = figure.axes
+    assert [it.get_text() for it in test.get_legend().get_texts()] == ["one", "two"]
+    assert len(strength.get_lines()) == len(strength.collections) == 2
+    assert len({line.get_color() for line in strength.get_lines()}) == 2
+
+
+def test_shares_fill_the_panel_where_a_layer_lacks_a_cause() -> None:
+    found = made_up()
+    found.error_share[:] = [0.75, 0.25]
+    below = found.depth.values > 7.0
+    found.error_share[below] = [1.0, np.nan]
+    panel = interpretation_figure(found).axes[3]
+    paths = [path.vertices for it in panel.collections for path in it.get_paths()]
+    ends = np.concatenate(paths)
+    used = found.depth.values[below & (found.reason.values == 0)]
+    assert np.isin(used, ends[np.isclose(ends[:, 0], 100.0), 1]).all()
