@@ -51,7 +51,7 @@ def test_several_tests_have_a_line_and_a_band_each() -> None:
 
 def test_shares_fill_the_panel_where_a_layer_lacks_a_cause() -> None:
     found = made_up()
-    found.error_share[:] = [0.75, 0.25]
+    found.error_share[:] = [0.25, 0.75]
     below = found.depth.values > 7.0
     found.error_share[below] = [1.0, np.nan]
     panel = interpretation_figure(found).axes[3]
