@@ -14,16 +14,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.execution.threads import (
-    CHUNKS_PER_THREAD,
-    LEFT,
-    barrier,
-    claim_chunk,
-    has_dynamic_chunks,
-    in_turn,
-    share_of,
-    worker_threads,
-)
+from mpm_warp.execution.threads import LEFT, barrier, in_turn, share_of, worker_threads
 from mpm_warp.kernel_types import kernels_kept
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
@@ -60,14 +51,6 @@ class RecordedSteps:
         self._steps_per_call = max(1, UPDATES_PER_CALL // max(1, plan.particle_count))
         # These arrays are kept here because recordings do not keep the arrays that they use.
         self._arrivals: Any = wp.zeros(threads, dtype=wp.int64, device=device)
-        self._claims: dict[Launch, Any] = {
-            launch: wp.zeros(CHUNKS_PER_THREAD * threads, dtype=wp.int64, device=device)
-            for launch in plan.launches
-            if threads > 1 and has_dynamic_chunks(launch)
-        }
-        self._claimed: list[Any] = [
-            wp.zeros(1, dtype=wp.int32, device=device) for _ in range(threads)
-        ]
         self._states: list[Any] = [
             wp.zeros(4, dtype=wp.int32, device=device) for _ in range(threads)
         ]
@@ -106,7 +89,8 @@ class RecordedSteps:
             """Launch the thread's share of each, with barriers before and after shared ones."""
             shared_next = [*(launch.is_shared for launch in launches[1:]), True]
             for launch, is_shared_next in zip(launches, shared_next, strict=True):
-                self._launch_share(launch, thread, command)
+                for part in share_of(launch, thread, self._threads, self._share_count):
+                    command(part).launch()
                 if self._threads > 1 and (launch.is_shared or is_shared_next):
                     wp.launch(barrier, 1, [self._arrivals, thread], device=self._device)
 
@@ -121,16 +105,6 @@ class RecordedSteps:
         with wp.ScopedCapture(device=self._device) as capture:
             wp.capture_while(goes_on, take_step)
         return capture.graph
-
-    def _launch_share(self, launch: Launch, thread: int, command: Callable[[Launch], Any]) -> None:
-        claimed = self._claimed[thread]
-        share = share_of(launch, thread, self._threads, self._share_count)
-        for part in share.static:
-            command(part).launch()
-        for chunk, part in share.dynamic.items():
-            arguments = [chunk, thread, self._arrivals, self._claims[launch], claimed]
-            wp.launch(claim_chunk, 1, arguments, device=self._device)
-            wp.capture_if(claimed, on_true=command(part).launch)
 
 
 LEAST_STEPS = 16
@@ -205,7 +179,7 @@ class DeviceRun:
     def launch(self, launch: Launch) -> None:
         """Launch one kernel of the plan, all of it, now."""
         if launch not in self._commands:
-            shares = share_of(launch, 0, 1, self.plan.share_count).static
+            shares = share_of(launch, 0, 1, self.plan.share_count)
             self._commands[launch] = [self._command(share) for share in shares]
         for command in self._commands[launch]:
             command.launch()

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
 KERNEL = r"@(?:wp\.)?kernel\b.*\n *def (\w+)"
-OF_PROCESSORS = {"claim_chunk", "barrier", "next_step"}
+OF_PROCESSORS = {"barrier", "next_step"}
 """Kernels of threads, which no GPU ever runs."""
 RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 MEASURABLE: dict[str, Value] = {"cells_per_radius": 3.0}

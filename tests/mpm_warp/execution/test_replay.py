@@ -13,7 +13,6 @@ import warp as wp
 import mpm_warp.execution.replay
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, DeviceRun, ThreadChoice
-from mpm_warp.execution.threads import has_dynamic_chunks
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
@@ -54,7 +53,7 @@ def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
         simulation.travel_to(CONE.cone_radius * fraction / len(switches or (1,)))
-    assert any(map(has_dynamic_chunks, simulation.plan.step))
+    assert any(launch.is_shared for launch in simulation.plan.step)
     return arrays_of(simulation)
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.threads import has_dynamic_chunks, share_of
+from mpm_warp.execution.threads import share_of
 from mpm_warp.plan.launch import OFFSET
 from mpm_warp.planning import SHARE_COUNT
 from mpm_warp.scenes import CatalogueScene
@@ -26,10 +26,7 @@ def test_what_threads_do_of_a_launch_makes_up_the_whole(
             continue
         place = launch.arguments.index(OFFSET)
         shares = [share_of(launch, it, threads, SHARE_COUNT) for it in range(threads)]
-        parts = [part for share in shares for part in share.static]
-        parts += shares[0].dynamic.values()
+        parts = [part for share in shares for part in share]
         done = [it + part.arguments[place] for part in parts for it in range(part.dim[0])]
         assert sorted(done) == list(range(launch.dim[0]))
         assert all(part.item_count > 0 for part in parts)
-        assert len({frozenset(share.dynamic) for share in shares}) == 1
-        assert bool(shares[0].dynamic) == (threads > 1 and has_dynamic_chunks(launch))
