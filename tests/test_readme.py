@@ -15,6 +15,7 @@ from harness.cli.help import HELP
 from harness.cli.main import main
 from harness.cli.options import make_parser
 from harness.cli.parser import mistake_in, options_of
+from harness.interpret.description import is_site_file
 from harness.study.study import is_scene, load_study
 from mpm_warp.scenes import scene_class
 
@@ -124,6 +125,7 @@ def test_every_command_can_be_given(
     """A command is known with its options, and every study and scene that it names is there."""
     monkeypatch.chdir(tmp_path)
     main(["new", "my_study"])
+    main(["new", "site", "--interpret", "cpt.csv"])
     parser = make_parser()
     for line in dict.fromkeys(commands(page)):
         words = shlex.split(line.partition(" | ")[0].partition(" > ")[0], comments=True)
@@ -156,7 +158,7 @@ def studies_of(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
     study, subject = (vars(options).get(it) for it in ("study", "subject"))
     if study and not is_placeholder(study) and not study.endswith(".nc"):
         yield study, options.set
-    if subject and not is_placeholder(subject) and not is_scene(subject):
+    if subject and not (is_placeholder(subject) or is_scene(subject) or is_site_file(subject)):
         yield subject, vars(options).get("set", [])
 
 
