@@ -11,6 +11,7 @@ import functools
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, checked
@@ -55,7 +56,7 @@ class Isotropic(Material):
 
     def properties_at(self, place: Floats) -> Floats:
         """See `Material`; both moduli are in proportion to the stiffness."""
-        own = super().properties_at(place)
+        own = np.tile(self.properties, (*place.shape[:-1], 1))
         own[..., :2] *= self.stiffness_ratio_at(place)[..., None]
         return own
 

@@ -13,6 +13,7 @@ import functools
 import math
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -98,7 +99,8 @@ class Material(Checked, ABC):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_kind(f"{type(self).__name__}: variation", self.variation, (Variation, type(None)))
-        if self.variation is not None and type(self).properties_at is Material.properties_at:
+        by_ratios = self.variation is not None and self.variation.rows is None
+        if by_ratios and type(self).properties_at is Material.properties_at:
             raise SceneError(f"{type(self).__name__} has no properties that vary by place")
 
     # The law on the device.
@@ -167,7 +169,20 @@ class Material(Checked, ABC):
         Args:
             place: (r, z) in the ground where they come from [m], shape [..., 2].
         """
-        return np.tile(self.properties, (*place.shape[:-1], 1))
+        return self.by_depth(place, lambda material: material.properties)
+
+    def by_depth(self, place: Floats, numbers: Callable[[Any], Sequence[float] | Floats]) -> Floats:
+        """Numbers of the material at places, linear between rows where its ground has them.
+
+        Args:
+            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
+            numbers: gives them of a material, a vector.
+        """
+        if self.variation is None or self.variation.rows is None:
+            return np.tile(numbers(self), (*place.shape[:-1], 1))
+        return self.variation.linear_at(
+            place, np.array([numbers(it) for it in self.variation.rows])
+        )
 
     # What the run asks of it.
 

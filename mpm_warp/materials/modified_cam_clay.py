@@ -108,8 +108,9 @@ class ModifiedCamClay(Material):
 
     def state_at(self, stress: Floats, place: Floats) -> Floats:
         """Undisturbed: what the stress has over that of the ground is shear."""
-        start = self.mean_effective_stress * np.array([1.0, self.size_ratio, 0.0])
-        return np.tile(start, (*place.shape[:-1], 1))
+        return self.by_depth(
+            place, lambda it: it.mean_effective_stress * np.array([1.0, it.size_ratio, 0.0])
+        )
 
     def check_stress_at_rest(self, stress: Floats) -> None:
         """See `Material`; its deviator, that of a K0 start, must be within the yield surface."""
@@ -152,7 +153,9 @@ class ModifiedCamClay(Material):
     def pressure_wave_speed(self) -> float:
         """With the skeleton stiffer than anywhere on an undrained path [m/s]."""
         shear, bulk = self._moduli_at(STIFFER * self._stiffest_stress)
-        return math.sqrt((self.water_modulus + bulk + 4.0 / 3.0 * shear) / self.density)
+        own = math.sqrt((self.water_modulus + bulk + 4.0 / 3.0 * shear) / self.density)
+        rows = () if self.variation is None else self.variation.rows or ()
+        return max([own, *(row.pressure_wave_speed for row in rows)])
 
     @property
     def strength(self) -> float:

@@ -47,6 +47,11 @@ class OtherLaw:
     kind: type[Material]
     parameters: Mapping[str, Parameter]
 
+    @property
+    def given(self) -> set[str]:
+        """Names of what a scene gives to it, or could, beside its own parameters."""
+        return {field.name for field in fields(self.kind) if field.init}
+
     def make(self, own: Mapping[str, Value | None], given: Mapping[str, float]) -> Material:
         """The material, of its own parameters and of what the scene gives.
 
@@ -57,8 +62,7 @@ class OtherLaw:
             name: definition.default if own.get(name) is None else own[name]
             for name, definition in self.parameters.items()
         }
-        names = {field.name for field in fields(self.kind) if field.init}
-        values |= {name: value for name, value in given.items() if name in names}
+        values |= {name: value for name, value in given.items() if name in self.given}
         return self.kind(**values)
 
 

@@ -52,8 +52,8 @@ class UndrainedClay(Isotropic):
         """See `Material`; the strength varies too, and the shape where the ground says so."""
         own = super().properties_at(place)
         own[..., STRENGTH] *= self.strength_ratio_at(place)
-        if self.variation is not None and self.variation.shape is not None:
-            own[..., -len(self.shape) :] = self.variation.shape_at(place)
+        if self.shape:
+            own[..., -len(self.shape) :] = self.by_depth(place, lambda material: material.shape)
         return own
 
     @property

@@ -1,17 +1,23 @@
 """How the ground varies with depth: strength, stiffness and adhesion as ratios, its own stress.
 
+Numbers of a law that are not in proportion to strength and stiffness have a material at each depth.
+
 A place in the ground is where soil was before anything moved, in the coordinates (r, z) that the
 grid had at the start: a grid that has travelled down by T sees soil at rest from x - T e_z at x.
 Soil keeps the properties of its place wherever it moves.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mpm_warp.arguments import POSITIVE, Checked, Range, check_array, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
+
+if TYPE_CHECKING:
+    from mpm_warp.materials.material import Material
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,8 +35,8 @@ class Variation(Checked):
             fastest.
         adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
             dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
-        shape: of the yield surface, see `UndrainedClay`, shape [n, shape_count]; none where it is
-            that of the material everywhere.
+        rows: the material at each depth, n of one law, where more varies than these ratios; between
+            depths its properties and its state at rest are linear. None: nothing more does.
         horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
             positive, shape [n]; none where it is that of the scene everywhere.
         origin_depth: depth of z = 0 [m].
@@ -40,7 +46,7 @@ class Variation(Checked):
     strength_ratio: Floats
     stiffness_ratio: Floats
     adhesion_ratio: Floats | None = None
-    shape: Floats | None = None
+    rows: "tuple[Material, ...] | None" = None
     horizontal_stress: Floats | None = None
     origin_depth: float = checked(unit="m", default=0.0)
 
@@ -62,8 +68,10 @@ class Variation(Checked):
         if self.adhesion_ratio is not None:
             share = Range(minimum=0.0, maximum=1.0)
             check_array("Variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
-        if self.shape is not None:
-            check_array("Variation: shape", self.shape, (len(self.depth), None))
+        if self.rows is not None and len(self.rows) != len(self.depth):
+            raise SceneError(
+                f"Variation: rows has {len(self.rows)} materials, must have {len(self.depth)}"
+            )
         if self.horizontal_stress is not None:
             check_array("Variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
 
@@ -81,11 +89,10 @@ class Variation(Checked):
             return np.ones(place.shape[:-1])
         return np.interp(self.depth_of(place), self.depth, self.adhesion_ratio)
 
-    def shape_at(self, place: Floats) -> Floats:
-        """Shape of the yield surface at places in the ground [m], [..., 2]; there must be one."""
-        assert self.shape is not None
+    def linear_at(self, place: Floats, numbers: Floats) -> Floats:
+        """Numbers of shape [n, count], by depth, at places in the ground [m], [..., count]."""
         depth = self.depth_of(place)
-        return np.stack([np.interp(depth, self.depth, it) for it in self.shape.T], axis=-1)
+        return np.stack([np.interp(depth, self.depth, it) for it in numbers.T], axis=-1)
 
     def horizontal_stress_at(self, place: Floats) -> Floats:
         """Horizontal less vertical stress at places in the ground [m], [..., 2]; 0 without one."""

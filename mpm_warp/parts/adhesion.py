@@ -11,6 +11,7 @@ step brings the adhesion up to date: in that time soil moves by a small part of 
 """
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,8 @@ def add_changing_adhesion(
     changes = law.remembers or passes_soil_that_varies(scene)
     if not changes or law.strength is None or not adhesion_forces.any():
         return
-    at_first = material.state_at(np.zeros(4), np.zeros(2)) if law.remembers else np.zeros(1)
+    uniform = replace(material, variation=None)
+    at_first = uniform.state_at(np.zeros(4), np.zeros(2)) if law.remembers else np.zeros(1)
     plan.add_array("contact.first_adhesion", "real", adhesion_forces)
     # (m k / k0, m) by row of the first column of cells.
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))

@@ -105,6 +105,14 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
                 raise ParameterError(
                     needed, f"{name} = {value:g} needs {needed}, {what}: give both"
                 )
+        self.check_clay()
+
+    def check_clay(self) -> None:
+        """Check that there is such a clay, and take from its law what is not given.
+
+        Raises:
+            ParameterError: there is not.
+        """
         try:
             if self.own_strength is not None:
                 self._follow(self.own_strength)
@@ -121,15 +129,9 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         It is that in the law's `reference_test`, and su of the scene where none is given. The
         rigidity index is the law's too where it has a stiffness of its own.
         """
-        if self.material not in other_laws() or "strength" in self._given_to_law:
+        if self.material not in other_laws() or "strength" in other_law(self.material).given:
             return None
         return self.own_clay.undrained_strength(self.own_clay.reference_test)
-
-    @property
-    def _given_to_law(self) -> set[str]:
-        """What a law that has parameters of its own is given by the scene, or could be."""
-        kind = other_law(self.material).kind
-        return {field.name for field in fields(kind) if field.init}
 
     @property
     def own_clay(self) -> Material:
@@ -145,7 +147,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             object.__setattr__(self, name, Derived(strength))
         elif su is not None:
             strength = su
-        of_law = "shear_modulus" not in self._given_to_law
+        of_law = "shear_modulus" not in other_law(self.material).given
         if of_law and isinstance(self.rigidity_index, Derived):
             index = self.own_clay.ground_shear_modulus / strength
             object.__setattr__(self, "rigidity_index", Derived(index))

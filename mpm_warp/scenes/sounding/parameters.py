@@ -9,11 +9,11 @@ import numpy as np
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.scenes.catalogue import CatalogueScene
-from mpm_warp.scenes.clay import ChangingStrength, FieldClayScene
+from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
-from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.law_by_depth import with_strength
+from mpm_warp.scenes.sounding.profile import Profile, columns_of
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
@@ -31,7 +31,7 @@ has left the window above, nothing of the surface is in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, CatalogueScene):
+class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     """Ground, penetrometer and method of a sounding."""
 
     method: ClassVar[tuple[str, ...]] = (
@@ -95,9 +95,6 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
         minimum=2,
         maximum=1000,
     )
-    penetration_speed: float = redefined(FieldClayScene, "penetration_speed")
-    poissons_ratio: float = redefined(FieldClayScene, "poissons_ratio")
-    density: float = redefined(FieldClayScene, "density")
     speed_ratio: float = parameter(
         0.05,
         "penetration speed over that of shear waves in the softest soil",
@@ -150,20 +147,32 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, ChangingStrength, Catal
     def ground(self) -> Profile:
         """The ground by depth: the profile, or linear strength with a layer in it or without."""
         if self.profile is not None:
-            return Profile.read(self.profile)
+            return Profile.of(with_strength(self, columns_of(self.profile)))
         top, thickness = self.layer_top, self.layer_thickness or math.inf
         borders = [] if top is None else [top, top + thickness]
         inside = [it for it in borders if it < LAST_DEPTH]
         depth = np.array([0.0, *np.repeat(inside, 2), LAST_DEPTH])
+        weight = {"unit_weight": np.full_like(depth, self.unit_weight)}
+        if self.own_strength is not None:
+            self._check_uniform()
+            return Profile.of(with_strength(self, {"depth": depth} | weight))
         strength = self.undrained_shear_strength + self.strength_gradient * depth
         if inside:
             strength[2:4] *= self.layer_strength_ratio
-        return Profile(
-            depth=depth,
-            strength=strength,
-            shear_modulus=self.rigidity_index * strength,
-            unit_weight=np.full_like(depth, self.unit_weight),
-        )
+        modulus = self.rigidity_index * strength
+        columns = {"depth": depth, "strength": strength, "shear_modulus": modulus}
+        return Profile.of(columns | weight)
+
+    def _check_uniform(self) -> None:
+        """Check that no parameter changes the strength of a law that has its own, by depth."""
+        given = {"strength_gradient": self.strength_gradient > 0.0}
+        for name, is_given in (given | {"layer_top": self.layer_top is not None}).items():
+            if is_given:
+                raise ParameterError(
+                    name,
+                    f"{name}: material = {self.material!r} has its own strength; give its "
+                    "parameters by depth in a profile",
+                )
 
     @property
     def ground_passed(self) -> Profile:

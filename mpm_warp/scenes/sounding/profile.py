@@ -10,42 +10,42 @@ new lines or by semicolons, values by commas:
     12, 80, 150, 19
     20, 90, 150, 19
 
-Two rows of one depth make the border of two layers. A row that begins with # is a remark.
+Two rows of one depth make the border of two layers. A row that begins with # is a remark. Ground of
+a law with parameters of its own may have these as columns too, by their names.
 """
 
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, as_array, in_words
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.arguments import FINITE, NOT_NEGATIVE, POSITIVE, Range, as_array, in_words
+from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.anisotropic import Anisotropic
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.other_laws import loaded_laws, other_law
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import nearest_name
 
+PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 UNITS: Mapping[str, Mapping[str, float]] = {
     "depth": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "strength": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
-    "strength_extension": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
-    "strength_simple_shear": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
-    "strength_horizontal": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "strength": PRESSURES,
     "rigidity_index": {"1": 1.0},
-    "shear_modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
+    "shear_modulus": PRESSURES,
     "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
     "adhesion_factor": {"1": 1.0},
     "stress_anisotropy": {"1": 1.0},
 }
 """Units of each column, and what they are in SI units."""
-OTHER_NAMES = {"strength_compression": "strength"}
+OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
 """What a column may be called too."""
-BY_DIRECTION = ("strength_extension", "strength_simple_shear", "strength_horizontal")
-"""Columns of ground whose strength depends on direction; `strength` is that in compression."""
-REQUIRED = ("depth", "strength")
+OWN = tuple(name for name in UNITS if name != "rigidity_index")
+"""Columns that all ground may have."""
+OPTIONAL = ("adhesion_factor", "stress_anisotropy")
 STIFFNESS = ("rigidity_index", "shear_modulus")
 PROFILE = "profile"
 """The parameter of a sounding that holds such a text, and the table of a study that gives it."""
@@ -72,9 +72,7 @@ class Profile:
         stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), dimensionless, > -1 and < 1, in
             the ground before; none where it is not of the ground. Between rows the stress is
             linear.
-        strength_extension, strength_simple_shear, strength_horizontal: of ground whose strength
-            depends on direction [Pa], see `Anisotropic`; `strength` is then that in compression.
-            The last may be left out; without the others it does not.
+        of_law: parameters of the law of the ground that vary with depth, by name, in SI units.
 
     Raises:
         ParameterError: a value is not allowed; the message names column, row and value.
@@ -86,21 +84,22 @@ class Profile:
     unit_weight: Floats
     adhesion_factor: Floats | None = None
     stress_anisotropy: Floats | None = None
-    strength_extension: Floats | None = None
-    strength_simple_shear: Floats | None = None
-    strength_horizontal: Floats | None = None
+    of_law: Mapping[str, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         columns = {
-            it.name: _numbers(it.name, getattr(self, it.name))
-            for it in fields(self)
-            if getattr(self, it.name) is not None or it.default is MISSING
+            name: _numbers(name, getattr(self, name))
+            for name in OWN
+            if not (name in OPTIONAL and getattr(self, name) is None)
         }
         for name, values in columns.items():
             object.__setattr__(self, name, values)
+        of_law = {name: _numbers(name, values) for name, values in self.of_law.items()}
+        object.__setattr__(self, "of_law", of_law)
+        for name, values in (columns | of_law).items():
             if values.ndim != 1 or values.size == 0 or values.shape != self.depth.shape:
                 raise refused(f"{name} has shape {values.shape}, must have that of depth, [n]")
-            _check_rows(name, values, ALLOWED.get(name, POSITIVE))
+            _check_rows(name, values, FINITE if name in of_law else ALLOWED.get(name, POSITIVE))
         falls = np.flatnonzero(np.diff(self.depth) < 0.0)
         if len(falls):
             row = falls[0] + 1
@@ -111,10 +110,6 @@ class Profile:
         thrice = np.flatnonzero(self.depth[2:] == self.depth[:-2])
         if len(thrice):
             raise refused(f"depth {self.depth[thrice[0]]:g} m is in three rows, must be in two")
-        if any(getattr(self, name) is not None for name in BY_DIRECTION):
-            if self.strength_extension is None or self.strength_simple_shear is None:
-                raise refused("needs strength_extension and strength_simple_shear: give both")
-            _ = self.shape  # all rows are possible
 
     @classmethod
     def read(cls, text: str) -> Self:
@@ -126,12 +121,20 @@ class Profile:
         Raises:
             ParameterError: something in it is not allowed.
         """
-        columns = columns_of(text)
-        if "rigidity_index" in columns:
-            columns["shear_modulus"] = columns.pop("rigidity_index") * columns["strength"]
-        columns.setdefault("shear_modulus", 100.0 * columns["strength"])
-        columns.setdefault("unit_weight", np.full_like(columns["depth"], 17e3))
-        return cls(**columns)
+        return cls.of(columns_of(text))
+
+    @classmethod
+    def of(cls, columns: Mapping[str, Floats]) -> Self:
+        """A profile of the columns of a table; see `read`."""
+        if "strength" not in columns:
+            raise refused("column strength is missing")
+        index = columns.get("rigidity_index", np.array(100.0))
+        filled = {
+            "shear_modulus": index * columns["strength"],
+            "unit_weight": np.full_like(columns["depth"], 17e3),
+        } | {name: it for name, it in columns.items() if name != "rigidity_index"}
+        of_law = {name: filled.pop(name) for name in columns if name not in UNITS}
+        return cls(**filled, of_law=of_law)
 
     @property
     def text(self) -> str:
@@ -153,12 +156,19 @@ class Profile:
             return np.concatenate([[first], values[inside], [last]])
 
         depth = np.concatenate([[begin], self.depth[inside], [end]])
-        others = {name: column(it) for name, it in self._columns.items() if name != "depth"}
+        others = {name: column(it) for name, it in self._columns.items()} | {"depth": depth}
         if self.stress_anisotropy is not None:
             others["stress_anisotropy"][[0, -1]] = self.stress_anisotropy_at(depth[[0, -1]], 0.0)
-        return type(self)(depth=depth, **others)
+        return self.of(others)
 
-    def variation(self, origin_depth: float, elsewhere: float = 0.0) -> Variation | None:
+    def variation(
+        self,
+        origin_depth: float,
+        elsewhere: float = 0.0,
+        *,
+        strength: float | None = None,
+        rows: tuple[Material, ...] | None = None,
+    ) -> Variation | None:
         """Strength, stiffness and adhesion over the greatest of them, and the horizontal stress.
 
         There is none in uniform ground.
@@ -166,6 +176,8 @@ class Profile:
         Args:
             origin_depth: depth of z = 0 in the grid [m].
             elsewhere: stress anisotropy where it is not of the ground.
+            strength: that of the material [Pa]; default: the greatest.
+            rows: the material of each row, of a law whose parameters vary.
         """
         if self.is_uniform:
             return None
@@ -173,44 +185,19 @@ class Profile:
         horizontal = 2.0 * anisotropy * self.strength
         return Variation(
             depth=self.depth,
-            strength_ratio=self.strength / self.strength.max(),
+            strength_ratio=self.strength / (strength or self.strength.max()),
             stiffness_ratio=self.shear_modulus / self.shear_modulus.max(),
             adhesion_ratio=self._adhesion_ratio,
-            shape=self.shape,
+            rows=rows,
             horizontal_stress=horizontal if horizontal.any() else None,
             origin_depth=origin_depth,
         )
 
-    def strengths_in_row(self, row: int) -> dict[str, float]:
-        """Strengths by direction, as `Anisotropic` calls them; {} where there are none."""
-        if self.strength_extension is None:
-            return {}
-        columns = {"strength_compression": self.strength}
-        columns |= {name: it for name, it in self._columns.items() if name in BY_DIRECTION}
-        return {name: float(it[row]) for name, it in columns.items()}
-
-    @property
-    def shape(self) -> Floats | None:
-        """Shape of the yield surface where the strength depends on direction, [n, shape_count].
-
-        Raises:
-            ParameterError: the strengths of a row are not possible together.
-        """
-        if self.strength_extension is None:
-            return None
-        shapes = []
-        for row, shear_modulus in enumerate(self.shear_modulus.tolist()):
-            given = self.strengths_in_row(row) | {"shear_modulus": shear_modulus}
-            try:
-                shapes.append(Anisotropic(density=1.0, poissons_ratio=0.0, **given).shape)
-            except SceneError as refusal:
-                raise refused(f"row {row + 1}: {refusal}") from None
-        return np.array(shapes)
-
     @property
     def _columns(self) -> dict[str, Floats]:
         """The columns that there are, by name."""
-        return {name: values for name, values in vars(self).items() if values is not None}
+        own = {name: getattr(self, name) for name in OWN}
+        return {name: it for name, it in own.items() if it is not None} | dict(self.of_law)
 
     @property
     def _adhesion_ratio(self) -> Floats | None:
@@ -300,9 +287,25 @@ def columns_of(text: str) -> dict[str, Floats]:
     return dict(zip(factors, (table * list(factors.values())).T, strict=True))
 
 
+def units_of(name: str) -> Mapping[str, float]:
+    """Units of a column: of the ground, or a parameter of a law; the first is that of SI.
+
+    Raises:
+        ParameterError: there is no such column.
+    """
+    if name in UNITS:
+        return UNITS[name]
+    of_laws = {
+        key: it.unit for law in loaded_laws() for key, it in other_law(law).parameters.items()
+    }
+    if name not in of_laws:
+        raise refused(f"unknown column {name!r}{nearest_name(name, [*UNITS, *of_laws])}")
+    return PRESSURES if of_laws[name] == "Pa" else {of_laws[name]: 1.0}
+
+
 def text_of(columns: Mapping[str, Floats]) -> str:
     """A table of one line of columns in SI units; `columns_of` gives the same columns."""
-    header = [f"{name} [{next(iter(UNITS[name]))}]" for name in columns]
+    header = [f"{name} [{next(iter(units_of(name)))}]" for name in columns]
     rows = [", ".join(map(repr, row)) for row in np.stack(list(columns.values()), -1).tolist()]
     return "; ".join([", ".join(header), *rows])
 
@@ -325,18 +328,16 @@ def _header(line: str) -> dict[str, float]:
             raise refused("header: must name columns with units, as in 'depth [m], strength [kPa]'")
         name, unit = match.groups()
         name = OTHER_NAMES.get(name, name)
-        if name not in UNITS:
-            raise refused(f"unknown column {name!r}{nearest_name(name, UNITS)}")
-        if unit not in UNITS[name]:
+        units = units_of(name)
+        if unit not in units:
             given = f"has the unit [{unit}]" if unit else "has no unit"
-            known = " or ".join(f"[{it}]" for it in UNITS[name])
+            known = " or ".join(f"[{it}]" for it in units)
             raise refused(f"column {name} {given}, must have {known}")
         if name in factors:
             raise refused(f"column {name} is there twice")
-        factors[name] = UNITS[name][unit]
-    for name in REQUIRED:
-        if name not in factors:
-            raise refused(f"column {name} is missing")
+        factors[name] = units[unit]
+    if "depth" not in factors:
+        raise refused("column depth is missing")
     if all(name in factors for name in STIFFNESS):
         raise refused("has rigidity_index and shear_modulus; keep one of them")
     return factors

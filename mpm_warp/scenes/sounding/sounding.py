@@ -57,11 +57,13 @@ class Sounding(SoundingTest):
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
     version: ClassVar[int] = 6
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def check_clay(self) -> None:
+        """See `ClayScene`; of ground by depth it is the clay in each row."""
+        if self.profile is None and self.own_strength is not None:
+            self._follow(self.own_strength)
         check_sounding(self)
         try:
-            _ = self._clay
+            _ = self.clay
         except (ParameterError, SceneError) as refusal:
             key = refusal.key if isinstance(refusal, ParameterError) else "ductility"
             raise ParameterError(key, f"in the ground that the cone passes: {refusal}") from None
@@ -70,21 +72,31 @@ class Sounding(SoundingTest):
 
     @property
     def _test(self) -> ConePenetration:
-        """The test in uniform clay as strong and as stiff as the ground is anywhere on the way."""
+        """The test in uniform clay as strong and as stiff as the ground is anywhere on the way.
+
+        Of a law with parameters of its own it is that in the stiffest row.
+        """
         ground = self.ground_passed
-        strength, shear_modulus = float(ground.strength.max()), float(ground.shear_modulus.max())
-        softest = float(ground.shear_modulus.min())
-        adhesion_factor = ground.greatest_adhesion_factor(self.adhesion_factor)
+        row = int(ground.shear_modulus.argmax()) if ground.of_law else None
         # Where the ground varies its stress is a part of the variation.
         of_ground = ground.stress_anisotropy_at(ground.depth[:1], self.stress_anisotropy)
-        anisotropy = float(of_ground[0]) if ground.is_uniform else 0.0
+        return self._test_in(row, float(of_ground[0]) if ground.is_uniform else 0.0)
+
+    def _test_in(self, row: int | None, stress_anisotropy: float) -> ConePenetration:
+        """The test in the clay of a row of the ground that is passed; None: see `_test`."""
+        ground = self.ground_passed
+        chosen = slice(None) if row is None else slice(row, row + 1)
+        strength = float(ground.strength[chosen].max())
+        shear_modulus = float(ground.shear_modulus[chosen].max())
+        softest = float(ground.shear_modulus.min())
+        adhesion_factor = ground.greatest_adhesion_factor(self.adhesion_factor)
         greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
         of_ground_and_start = {
             "rigidity_index": shear_modulus / strength,
             "undrained_shear_strength": strength,
             "adhesion_factor": adhesion_factor,
             "shaft_adhesion_factor": self.shaft_adhesion(adhesion_factor),
-            "stress_anisotropy": anisotropy,
+            "stress_anisotropy": stress_anisotropy,
             "in_situ_stress": float(
                 ground.vertical_stress_at(np.array(max(0.0, self.start_depth)))
             ),
@@ -94,27 +106,36 @@ class Sounding(SoundingTest):
             "speed_ratio": self.speed_ratio * math.sqrt(softest / shear_modulus),
             "time_step_fraction": min(self.time_step_fraction, greatest_fraction),
         }
-        directed = ground.strengths_in_row(int(ground.strength.argmax()))
-        if not directed:
-            return ConePenetration(**self._in_common | of_ground_and_start)
+        of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
         test: Any = ConePenetration.offered()
-        of_law = directed | {"material": "anisotropic"}
         built: ConePenetration = test(**self._in_common | of_ground_and_start | of_law)
         return built
 
     @property
     def _in_common(self) -> dict[str, Any]:
         """The parameters that a cone test has too, by the same names."""
-        known = parameters_of(ConePenetration)
-        values = {name: getattr(self, name) for name in parameters_of(Sounding) if name in known}
+        known = parameters_of(ConePenetration.offered())
+        values = {name: getattr(self, name) for name in parameters_of(type(self)) if name in known}
         # A window by default is that of the sounding; the test would derive another.
         return {name: float(it) if isinstance(it, Derived) else it for name, it in values.items()}
 
     @property
-    def _clay(self) -> Material:
+    def clay(self) -> Material:
         """The clay of that test, varied as the ground is."""
-        variation = self.ground_passed.variation(self.start_depth, self.stress_anisotropy)
-        return replace(self._test.clay, variation=variation)
+        test, ground = self._test, self.ground_passed
+        anisotropy = ground.stress_anisotropy_at(ground.depth, self.stress_anisotropy)
+        rows = None
+        if ground.of_law:
+            rows = tuple(self._test_in(*it).clay for it in enumerate(anisotropy.tolist()))
+        else:  # its stress is within the yield surface everywhere
+            _ = [self._test_in(None, it) for it in {anisotropy.min(), anisotropy.max()}]
+        variation = ground.variation(
+            self.start_depth,
+            self.stress_anisotropy,
+            strength=test.undrained_shear_strength,
+            rows=rows,
+        )
+        return replace(test.clay, variation=variation)
 
     @property
     def tests_by_depth(self) -> dict[float, ConePenetration]:
@@ -166,7 +187,7 @@ class Sounding(SoundingTest):
 
     def build(self) -> Scene:
         """The scene of a cone test, in clay that varies; or of one from the surface."""
-        scene = replace(self._test.build(), material=self._clay)
+        scene = replace(self._test.build(), material=self.clay)
         if not self.starts_at_surface:
             return scene
         return self._from_surface(scene)
