@@ -15,7 +15,7 @@ from harness.study.designs import EITHER_FIXED_OR_VARIED
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
-from mpm_warp.scenes.sounding.profile import PROFILE, Profile
+from mpm_warp.scenes.sounding.profile import PROFILE, Profile, columns_of, text_of
 
 STUDY_NAME = r"\w[\w.-]*"
 """What the name of a study looks like, as a pattern."""
@@ -180,11 +180,13 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     text = _of_file(path.parent, table) if "file" in table.values else _of_columns(table)
     where = table.place("file") if "file" in table.values else table.where
     try:
-        profile = Profile.read(text)
+        columns = columns_of(text)
+        # The strength of a law that has its own follows from the parameters of a case.
+        ground = Profile.of(columns).text if "strength" in columns else text_of(columns)
     except ParameterError as error:
         # The place says already whose it is.
         raise StudyError(f"{where}: {str(error).removeprefix(f'{PROFILE}: ')}") from None
-    return rest | {"fixed": {**fixed.values, PROFILE: profile.text}}
+    return rest | {"fixed": {**fixed.values, PROFILE: ground}}
 
 
 def _of_file(folder: Path, table: Table) -> str:

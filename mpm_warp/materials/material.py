@@ -180,9 +180,8 @@ class Material(Checked, ABC):
         """
         if self.variation is None or self.variation.rows is None:
             return np.tile(numbers(self), (*place.shape[:-1], 1))
-        return self.variation.linear_at(
-            place, np.array([numbers(it) for it in self.variation.rows])
-        )
+        rows = self.variation.rows
+        return self.variation.linear_at(place, np.array([numbers(row) for row in rows]))
 
     # What the run asks of it.
 

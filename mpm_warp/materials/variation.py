@@ -8,16 +8,13 @@ Soil keeps the properties of its place wherever it moves.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from mpm_warp.arguments import POSITIVE, Checked, Range, check_array, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-
-if TYPE_CHECKING:
-    from mpm_warp.materials.material import Material
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,8 +32,8 @@ class Variation(Checked):
             fastest.
         adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
             dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
-        rows: the material at each depth, n of one law, where more varies than these ratios; between
-            depths its properties and its state at rest are linear. None: nothing more does.
+        rows: the `Material` at each depth, n of one law, where more varies than these ratios;
+            between depths its properties and its state at rest are linear. None: nothing more does.
         horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
             positive, shape [n]; none where it is that of the scene everywhere.
         origin_depth: depth of z = 0 [m].
@@ -46,7 +43,7 @@ class Variation(Checked):
     strength_ratio: Floats
     stiffness_ratio: Floats
     adhesion_ratio: Floats | None = None
-    rows: "tuple[Material, ...] | None" = None
+    rows: tuple[Any, ...] | None = None
     horizontal_stress: Floats | None = None
     origin_depth: float = checked(unit="m", default=0.0)
 

@@ -58,12 +58,11 @@ def _finer(columns: Mapping[str, Floats]) -> dict[str, Floats]:
 
 
 def _clay_in(test: FieldClayScene, law: OtherLaw, rows: Mapping[str, Floats], row: int) -> Material:
-    own = {name: getattr(test, name, None) for name in law.parameters}
-    own |= {name: float(rows[name][row]) for name in law.parameters if name in rows}
     given = {"density": 1.0, "shear_modulus": 1.0, "poissons_ratio": test.poissons_ratio}
+    own = {name: getattr(test, name, None) for name in law.parameters}
     try:
-        for name, value in own.items():
-            law.parameters[name].checked(value)
+        for name in own.keys() & rows.keys():
+            own[name] = law.parameters[name].checked(float(rows[name][row]))
         return law.make(own, given)
     except (SceneError, ParameterError) as refusal:
         raise ParameterError("material", f"at {rows['depth'][row]:g} m: {refusal}") from None

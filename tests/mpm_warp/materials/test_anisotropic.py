@@ -217,7 +217,7 @@ def test_ground_that_varies_has_the_shape_of_its_place() -> None:
             depth=np.array([0.0, 1.0]),
             strength_ratio=np.array([0.5, 1.0]),
             stiffness_ratio=np.ones(2),
-            shape=np.array([CLAY.shape, weaker.shape]),
+            rows=(CLAY, weaker),
         ),
     )
     G, K, su, *_ = CLAY.properties

@@ -1,13 +1,16 @@
 """The ground by depth: what a table says, and what is wrong with it in one line."""
 
+import math
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.materials.anisotropic import Anisotropic
+from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 
@@ -18,6 +21,12 @@ depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
 2, 20, 50, 16
 4, 30, 50, 16
 """
+
+
+def offered(**given: Any) -> Any:
+    """A sounding, with the parameters of all laws."""
+    kind: Any = scene_class("sounding")
+    return kind(**given)
 
 
 @pytest.fixture
@@ -139,11 +148,10 @@ DIRECTED = (
 
 
 def test_strengths_by_direction_vary_with_depth() -> None:
-    sounding = Sounding(profile=DIRECTED, from_depth=2.0, to_depth=5.0)
+    sounding = offered(material="anisotropic", profile=DIRECTED, from_depth=2.0, to_depth=5.0)
     material, ground = sounding.build().material, sounding.ground_passed
     assert isinstance(material, Anisotropic)
-    strengths = ground.strengths_in_row(int(ground.strength.argmax()))
-    assert material.strength == strengths["strength_compression"]
+    assert material.strength == ground.strength.max()
     for depth, compression, extension, simple_shear in ((3.0, 20, 10, 15), (4.0, 40, 24, 30)):
         at = material.properties_at(np.array([0.0, sounding.start_depth - depth]))
         of_place = replace(
@@ -158,23 +166,85 @@ def test_strengths_by_direction_vary_with_depth() -> None:
 
 
 def test_uniform_ground_has_the_strengths_of_its_rows() -> None:
-    profile = "depth [m], strength [kPa], strength_extension [kPa], strength_simple_shear [kPa]; "
-    material = Sounding(profile=f"{profile} 0, 20, 10, 15; 9, 20, 10, 15").build().material
+    profile = f"{DIRECTED.split(';', maxsplit=1)[0]}; 0, 20, 10, 15; 9, 20, 10, 15"
+    material = offered(material="anisotropic", profile=profile).build().material
     assert isinstance(material, Anisotropic)
     assert material.variation is None
     assert material.undrained_strength("triaxial_extension") == pytest.approx(10e3)
 
 
+CAM = "depth [m], mean_effective_stress [kPa], overconsolidation_ratio [1]; 0, 10, 8; 2, 22, 2; "
+CAM += "10, 70, 1.2"
+
+
+def test_cam_clay_by_depth_has_the_strength_and_the_state_of_its_place() -> None:
+    """Su = M p0' / sqrt(3) (R / 2)^Lam; p0' and R are linear between the rows of the table.
+
+    So p_c is curved: a chord over 0.8 m is below it by at most 4.8 kPa 0.08 / 4, 1.8e-3 of it.
+    """
+    sounding = offered(material="modified_cam_clay", profile=CAM, from_depth=3.0, to_depth=6.0)
+    material, share = sounding.build().material, 0.8
+    assert material.pressure_wave_speed >= sounding._test.clay.pressure_wave_speed
+    for depth, p, ratio in ((3.0, 28e3, 1.9), (5.2, 41.2e3, 1.68)):
+        place = np.array([0.0, sounding.start_depth - depth])
+        state = material.state_at(np.zeros(4), place)
+        np.testing.assert_allclose(state, [p, ratio * p, 0.0], rtol=1.8e-3)
+        su = p / math.sqrt(3.0) * (0.5 * ratio) ** share
+        assert float(sounding.ground.strength_at(np.array(depth))) == pytest.approx(su, rel=1.8e-3)
+        at_place = sounding._test.undrained_shear_strength * material.strength_ratio_at(place)
+        assert float(at_place) == pytest.approx(su, rel=1.8e-3)
+        stiffness = material.ground_shear_modulus * material.stiffness_ratio_at(place)
+        assert float(stiffness) == pytest.approx(0.6 * 50.0 * p, rel=1e-9)
+
+
+def test_uniform_cam_clay_is_that_of_the_cone() -> None:
+    """To the bit; what the ground says is in the parameters of the sounding too."""
+    given: dict[str, Any] = {"isotropic_overconsolidation_ratio": 3.0}
+    sounding = offered(material="modified_cam_clay", **given)
+    cone: Any = scene_class("cone_penetration")
+    test = cone(material="modified_cam_clay", **given)
+    assert sounding.undrained_shear_strength == test.undrained_shear_strength
+    built, expected = sounding.build().material, test.clay
+    assert (built.properties, built.variation) == (expected.properties, None)
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("given", "message"),
     [
-        ("strength_extension", "strength_horizontal", "needs strength_extension and strength_simp"),
-        ("24, 30", "24, 5", r"row 3: Anisotropic: strength_extension = 24000 Pa must be > 30000"),
-        ("40, 24", "40, 0", r"strength_extension in row 3 is 0, must be > 0"),
+        ({"profile": DIRECTED}, "column strength_.* is no parameter of material = 'tresca'"),
+        ({"material": "anisotropic", "profile": TEXT}, "column strength: material = 'anisotropic'"),
+        (
+            {"material": "anisotropic", "profile": DIRECTED.replace("24, 30", "24, 5")},
+            r"at 4 m: Anisotropic: strength_extension = 24000 Pa must be > 30000",
+        ),
+        (
+            {"material": "anisotropic", "profile": DIRECTED.replace("40, 24", "40, 0")},
+            "at 4 m: Anisotropic: strength_extension = 0 Pa must be > 0",
+        ),
+        (
+            {"material": "anisotropic", "profile": DIRECTED, "stress_anisotropy": -0.55},
+            "in the ground that the cone passes: .* differ by 22000 Pa, which must be <= 20000 Pa",
+        ),
+        (
+            {"material": "modified_cam_clay", "profile": CAM.replace("1.2", "0.8")},
+            "at 9.2 m: isotropic_overconsolidation_ratio = 0.92.* must be a number >= 1",
+        ),
+        (
+            {"material": "modified_cam_clay", "profile": CAM, "stress_anisotropy": 0.9},
+            "must be >= .* the stress of the ground is outside the yield surface",
+        ),
+        (
+            {"material": "modified_cam_clay", "profile": CAM, "swelling_slope": 0.3},
+            "at 0 m: ModifiedCamClay: compression_slope = 0.2 must be > swelling_slope = 0.3",
+        ),
+        ({"material": "modified_cam_clay", "profile": TEXT}, "column strength: .* leave it out"),
+        ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
+        ({"material": "von_mises", "stress_anisotropy": 0.9}, "must be <= 34641 Pa in compression"),
     ],
 )
-def test_strengths_that_are_not_possible_are_told_with_their_row(
-    old: str, new: str, message: str
+def test_ground_that_its_law_does_not_allow_is_told_in_one_line(
+    given: dict[str, Any], message: str
 ) -> None:
-    with pytest.raises(ParameterError, match=message):
-        Profile.read(DIRECTED.replace(old, new))
+    with pytest.raises(ParameterError, match=message) as refusal:
+        offered(**given)
+    assert len(str(refusal.value).splitlines()) == 1
