@@ -3,21 +3,11 @@
 A result has the status of each case as the variable `status`, over the dims of cases: the varied
 parameters where a study runs all their combinations, else the single dim `case`. What the study
 varies is a coordinate along these dims. A variable's attribute ``role`` says what it is to the
-harness, which knows no other names of results than those below.
-
-===============  ===================================================================================
-``headline``     the scalar that the scene is run for; without a finite one no case is `completed`
-``uncertainty``  half width of 95 % of the headline; not a number where it is not known
-``reason``       why a case has no uncertainty, "word: sentence"; "" where it has one
-``built``        what the scene was built of, whatever its parameters are called
-``settled``      whether the headline has settled; where not, no error is derived from it
-``exact``        an exact value or curve; the attribute ``exact_of`` names what it belongs to
-``error``        a scalar error against an exact solution
-``measured``     a time, a speed or an amount of memory: it differs from run to run
-``parameter``    an input of the scene
-``reference``    a value from the literature; ``deviation``: the result's relative deviation from it
-``experience``   a band of values from the field, over the dim `bound`: the least and the greatest
-===============  ===================================================================================
+harness, which knows no other names of results than those below. The roles that a scene gives are
+`mpm_warp.results.ROLES`; without a finite headline no case is `completed`, and no error is derived
+from one that has not settled. The harness adds a ``reference`` of the literature, the result's
+relative ``deviation`` from it, and ``experience``, a band of values from the field over the dim
+`bound`: the least and the greatest.
 
 The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
 `inaccurate`.
@@ -198,6 +188,14 @@ def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
         .transpose(*case_dims(dataset))
         .values.ravel()
     )
+    return flat
+
+
+def curves_over_cases(dataset: xr.Dataset, name: str) -> np.ndarray:
+    """The values of a variable with dims of its own, shape [case, ...] with the cases in order."""
+    dims = case_dims(dataset)
+    values = dataset[name].transpose(*dims, ...).values
+    flat: np.ndarray = values.reshape(-1, *values.shape[len(dims) :])
     return flat
 
 

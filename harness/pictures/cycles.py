@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import case_dims, over_cases
+from harness.archive.conventions import case_dims, curves_over_cases, over_cases
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     MARKERS,
@@ -87,8 +87,7 @@ def _by_case(dataset: xr.Dataset) -> xr.Dataset:
     for name in names:
         if name in dataset:
             own = [dim for dim in dataset[name].dims if dim not in dims]
-            values = dataset[name].transpose(*dims, *own).values
-            kept[name] = ("case", *own), values.reshape(strength.size, *values.shape[len(dims) :])
+            kept[name] = ("case", *own), curves_over_cases(dataset, name)
     coordinates = {name: dataset[name].values for name in ("cycle", "penetration")}
     cases = xr.Dataset(kept, coords=coordinates)
     cases[LOOPS] = cases[LOOPS] / xr.DataArray(strength, dims="case")

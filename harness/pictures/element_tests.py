@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import case_dims, over_cases
+from harness.archive.conventions import curves_over_cases, over_cases
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
@@ -44,7 +44,7 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure:
     """
     studied = Studied.of(dataset)
     names = [it for it in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if it in dataset]
-    curves = {name: KILO * _by_case(dataset, name) for name in names}
+    curves = {name: KILO * curves_over_cases(dataset, name) for name in names}
     stress = curves[SHEAR]
     drawn = np.flatnonzero(np.isfinite(stress).any(axis=1))
     shown = [int(drawn[place]) for place in chosen(drawn.size, MOST_LABELS)]
@@ -79,13 +79,6 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure:
         f"{left_out} more cases are not shown." if left_out else "",
     )
     return figure
-
-
-def _by_case(dataset: xr.Dataset, name: str) -> Floats:
-    """Curves of all cases over the strain, shape [case, strain]."""
-    values = dataset[name].transpose(*case_dims(dataset), STRAIN).values
-    curves: Floats = values.reshape(-1, values.shape[-1])
-    return curves
 
 
 def _draw(axes: Axes, x: Floats, y: Floats, colour: str, label: str) -> None:

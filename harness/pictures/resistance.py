@@ -6,7 +6,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import case_dims, over_cases, scenes_of, spoken
+from harness.archive.conventions import curves_over_cases, over_cases, scenes_of, spoken
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     INK,
@@ -20,7 +20,7 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats, axis_label
+from harness.pictures.drawing.quantities import axis_label
 from harness.pictures.studied import Studied
 from harness.study.designs import ONE_AT_A_TIME
 
@@ -44,7 +44,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     those that differ most are labelled.
     """
     studied = Studied.of(dataset)
-    curves = _curves(dataset)
+    curves = curves_over_cases(dataset, RESISTANCE) / over_cases(dataset, STRENGTH)[:, None]
     drawn = [case for case, curve in enumerate(curves) if np.isfinite(curve).any()]
     figure, axes = empty_figure()
     x = dataset["penetration"].values
@@ -90,14 +90,6 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
     )
     return figure
-
-
-def _curves(dataset: xr.Dataset) -> Floats:
-    """The resistance over the strength, shape [case, penetration]."""
-    resistance = dataset[RESISTANCE].transpose(*case_dims(dataset), "penetration").values
-    flat = resistance.reshape(-1, resistance.shape[-1])
-    curves: Floats = flat / over_cases(dataset, STRENGTH)[:, None]
-    return curves
 
 
 def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> list[int]:
