@@ -27,6 +27,8 @@ GROWTH = 0.4
 """Growth of the cells of all cases."""
 HELD_OUT = 24
 """Cases of the test of the interval."""
+LEAST_UNCERTAINTY = 0.0065
+"""U of a test by default over its cone factor, the least of `held_out_default`."""
 CONFIDENCE = 0.95
 """Share of the cases that the interval is to hold."""
 
@@ -107,6 +109,42 @@ def test_the_interval_holds_for_cases_that_were_not_used_for_it(name: str) -> No
     ]
     assert len(inside) == len(held_out) == HELD_OUT
     assert sum(inside) >= math.floor(CONFIDENCE * len(inside))
+
+
+@pytest.mark.parametrize("settings", ["default", "quick"])
+def test_the_interval_holds_over_the_whole_range_of_the_laws(settings: str) -> None:
+    """Nc +- U of a test, and of the same case on finer meshes: they agree within both."""
+    cases = table("held_out_wide")
+    inside = [
+        abs(it[f"cone_factor_{settings}"] - it["cone_factor"])
+        <= math.hypot(it[f"cone_factor_uncertainty_{settings}"], it["cone_factor_uncertainty"])
+        for it in cases
+    ]
+    assert sum(inside) >= math.floor(CONFIDENCE * len(cases))
+
+
+def test_further_runs_hold_for_other_cones_and_clays() -> None:
+    """The same, where the error was measured; a finer run without a U is as simulated."""
+    for it in table("held_out_others"):
+        assert it["cone_factor_finer"] == pytest.approx(
+            it["cone_factor"], abs=it["cone_factor_uncertainty"]
+        )
+
+
+def test_the_law_of_the_mesh_goes_on_to_finer_meshes() -> None:
+    """Corrected for the mesh alone, 5 to 20 rows beside the face agree within U."""
+    limits: dict[tuple[float, float], list[float]] = {}
+    for it in table("mesh_error_fine"):
+        case = it["rigidity_index"], it["adhesion_factor"]
+        error = mesh_error(
+            rigidity_index=case[0],
+            adhesion_factor=case[1],
+            cell_size=cell_size(it["cells_per_radius"]),
+            cell_growth=GROWTH,
+        )
+        limits.setdefault(case, []).append(it["cone_factor_simulated"] - float(error))
+    for default, *finer in limits.values():
+        assert finer == pytest.approx([default] * len(finer), rel=LEAST_UNCERTAINTY)
 
 
 def test_the_formula_of_the_cone_factor_is_that_of_its_table() -> None:

@@ -1,0 +1,73 @@
+"""Cone factors on a second family of meshes: columns of nodes that are upright near the cone.
+
+By default the columns follow the cone up to the edge of the grid. Here they follow it up to a
+number of radii and are upright beyond, so the cells have other shapes but the same widths. A limit
+of fine meshes that is the same in both families does not come from the shape of the cells.
+
+``python tests/mesh_family.py IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
+mesh that is upright beyond each of the radii, and prints the cone factors as simulated, and the
+limit N0 of the law of the mesh, N = N0 + B h + C g^1.5 h^1.3, fitted to each family with its own B.
+"""
+
+import math
+import sys
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mpm_warp import ConePenetration
+from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.parameters import parameter
+from mpm_warp.uncertainty.laws import GROWTH_ERROR, growth_measure
+
+ROWS = (4, 5, 7, 10)
+GROWTH = 0.4
+"""Growth of the cells' width per distance from the cone, as by default."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class UprightCone(ConePenetration):
+    """A cone test whose columns of nodes are upright from about `upright` cone radii on."""
+
+    upright: float = parameter(
+        1000.0, "radius from which on the columns are upright, over cone radius", above=1
+    )
+
+    @property
+    def _grid(self) -> Grid:
+        grid = super()._grid
+        radii = grid.columns * (grid.fitted_radius - self.cone_radius) + self.cone_radius
+        last = int(np.abs(radii - self.upright * self.cone_radius).argmin())
+        fitted = float(radii[last])
+        columns = (radii - self.cone_radius) / (fitted - self.cone_radius)
+        columns[last:] = radii[last:] / fitted
+        return replace(grid, columns=columns, fitted_radius=fitted)
+
+
+def factor(rows: int, upright: float, **clay: float) -> float:
+    """The cone factor as simulated on a mesh of so many rows beside the face."""
+    test = UprightCone(
+        cells_per_radius=rows / math.sqrt(3.0), cell_growth=GROWTH, upright=upright, **clay
+    )
+    return float(test.run().cone_factor_simulated)
+
+
+def limit(factors: Floats) -> tuple[float, float, float]:
+    """N0 and B by least squares, and the largest residual; factors of `ROWS`, shape [4]."""
+    size = math.sqrt(3.0) / np.array(ROWS)
+    without_growth = factors - [GROWTH_ERROR * growth_measure(it, GROWTH) for it in size]
+    slope, at_zero = np.polyfit(size, without_growth, 1)
+    residual = np.abs(without_growth - at_zero - slope * size).max()
+    return float(at_zero), float(slope), float(residual)
+
+
+if __name__ == "__main__":
+    index, adhesion, *radii = map(float, sys.argv[1:])
+    for upright in (1000.0, *radii):
+        found = [
+            factor(rows, upright, rigidity_index=index, adhesion_factor=adhesion) for rows in ROWS
+        ]
+        at_zero, slope, residual = limit(np.array(found))
+        shown = "  ".join(f"{it:.3f}" for it in found)
+        print(f"upright beyond {upright:4g}: {shown}  N0 {at_zero:.3f}  B {slope:.2f}", end="  ")
+        print(f"largest residual {residual:.3f}", flush=True)
