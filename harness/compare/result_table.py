@@ -257,7 +257,7 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
         f"cone factor: +- {HALF_WIDTH}; without it nothing is known of the error",
-        f"computed: {_which_strength(dataset)}",
+        f"computed: {which_strength(dataset)}",
         "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
         f"envelope: least to greatest of {members}; it is no confidence interval",
         "literature: value, computed / literature - 1; [outside the validity of the reference]",
@@ -269,7 +269,7 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
     ]
 
 
-def _which_strength(dataset: xr.Dataset) -> str:
+def which_strength(dataset: xr.Dataset) -> str:
     """Which su the cone factors are over."""
     named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
     if f"{COMPARED}_by_compression" in dataset:

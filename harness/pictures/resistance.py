@@ -83,10 +83,12 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         bar = figure.colorbar(colours, ax=axes, location="top", aspect=50, pad=0.02)
         bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
     failed = len(curves) - len(drawn)
+    approached = any(np.isnan(curves[case][1 : last[case]]).any() for case in drawn)
     write_caption(
         figure,
         dataset,
         f"{len(drawn)} cases." if not few else "",
+        "Before the gap the cone is faster: the way there is no result." if approached else "",
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
     )
     return figure

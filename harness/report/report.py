@@ -16,17 +16,21 @@ from harness.archive.conventions import (
     HALF_WIDTH,
     Role,
     over_cases,
+    spoken,
     uncertainty_of,
     with_role,
 )
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
+from harness.compare.result_table import which_strength
+from harness.pictures.drawing.caption import SOIL_AND_CONE
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import Failures, rendered
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
+from harness.references.cone_factors import COMPARED
 from harness.report import words
-from harness.report.tables import case_table, comparisons
+from harness.report.tables import CaseTable, case_table, comparisons
 
 PICTURE_DPI, SMALL_DPI = 150, 75
 """Points an inch of the pictures, and of the small ones of the summary."""
@@ -79,6 +83,7 @@ def _section(
     place: int, dataset: xr.Dataset, drawn: Mapping[str, tuple[bytes, bytes]], failed: Failures
 ) -> dict[str, Any]:
     """What the page says of a study, by the names that stand in page.html."""
+    table = case_table(dataset)
     small, large = ([embedded(name, sizes[it]) for name, sizes in drawn.items()] for it in (0, 1))
     return {
         "anchor": f"study-{place}",
@@ -86,16 +91,29 @@ def _section(
         "study": str(dataset.attrs["study"]),
         "scene": str(dataset.attrs["scene"]).replace(" ", ", "),
         "summary": _summary(dataset),
+        "stands_on": _stands_on(dataset, table),
         "small": next(iter(small), None),  # of the main picture
         "pictures": large,
         "failed": failed,
         "missed": misses(dataset),
         "stability": stability_rows(dataset) if shows_stability(dataset) else [],
-        "table": case_table(dataset),
+        "table": table,
         "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
         "references": stored_references(dataset),
         "provenance": list(_provenance(dataset)),
     }
+
+
+def _stands_on(dataset: xr.Dataset, table: CaseTable) -> str:
+    """Which strength is meant, and the soil and cone of all cases, in sentences."""
+    fixed = [
+        " ".join(filter(None, (spoken(name), value, unit)))
+        for name, value, unit in table.fixed
+        if name in SOIL_AND_CONE
+    ]
+    strength = f"Strength: {which_strength(dataset)}." if COMPARED in dataset else ""
+    told = f"In all cases: {', '.join(fixed)}." if fixed else ""
+    return " ".join(filter(None, (strength, told)))
 
 
 def _summary(dataset: xr.Dataset) -> str:

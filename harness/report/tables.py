@@ -1,5 +1,6 @@
 """The tables of a page: the cases of a study, and studies beside each other."""
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -122,13 +123,13 @@ def _names(dataset: xr.Dataset) -> list[str]:
         *varied_names(dataset),
         "status",
         *with_role(dataset, Role.HEADLINE),
-        *with_role(dataset, Role.UNCERTAINTY),
-        *(f"pore_pressure_factor_shoulder{it}" for it in ("", "_uncertainty")),
+        "pore_pressure_factor_shoulder",
         *(with_role(dataset, Role.REASON) if any(reasons_of(dataset)) else []),
         *([error_name(dataset)] if error_name(dataset) else []),
         *with_role(dataset, Role.DEVIATION),
         *limits_of(dataset),
-        *("run_time", "peak_memory", "message"),
+        *("run_time", "peak_memory"),
+        *(["message"] if any(over_cases(dataset, "message").tolist()) else []),
     )
     dims = set(dataset["status"].dims)
     return [
@@ -141,27 +142,34 @@ def _names(dataset: xr.Dataset) -> list[str]:
 
 def _column(dataset: xr.Dataset, name: str) -> Column:
     values = [words.in_unit(dataset, name, value) for value in over_cases(dataset, name).tolist()]
-    texts = [*map(_texts_of(dataset, name), values, uncertainty_of(dataset).tolist())]
-    if name in with_role(dataset, Role.UNCERTAINTY):
-        told = map(without_half_width, reasons_of(dataset))
-        why_missing = zip(texts, told, strict=True)
-        texts = [why if why and text == words.MISSING else text for text, why in why_missing]
+    texts = [*map(_text_of(dataset, name), values)]
+    is_headline, own = name in with_role(dataset, Role.HEADLINE), f"{name}_uncertainty"
+    if is_headline or own in dataset:
+        known = uncertainty_of(dataset) if is_headline else over_cases(dataset, own)
+        reasons = reasons_of(dataset) if is_headline else [""] * len(values)
+        beside = zip(values, texts, known.tolist(), reasons, strict=True)
+        texts = [_with_half_width(*it) for it in beside]
     cells = [Cell(text, _sortable(value)) for text, value in zip(texts, values, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
     return Column(title, words.symbol(name), words.unit(dataset, name), cells)
 
 
-def _texts_of(dataset: xr.Dataset, name: str) -> Callable[[Any, float], str]:
-    """What shows a variable, given its value and the uncertainty of the headline in each case."""
+def _with_half_width(value: Any, text: str, half_width: float, reason: str) -> str:
+    """A value and its half width, or why it has none."""
+    if math.isfinite(half_width):
+        return f"{words.known(value, half_width)} ± {words.known(half_width, half_width)}"
+    return f"{text} ({without_half_width(reason)})" if reason and text != words.MISSING else text
+
+
+def _text_of(dataset: xr.Dataset, name: str) -> Callable[[Any], str]:
+    """What shows a value of a variable."""
     match dataset[name].attrs.get("role"):
         case Role.DEVIATION:
-            return lambda value, half_width: words.percent(value)
-        case Role.HEADLINE | Role.UNCERTAINTY if with_role(dataset, Role.UNCERTAINTY):
-            return words.known
+            return words.percent
         case Role.PARAMETER:
-            return lambda value, half_width: words.text(value)
+            return words.text
         case _:
-            return lambda value, half_width: words.text(value, digits=3)
+            return functools.partial(words.text, digits=3)
 
 
 def _sortable(value: object) -> str:

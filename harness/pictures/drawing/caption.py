@@ -35,6 +35,7 @@ SOIL_AND_CONE = (
     "friction_coefficient",
     "apex_angle",
     "poissons_ratio",
+    "stress_anisotropy",
     "material",
 )
 """Parameters that a caption names even where they are the defaults: results depend on them most."""
