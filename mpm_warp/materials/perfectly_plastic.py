@@ -114,11 +114,12 @@ class PerfectlyPlastic(UndrainedClay):
         return np.tile(tuple(self.axis.values()), (*place.shape[:-1], 1))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
-        """See `Material`; the ground yields as triaxial tests do, its horizontal stresses alike."""
+        """See `Material`; ground of alike horizontal stresses yields as triaxial tests do."""
         mode = "compression" if stress[1] < stress[0] else "extension"
         strength = self.undrained_strength(f"triaxial_{mode}")
         difference = abs(float(stress[1] - stress[0]))
-        if strength is not None and difference > 2.0 * strength * (1.0 + ROUNDING):
+        is_triaxial = stress[0] == stress[3]
+        if strength is not None and is_triaxial and difference > 2.0 * strength * (1.0 + ROUNDING):
             raise SceneError(
                 f"{type(self).__name__}: the stress of the ground is outside the yield surface: "
                 f"vertical and horizontal stress differ by {difference:.6g} Pa, which must be <= "
