@@ -52,8 +52,8 @@ BY_MODE = {
     "average": "by su,_average",
 }
 """Headings of factors by the test that su is from."""
-PORE_PRESSURE = ("Bq", "N_du", "N_ke")
-"""Factors of a cone that stand beside its own, over the same su."""
+PORE_PRESSURE = ("Bq", "N_ke")
+"""Results of a cone that stand beside its factor, over the same su; N_du is u2 over su."""
 PRESSURE = "pore_pressure_factor_shoulder"
 """u2 of a cone over su, which has an uncertainty of its own."""
 Column = list[str]
@@ -163,7 +163,9 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
         if name in dataset:
             yield _numbers(dataset, name, "#.3g", heading)
     yield from _mode_columns(dataset, COMPARED)
-    yield from (_numbers(dataset, it, ".2f", f"_{it}") for it in PORE_PRESSURE if it in dataset)
+    for name in PORE_PRESSURE:
+        if name in dataset:
+            yield _numbers(dataset, name, ".2f", f"_{name.replace('_', ' ')}")
     if f"{PRESSURE}_uncertainty" in dataset:
         half_widths = over_cases(dataset, f"{PRESSURE}_uncertainty")
         told = zip(over_cases(dataset, PRESSURE), half_widths, strict=True)
@@ -273,7 +275,7 @@ def which_strength(dataset: xr.Dataset) -> str:
     """Which su the cone factors are over."""
     named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
     if f"{COMPARED}_by_compression" in dataset:
-        return f"{named}: by su in that test, as N_du and N_ke; beside it by other su"
+        return f"{named}: by su in that test, as N_ke; beside it by other su"
     return "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
 
 
