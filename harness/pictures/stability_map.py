@@ -80,7 +80,7 @@ def stability_figure(dataset: xr.Dataset) -> Figure:
         explanation = (
             "Each range is cut into parts of equally many cases; bars are shares of a part."
         )
-    figure.legend(handles=handles, loc="upper left", ncols=4, fontsize=7)
+    figure.legend(handles=handles, loc="upper left", ncols=3, fontsize=7)
     write_caption(figure, dataset, explanation)
     return figure
 

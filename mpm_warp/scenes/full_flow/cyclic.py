@@ -47,6 +47,8 @@ T_BAR_STRAIN = 3.7
 From upper bounds of Einav & Randolph 2005, and usual since (Zhou & Randolph 2009, Geotechnique
 59(2):79-86).
 """
+GREATEST_INERTIA = 5.0
+"""rho V^2 over the remoulded strength above which no random case completed."""
 FITTED = 3
 """Numbers that are fitted."""
 MIDDLE = 2.0
@@ -99,6 +101,18 @@ class CyclicPenetration(FullFlowPenetrometer):
             speed=self.speed,
             ramp_travel=self.body.radius,
             stroke=self.stroke * self.body.radius,
+        )
+
+    @property
+    def likely_failure(self) -> str:
+        """See `CatalogueScene`: remoulded soil is thrown off where the body is fast."""
+        remoulded = self.remoulded_strength_ratio / self.rigidity_index
+        inertia = self.speed_ratio**2 / remoulded
+        if inertia <= GREATEST_INERTIA:
+            return ""
+        return (
+            f"rho V^2 is {inertia:.3g} of the remoulded strength, and above {GREATEST_INERTIA:g} "
+            f"soil is thrown off; try speed_ratio = {math.sqrt(remoulded):.2g} or less"
         )
 
     @property

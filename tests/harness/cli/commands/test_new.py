@@ -134,3 +134,14 @@ def test_a_value_that_fewer_cases_complete_with_is_told(
     given = [it for setting in settings for it in ("--set", setting)]
     assert main(["plan", "cone_penetration", *given]) == 0
     assert capsys.readouterr().err.splitlines() == [f"harness: {line}" for line in lines]
+
+
+def test_a_cyclic_test_that_is_fast_for_remoulded_clay_is_told_of(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    settings = ("remoulded_strength_ratio=0.04", "ductility=10", "speed_ratio=[0.01, 0.1]")
+    given = [it for setting in settings for it in ("--set", setting)]
+    assert main(["plan", "cyclic_t_bar", *given]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "speed_ratio=0.1: rho V^2 is 25 of the remoulded strength" in line
+    assert line.endswith("try speed_ratio = 0.02 or less")
