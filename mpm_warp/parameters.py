@@ -49,7 +49,7 @@ class Parameter:
         above, below: exclusive bounds.
         choices: all the values that are allowed, where there are few.
         sane: least and greatest value between which nearly all random cases of the scene complete
-            (studies/README.md, Stability); None where that is all that is allowed.
+            (studies/stability.md); None where that is all that is allowed.
         optional: whether there may be no value, so that its type is ``float | None``.
     """
 
