@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.material import built_name
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.contact import SurfaceContact
@@ -103,9 +104,9 @@ class ConeInStiffClay(ConePenetration):
 class ConeOnUprightColumns(ConePenetration):
     """A cone test on a grid of another family: upright from 5 radii on."""
 
-    def build(self) -> Scene:
-        scene = super().build()
-        grid = scene.grid
+    @property
+    def _grid(self) -> Grid:
+        grid = super()._grid
         positions = grid.columns * (grid.fitted_radius - self.cone_radius)
         fitted = positions[np.argmin(np.abs(positions - 4.0 * self.cone_radius))]
         beyond = positions > fitted
@@ -114,8 +115,7 @@ class ConeOnUprightColumns(ConePenetration):
             (self.cone_radius + positions) / (self.cone_radius + fitted),
             positions / fitted,
         )
-        upright = replace(grid, columns=columns, fitted_radius=self.cone_radius + float(fitted))
-        return replace(scene, grid=upright)
+        return replace(grid, columns=columns, fitted_radius=self.cone_radius + float(fitted))
 
 
 @pytest.fixture(scope="module")
