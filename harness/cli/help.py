@@ -70,6 +70,7 @@ TEST` writes one. Several tests are set side by side on one page.
     interpret site.toml
     interpret site.toml --laboratory triaxial.csv --out site
     interpret cpt1.toml cpt2.toml cpt3.toml
+    interpret site.toml --sharpen --check
 [benchmark] run the open benchmark, or score submissions
 Run the cases of the open benchmark and write them as a submission, or score the submissions of a
 folder against exact values and one another: a table, a picture and a page. Without a folder: those

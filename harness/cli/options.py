@@ -267,6 +267,19 @@ def _add_options_of_interpret(interpret: argparse.ArgumentParser) -> None:
         metavar="CSV",
         help="strengths to draw beside: columns depth [m] and strength [kPa]",
     )
+    interpret.add_argument(
+        "--sharpen",
+        action="store_true",
+        help="strength by the resistance without what borders of layers do to it",
+    )
+    interpret.add_argument(
+        "--check",
+        nargs="?",
+        const="quick",
+        choices=("quick", "standard"),
+        help="simulate the sounding through the ground that was found, beside the measured one; "
+        "quick, the default, or standard",
+    )
 
 
 def _add_options_of_benchmark(benchmark: argparse.ArgumentParser) -> None:

@@ -134,6 +134,13 @@ TEST_KEYS: Mapping[str, Key] = {
         "1",
         Range(above=0, maximum=1),
     ),
+    "cone_area": Key(
+        "cross-section of the cone",
+        (Form.NUMBER,),
+        "cm2",
+        Range(minimum=1, maximum=100),
+        default=10.0,
+    ),
     "water_level": Key(
         "depth of the ground water, below which its pressure is hydrostatic",
         (Form.NUMBER,),

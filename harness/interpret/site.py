@@ -18,6 +18,7 @@ What the keys mean is in keys.py.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -59,6 +60,7 @@ class MeasuredTest:
         sounding: name of the one that is meant in a file of several, None where none is named.
         ground_level: where the file has levels in place of depths.
         pre_drilled, area_ratio: None where the file of the test is to say it.
+        cone_radius: [m].
         unit_weight: one for all depths, in N/m3, where it is an input.
     """
 
@@ -71,6 +73,7 @@ class MeasuredTest:
     ground_level: float | None
     pre_drilled: float | None
     area_ratio: float | None
+    cone_radius: float
     water: float | ByDepth
     unit_weight: Input | ByDepth
     accuracy: Mapping[str, tuple[float, float]]
@@ -115,6 +118,11 @@ class Site:
     use: tuple[str, ...]
     samples: int
     seed: int
+
+    @property
+    def borders(self) -> list[float]:
+        """Depths of the borders of its layers [m], downward."""
+        return sorted({it for layer in self.layers for it in (layer.top, layer.bottom)})
 
 
 def load_site(path: Path) -> Site:
@@ -175,6 +183,7 @@ def _test(given: Table, folder: Path) -> MeasuredTest:
         ground_level=_optional(table, "ground_level"),
         pre_drilled=_optional(table, "pre_drilled"),
         area_ratio=_optional(table, "area_ratio"),
+        cone_radius=math.sqrt(1e-4 * _number(table, "cone_area", TEST_KEYS) / math.pi),
         water=_by_depth(table, "u0")
         if "u0" in table.values
         else _number(table, "water_level", TEST_KEYS),

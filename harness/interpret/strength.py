@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from harness.interpret.borders import near_border, without_borders
 from harness.interpret.factors import NUMERICAL_ERROR, RANGES, Along, at_table_rate, factors
 from harness.interpret.inputs import normal, sampled
 from harness.interpret.measured import REASONS, Measured, measured
@@ -57,6 +58,15 @@ TOGETHER = "together"
 """The share that no single input has."""
 
 
+GROUND = {
+    "ground_strength": "strength su, the same in all modes",
+    "ground_rigidity_index": "rigidity index",
+    "ground_adhesion_factor": "adhesion factor",
+    "ground_stress_anisotropy": "stress anisotropy Delta",
+}
+"""What a simulation of the ground needs by depth, all at the strain rate of the table."""
+
+
 @dataclass(frozen=True, eq=False)
 class Drawn:
     """Draws of one layer.
@@ -65,6 +75,7 @@ class Drawn:
         inputs: causes by name, shape [draws].
         factor: Nkt with all errors, over the strength that is wanted, shape [depths, draws].
         strength: su that is wanted [Pa], shape [depths, draws].
+        ground: what `GROUND` names, shape [depths, draws].
         outside: share of the draws that are outside the table, shape [depths].
         log_likelihood: of each draw by sleeve and pore pressure, shape [draws].
     """
@@ -72,23 +83,29 @@ class Drawn:
     inputs: Mapping[str, Floats]
     factor: Floats
     strength: Floats
+    ground: Mapping[str, Floats]
     outside: Floats
     log_likelihood: Floats
 
 
-def interpret(site: Site) -> xr.Dataset:
+def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     """Strength of the layers of a site by depth.
 
+    Args:
+        site: its test and layers.
+        sharpen: whether strength is that by the resistance without the effect of borders.
+
     Returns:
-        Over `depth` the measured and corrected values, `reason` (a number of its flag_meanings) why
-        a depth has no strength; over `percentile` too `strength` and `resistance_factor`; over
-        `cause` `error_share`; over `layer`, `cause` and `percentile` `input_before` and
-        `input_after`.
+        Over `depth` the measured and corrected values, `near_border`, medians of what `GROUND`
+        names, and `reason` (a number of its flag_meanings) why a depth has no strength; over
+        `percentile` too `strength` and `resistance_factor`; over `cause` `error_share`; over
+        `layer`, `cause` and `percentile` `input_before` and `input_after`.
 
     Raises:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
     """
     test = measured(site.test)
+    used = without_borders(test, site.borders, site.test.cone_radius) if sharpen else test
     reason = test.reason.copy()
     in_layer = np.full(len(test.depth), -1)
     for number, layer in enumerate(site.layers):
@@ -100,15 +117,18 @@ def interpret(site: Site) -> xr.Dataset:
     share = np.full((len(test.depth), len(causes)), np.nan)
     before, after = np.full((2, len(site.layers), len(causes), len(PERCENTILES)), np.nan)
     counted = np.zeros(len(site.layers))
+    ground = {name: np.full(len(test.depth), np.nan) for name in GROUND}
     for number in range(len(site.layers)):
         here = np.flatnonzero((in_layer == number) & (reason == 0))
         if not len(here):
             continue
-        drawn = draw(site, number, test, here)
+        drawn = draw(site, number, used, here)
         chosen, counted[number] = _chosen(drawn.log_likelihood, site.seed)
         inputs = {name: it[chosen] for name, it in drawn.inputs.items()}
         strength[here] = np.percentile(drawn.strength[:, chosen], PERCENTILES, axis=1).T
         factor[here] = np.percentile(drawn.factor[:, chosen], PERCENTILES, axis=1).T
+        for name, draws in drawn.ground.items():
+            ground[name][here] = np.median(draws[:, chosen], axis=1)
         shares = error_shares(inputs, np.log(drawn.strength[:, chosen]))
         for place, cause in enumerate(causes):
             if cause in shares:
@@ -119,7 +139,20 @@ def interpret(site: Site) -> xr.Dataset:
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = factor[left] = share[left] = np.nan
-    return _dataset(site, test, reason, causes, strength, factor, share, (before, after), counted)
+    found = _dataset(site, test, reason, causes, strength, factor, share, (before, after), counted)
+    near = near_border(test.depth, test.net, site.borders, site.test.cone_radius)
+    own = {
+        name: (ground[name], "Pa" if name == "ground_strength" else "1", GROUND[name])
+        for name in GROUND
+    }
+    own["near_border"] = (near.astype(np.int8), "1", "1 where the resistance feels another layer")
+    if sharpen:
+        own["sharpened_resistance"] = (
+            used.net,
+            "Pa",
+            "net resistance without the effect of borders",
+        )
+    return found.assign(labelled(dims=("depth",), **own))
 
 
 def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
@@ -179,7 +212,12 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
     wanted = strength * _over_average(layer, inputs)
-    return Drawn(inputs, net / wanted, wanted, outside, likelihood)
+    of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held)
+    ground = {
+        name: np.broadcast_to(it, strength.shape)
+        for name, it in zip(GROUND, of_ground, strict=True)
+    }
+    return Drawn(inputs, net / wanted, wanted, ground, outside, likelihood)
 
 
 def _in_table(
@@ -385,13 +423,15 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
         largest = ", ".join(f"{name} {value:.0%}" for name, value in shares.head(4).items())
         assumed = f"; not given and assumed: {', '.join(layer.assumed)}" if layer.assumed else ""
+        felt = int(own.near_border.sum())
+        near = f"; {felt} of them feel another layer" if felt else ""
         few = float(found.draws.sel(layer=told)) < FEWEST_DRAWS
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(
             f"{told}: su ({layer.strength.replace('_', ' ')}, at {layer.laboratory_rate:.1g} 1/s) "
             f"{middle:.3g} kPa, {low:.3g} to {high:.3g} with 90 %, by Nkt {factor[1]:.3g}, "
-            f"{factor[0]:.3g} to {factor[2]:.3g}, on average over {int(here.sum())} depths; error "
-            f"from {largest}{assumed}.{warning}"
+            f"{factor[0]:.3g} to {factor[2]:.3g}, on average over {int(here.sum())} depths{near}; "
+            f"error from {largest}{assumed}.{warning}"
         )
     return sentences
 

@@ -15,6 +15,9 @@ SIZE = 9.0, 6.0
 """Of the figure [inch]: depth needs room."""
 NOT_READ = "0.92"
 """Shade of depths that have no strength."""
+NEAR_BORDER = "#f6e6c8"
+"""Shade of depths that feel another layer."""
+SHADES_MEAN = "Grey: no strength, the table says why; brown: feels another layer."
 LEAST_SHARE = 0.03
 """Causes with less of the error on average are drawn as one."""
 BAND = shade(0.3)
@@ -29,7 +32,7 @@ AROUND = 1.0
 def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float]] = ()) -> Figure:
     """Four panels by depth: net resistance, sleeve and pore pressure; Nkt; su; shares of its error.
 
-    Bands hold 90 %. Depths without a strength are grey.
+    Bands hold 90 %. Depths without a strength are grey, those that feel another layer brown.
 
     Args:
         found: what `interpret` gives.
@@ -49,6 +52,9 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         scale = 10.0 if name == "sleeve_friction" else 1.0
         colour = series_colour(place, 3)
         test.plot(scale * found[name] / KILO, depth, color=colour, lw=0.8, label=label)
+    if "sharpened_resistance" in found:
+        sharp = found.sharpened_resistance / KILO
+        test.plot(sharp, depth, "k--", lw=0.8, label="$q_{\\mathrm{net}}$ sharpened")
     test.set_xlabel("[kPa]")
     here = found.reason.values == 0
     if not here.any():
@@ -61,12 +67,46 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         strength.plot(values / KILO, at, "ko", ms=4, label="laboratory")
         _legend(strength, 1)
     _shares(shares, found)
-    for axes in (test, factor, strength, shares):
-        _shade(axes, depth, found.reason.values != 0)
+    _shade(figure.axes, found)
     _downward(test, [found])
     _legend(test, 3)
-    words = f"{found.attrs['title']}. Bands hold 90 %. Grey: no strength, the table says why."
+    words = f"{found.attrs['title']}. Bands hold 90 %. {SHADES_MEAN}"
     figure.supxlabel(words, fontsize=7)
+    return figure
+
+
+@STYLED
+def check_figure(found: xr.Dataset) -> Figure:
+    """Net resistance, sleeve and pore pressure, measured and simulated, and the misfit, by depth.
+
+    Args:
+        found: what `checked` gives.
+    """
+    figure = Figure(figsize=SIZE, layout="constrained")
+    *panels, misfit = figure.subplots(1, 4, sharey=True)
+    depth = found.depth.values
+    for axes, measured, simulated, label in zip(
+        panels,
+        ("net_resistance", "sleeve_friction", "pore_pressure"),
+        ("simulated_net_resistance", "simulated_sleeve_friction", "simulated_pore_pressure"),
+        ("$q_{\\mathrm{net}}$ [kPa]", "$f_{\\mathrm{s}}$ [kPa]", "$u_2$ [kPa]"),
+        strict=True,
+    ):
+        axes.plot(found[measured] / KILO, depth, "k", lw=1.0, label="measured")
+        colour = series_colour(0, 2)
+        axes.plot(found[simulated] / KILO, depth, color=colour, lw=0.8, label="simulated")
+        axes.set_xlabel(label)
+        axes.set_xlim(left=0.0)
+    panels[0].legend(frameon=False, fontsize=7)
+    net, error = found.net_resistance, found.total_resistance_error
+    panels[0].fill_betweenx(depth, (net - error) / KILO, (net + error) / KILO, color="0.8", lw=0)
+    misfit.plot(100.0 * found.misfit, depth, "k", lw=0.8)
+    misfit.axvline(0.0, color="k", lw=0.4)
+    misfit.set_xlabel("simulated over measured $q_{\\mathrm{net}}$ - 1 [%]")
+    _shade(figure.axes, found)
+    _downward(panels[0], [found])
+    words = "Simulated: in the ground of the medians. Band: error of the test, 95 %."
+    figure.supxlabel(f"{found.attrs['title']}. {words} {SHADES_MEAN}", fontsize=7)
     return figure
 
 
@@ -158,8 +198,12 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
         _legend(axes, 2)
 
 
-def _shade(axes: Axes, depth: Floats, without: np.ndarray) -> None:
-    """Grey where there is no strength."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], without, [False]]).astype(int)))
-    for begin, end in edges.reshape(-1, 2):
-        axes.axhspan(depth[begin], depth[min(end, len(depth) - 1)], color=NOT_READ, lw=0, zorder=0)
+def _shade(panels: Sequence[Axes], found: xr.Dataset) -> None:
+    """Shades over depths that feel another layer, and over those without a strength."""
+    depth = found.depth.values
+    for where, colour in ((found.near_border, NEAR_BORDER), (found.reason, NOT_READ)):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], where.values != 0, [0]]).astype(int)))
+        for begin, end in edges.reshape(-1, 2):
+            top, bottom = depth[begin], depth[min(end, len(depth) - 1)]
+            for axes in panels:
+                axes.axhspan(top, bottom, color=colour, lw=0, zorder=0)

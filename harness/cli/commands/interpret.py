@@ -16,12 +16,19 @@ from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.netcdf_files import write_netcdf
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
+from harness.interpret.check import checked, misfit_in_words, sounding_of
 from harness.interpret.measured import REASONS
 from harness.interpret.site import load_site
 from harness.interpret.strength import in_words, interpret
 from harness.pictures.drawing.plot_parts import image, write_own
-from harness.pictures.interpretation import interpretation_figure, soundings_figure
+from harness.pictures.interpretation import (
+    check_figure,
+    interpretation_figure,
+    soundings_figure,
+)
 from harness.report.interpretation import Interpreted, interpretation_page
+from harness.run.resources import UPDATE_RATE
+from mpm_warp.errors import InaccurateRun, SimulationDiverged
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),
@@ -36,6 +43,7 @@ COLUMNS = {
     "Bq [1]": ("pore_pressure_ratio", 1.0),
     "Fr [1]": ("friction_ratio", 1.0),
     "Ic [1]": ("soil_index", 1.0),
+    "feels another layer": ("near_border", 1.0),
 }
 """Columns of the table that is written, beside those of percentiles and causes."""
 ENDING = "_interpretation"
@@ -55,7 +63,7 @@ def interpret_site(options: argparse.Namespace) -> int:
     points = read_points(options.laboratory) if options.laboratory else []
     tests = []
     for path, site in zip(options.site, sites, strict=True):
-        found = interpret(site)
+        found = interpret(site, sharpen=options.sharpen)
         tests.append(Interpreted(path, site, found, interpretation_figure(found, points)))
     prepare(options.out)
     for test in tests:
@@ -66,6 +74,8 @@ def interpret_site(options: argparse.Namespace) -> int:
         _write_figure(together, whole)
     write_own(interpretation_page(tests, together).encode(), Path(f"{whole}.html"))
     tell(f"no design value, and no strength of drained soil; a page of all: {whole}.html")
+    for test in tests if options.check else ():
+        _check(test, options.check, f"{options.out}/{test.site.name}_check")
     return DONE
 
 
@@ -91,6 +101,23 @@ def _write(test: Interpreted, base: str) -> None:
 def _write_figure(figure: Figure, base: str) -> None:
     for form in ("png", "svg"):
         write_own(image(figure, form), Path(f"{base}.{form}"))
+
+
+def _check(test: Interpreted, accuracy: str, base: str) -> None:
+    """Simulate the sounding through the ground that was found; print and write the misfit."""
+    site = test.site
+    sounding = sounding_of(site, test.found, accuracy)
+    seconds = sounding.run_size().particle_updates / UPDATE_RATE
+    tell(f"simulating the sounding, {accuracy}: about {seconds:,.0f} s on one idle core")
+    try:
+        simulated = sounding.run()
+    except (InaccurateRun, SimulationDiverged) as error:
+        raise HarnessError(f"{site.name}: the simulated sounding {error.status}: {error}") from None
+    both = checked(test.found, simulated)
+    write_netcdf(both.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
+    _write_figure(check_figure(both), base)
+    print(*misfit_in_words(site, both), sep="\n")
+    tell(f"written: {base}.nc, .png, .svg")
 
 
 def _table(found: xr.Dataset) -> str:

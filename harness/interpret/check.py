@@ -1,0 +1,166 @@
+"""The loop closed: the sounding through the interpreted ground, to lay over the measured one.
+
+The ground is that of the medians by depth. In each layer strength, rigidity index, adhesion factor
+and stress anisotropy are straight lines between few depths, by least squares. Rate effect and
+softening are the same in all of it, means over the layers: a sounding has no others. Between layers
+that leave a gap the ground changes linearly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from harness.errors import HarnessError
+from harness.interpret.factors import TABLE_RATE, at_table_rate
+from harness.interpret.site import Site
+from harness.interpret.strength import GROUND
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parameters import from_mapping
+from mpm_warp.results import labelled
+from mpm_warp.scenes import scene_class
+from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.sounding.profile import Profile
+
+ACCURACY: Mapping[str, Mapping[str, float]] = {
+    "quick": {"cells_per_radius": 2.0, "speed_ratio": 0.1},
+    "standard": {},
+}
+"""Mesh and speed of the simulation; of the second those of the scene."""
+KNOTS = 30.0
+"""Way between two depths of the ground, at least, over the cone's radius."""
+STEADY = 0.01
+"""Weight of second differences of the ground beside its misfit: it decides where no depth has a
+strength."""
+
+
+def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> CatalogueScene:
+    """The sounding through the ground that `interpret` found; nothing is run.
+
+    Raises:
+        HarnessError: no depth of the site has a strength.
+        ParameterError: the scene does not allow that ground.
+    """
+    radius, depth = site.test.cone_radius, found.depth.values
+    rows, soils, ways = [], [], []
+    for number, layer in enumerate(site.layers):
+        inside = (depth >= layer.top) & (depth <= layer.bottom) & (found.reason.values == 0)
+        # Depths that feel another layer tell of it too, unless their resistance is sharpened.
+        own = inside & (found.near_border.values == 0)
+        if "sharpened_resistance" in found or not own.any():
+            own = inside
+        if not own.any():
+            continue
+        count = 1 + max(1, int((layer.bottom - layer.top) / (KNOTS * radius)))
+        knots = np.linspace(layer.top, layer.bottom, count)
+        columns = [_at_knots(depth[own], found[name].values[own], knots) for name in GROUND]
+        rows.append(np.stack([knots, *columns]))
+        medians = found.input_after.isel(layer=number).sel(percentile=50.0)
+        inputs = {name: medians.sel(cause=name).values for name in layer.inputs}
+        inputs["remoulded_strength_ratio"] = 1.0 / inputs["sensitivity"]
+        soil, _ = at_table_rate(
+            {
+                name: inputs[name]
+                for name in ("rate_factor", "remoulded_strength_ratio", "ductility")
+            },
+            layer.laboratory_rate,
+        )
+        soils.append([float(it) for it in soil.values()])
+        ways.append(layer.bottom - layer.top)
+    if not rows:
+        raise HarnessError(f"{site.name}: no depth has a strength, so there is nothing to check")
+    ground = np.concatenate(rows, axis=1)
+    first, last = ground[0, 0], min(ground[0, -1], float(depth[-1]))
+    ground = np.concatenate([ground[:, :1], ground], axis=1)
+    ground[0, 0] = 0.0  # the cone starts above its first depth
+    strength, index, adhesion, anisotropy = ground[1:]
+    profile = Profile(
+        depth=ground[0],
+        strength=strength,
+        shear_modulus=index * strength,
+        unit_weight=np.full_like(strength, 17e3),  # of no effect on net resistance
+        adhesion_factor=adhesion,
+        stress_anisotropy=anisotropy,
+    )
+    rate, remoulded, ductility = np.average(soils, axis=0, weights=ways)
+    changes: dict[str, float] = {}
+    if rate > 0.0:
+        changes |= {"rate_factor": rate, "reference_strain_rate": TABLE_RATE}
+    if remoulded < 1.0:
+        changes |= {"remoulded_strength_ratio": remoulded, "ductility": ductility}
+    return from_mapping(
+        scene_class("sounding"),
+        {
+            "profile": profile.text,
+            "cone_radius": radius,
+            "from_depth": max(first, float(depth[0])),
+            "to_depth": last,
+            **changes,
+            **ACCURACY[accuracy],
+        },
+    )
+
+
+def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
+    """Values at knots whose straight lines are nearest to those at depths; none beyond these."""
+    lines = np.stack([np.interp(depth, knots, it) for it in np.eye(len(knots))], axis=-1)
+    bends = STEADY * np.diff(np.eye(len(knots)), n=2, axis=0)
+    right = np.concatenate([values, np.zeros(len(bends))])
+    at, *_ = np.linalg.lstsq(np.concatenate([lines, bends]), right, rcond=None)
+    within: Floats = np.clip(at, values.min(), values.max())
+    return within
+
+
+def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
+    """What was found, with the simulated sounding at the depths of the test, and the misfit.
+
+    Args:
+        found: by `interpret`.
+        simulated: the result of `sounding_of`.
+    """
+    depth, at = found.depth.values, simulated.depth.values
+    net, friction, pressure = (
+        np.interp(depth, at, simulated[name].values, left=np.nan, right=np.nan)
+        for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure")
+    )
+    ground = np.interp(depth, at, simulated.strength.values, left=np.nan, right=np.nan)
+    misfit = np.where(found.reason == 0, net / found.net_resistance - 1.0, np.nan)
+    return found.assign(
+        labelled(
+            dims=("depth",),
+            simulated_net_resistance=(net, "Pa", "net resistance, simulated"),
+            simulated_sleeve_friction=(friction, "Pa", "sleeve friction, simulated"),
+            simulated_pore_pressure=(
+                pressure + found.water_pressure.values,
+                "Pa",
+                "pore pressure u2, simulated",
+            ),
+            simulated_strength=(ground, "Pa", "strength of the ground that was simulated"),
+            misfit=(misfit, "1", "simulated over measured net resistance, less 1"),
+        )
+    )
+
+
+def misfit_in_words(site: Site, found: xr.Dataset) -> list[str]:
+    """How far the simulated net resistance is from the measured one, a sentence a layer."""
+    sentences = []
+    for number, layer in enumerate(site.layers):
+        inside = (found.depth >= layer.top) & (found.depth <= layer.bottom)
+        own = found.misfit[inside & found.misfit.notnull()]
+        if not own.size:
+            continue
+        worst = own[int(np.argmax(np.abs(own.values)))]
+        error = (found.total_resistance_error / found.net_resistance).sel(depth=own.depth)
+        near = found.near_border.sel(depth=own.depth) != 0
+        parts = [f"{float(own.mean()):+.1%} on average"]
+        for where, part in (("near borders", own[near]), ("elsewhere", own[~near])):
+            if part.size:
+                parts.append(f"{float(np.abs(part).mean()):.1%} in size {where}")
+        sentences.append(
+            f"{found.layer.values[number]}: simulated over measured net resistance is off by "
+            f"{', '.join(parts)}; most, {float(worst):+.1%}, at {float(worst.depth):.2f} m; "
+            f"the error of the test is {float(error.mean()):.1%}, half width of 95 %"
+        )
+    return sentences
