@@ -20,9 +20,8 @@ from harness.interpret.strength import GROUND
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import from_mapping
 from mpm_warp.results import labelled
-from mpm_warp.scenes import scene_class
-from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.sounding import Sounding
 
 ACCURACY: Mapping[str, Mapping[str, float]] = {
     "quick": {"cells_per_radius": 2.0, "speed_ratio": 0.1},
@@ -36,7 +35,7 @@ STEADY = 0.01
 strength."""
 
 
-def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> CatalogueScene:
+def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
     """The sounding through the ground that `interpret` found; nothing is run.
 
     Raises:
@@ -91,7 +90,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> CatalogueScene:
     if remoulded < 1.0:
         changes |= {"remoulded_strength_ratio": remoulded, "ductility": ductility}
     return from_mapping(
-        scene_class("sounding"),
+        Sounding,
         {
             "profile": profile.text,
             "cone_radius": radius,

@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -141,17 +142,12 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         strength[left] = factor[left] = share[left] = np.nan
     found = _dataset(site, test, reason, causes, strength, factor, share, (before, after), counted)
     near = near_border(test.depth, test.net, site.borders, site.test.cone_radius)
-    own = {
-        name: (ground[name], "Pa" if name == "ground_strength" else "1", GROUND[name])
-        for name in GROUND
-    }
+    units = dict.fromkeys(GROUND, "1") | {"ground_strength": "Pa"}
+    own: dict[str, Any] = {name: (ground[name], units[name], it) for name, it in GROUND.items()}
     own["near_border"] = (near.astype(np.int8), "1", "1 where the resistance feels another layer")
     if sharpen:
-        own["sharpened_resistance"] = (
-            used.net,
-            "Pa",
-            "net resistance without the effect of borders",
-        )
+        told = "net resistance without the effect of borders"
+        own["sharpened_resistance"] = (used.net, "Pa", told)
     return found.assign(labelled(dims=("depth",), **own))
 
 

@@ -96,16 +96,19 @@ def check_figure(found: xr.Dataset) -> Figure:
         colour = series_colour(0, 2)
         axes.plot(found[simulated] / KILO, depth, color=colour, lw=0.8, label="simulated")
         axes.set_xlabel(label)
-        axes.set_xlim(left=0.0)
     panels[0].legend(frameon=False, fontsize=7)
     net, error = found.net_resistance, found.total_resistance_error
     panels[0].fill_betweenx(depth, (net - error) / KILO, (net + error) / KILO, color="0.8", lw=0)
+    for axes in panels:
+        axes.set_xlim(left=0.0)
     misfit.plot(100.0 * found.misfit, depth, "k", lw=0.8)
     misfit.axvline(0.0, color="k", lw=0.4)
-    misfit.set_xlabel("simulated over measured $q_{\\mathrm{net}}$ - 1 [%]")
+    misfit.set_xlabel("misfit of $q_{\\mathrm{net}}$ [%]")
     _shade(figure.axes, found)
     _downward(panels[0], [found])
-    words = "Simulated: in the ground of the medians. Band: error of the test, 95 %."
+    words = (
+        "Simulated: in the ground of the medians; misfit: over measured, less 1; band: test, 95 %."
+    )
     figure.supxlabel(f"{found.attrs['title']}. {words} {SHADES_MEAN}", fontsize=7)
     return figure
 
