@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from harness.archive.provenance import provenance
 from harness.interpret.description import site_rows
 from harness.interpret.measured import REASONS
+from harness.interpret.result import in_words
 from harness.interpret.site import Layer, Site
-from harness.interpret.strength import in_words
 from harness.pictures.drawing.plot_parts import MAKER, image
 from harness.report.report import PICTURE_DPI, TEMPLATES, Picture, embedded
 

@@ -18,8 +18,9 @@ from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
 from harness.interpret.measured import REASONS
+from harness.interpret.result import in_words
 from harness.interpret.site import load_site
-from harness.interpret.strength import in_words, interpret
+from harness.interpret.strength import interpret
 from harness.pictures.drawing.plot_parts import image, write_own
 from harness.pictures.interpretation import (
     check_figure,
