@@ -37,8 +37,10 @@ SHARE_HEADING = ("parameter", "completed", "spread", "least", "what gives way th
 
 def shows_stability(dataset: xr.Dataset) -> bool:
     """Whether a study's result shows where it is stable: it asked for that, and cases were run."""
+    if not dataset.attrs.get(STABILITY_MAP):
+        return False
     ran = set(dataset["status"].values.flat) - {MISSING}
-    return bool(dataset.attrs.get(STABILITY_MAP) and ran and varied_names(dataset))
+    return bool(ran and varied_names(dataset))
 
 
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:

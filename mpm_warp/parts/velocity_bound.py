@@ -7,7 +7,8 @@ Symbols: v_p velocity of the point, v velocity of the nodes, N shape functions a
 No point moves by its w; it is what the point brings to the nodes in the next step beside their own
 velocity. A point that stays near a tip, a shoulder or a pole for long gathers more and more of it,
 for it gets the same changes as those that hurry past, and would at last be faster than waves. That
-takes many steps: the bound is kept whenever a layer of soil enters, and costs next to nothing.
+takes many steps: the bound is kept whenever a layer of soil enters, and costs next to nothing. What is
+beyond the speed limit of the run is a fault, and is left to the watch to be told.
 """
 
 import warp as wp
@@ -32,6 +33,7 @@ def add_velocity_bound(plan: Plan, scene: Scene, *, window_speed: float) -> None
         stride=scene.grid.column_count + 1,
         fitted_radius=scene.grid.fitted_radius,
         W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed),
+        speed_limit=plan.speed_limit,
     )
 
 
@@ -48,6 +50,7 @@ def bound_velocity(
     particle_cell: wp.array(dtype=wp.vec2i),
     particle_position: wp.array(dtype=vec2),
     W: real,
+    speed_limit: real,
     particle_velocity: wp.array(dtype=vec2),
 ):
     """Launched over slots."""
@@ -64,5 +67,5 @@ def bound_velocity(
     here = left + xi * (right - left)
     v = vec2(here[0], here[1])
     w = particle_velocity[p] - v
-    if wp.length(w) > W:
+    if W < wp.length(w) and wp.length(w) < speed_limit:
         particle_velocity[p] = v + (W / wp.length(w)) * w

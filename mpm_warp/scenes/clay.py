@@ -137,7 +137,10 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
     def own_clay(self) -> Material:
         """The clay of a law that has a strength of its own, before anything changes it."""
         given = {"shear_modulus": self.rigidity_index, "poissons_ratio": self.poissons_ratio}
-        return self._intact({**given, "density": 1.0, "strength": 1.0})
+        try:
+            return self._intact({**given, "density": 1.0, "strength": 1.0})
+        except SceneError as refusal:
+            raise ParameterError("material", str(refusal)) from None
 
     def _follow(self, strength: float) -> None:
         """Let su and rigidity index be those of the law, and what is derived from them."""
