@@ -7,8 +7,8 @@ Symbols: v_p velocity of the point, v velocity of the nodes, N shape functions a
 No point moves by its w; it is what the point brings to the nodes in the next step beside their own
 velocity. A point that stays near a tip, a shoulder or a pole for long gathers more and more of it,
 for it gets the same changes as those that hurry past, and would at last be faster than waves. That
-takes many steps: the bound is kept whenever a layer of soil enters, and costs next to nothing. What is
-beyond the speed limit of the run is a fault, and is left to the watch to be told.
+takes many steps: the bound is kept whenever a layer of soil enters, and costs next to nothing. What
+is faster than waves already is a fault, left for the watch to tell.
 """
 
 import warp as wp
@@ -67,5 +67,5 @@ def bound_velocity(
     here = left + xi * (right - left)
     v = vec2(here[0], here[1])
     w = particle_velocity[p] - v
-    if W < wp.length(w) and wp.length(w) < speed_limit:
+    if wp.length(w) > W and wp.length(w) < speed_limit:
         particle_velocity[p] = v + (W / wp.length(w)) * w
