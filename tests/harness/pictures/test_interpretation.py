@@ -22,6 +22,7 @@ def made_up(title: str = "A site") -> xr.Dataset:
             "resistance_factor": (("depth", "percentile"), np.full_like(strength, 12.0)),
             "error_share": (("depth", "cause"), np.full((len(depth), 2), 0.5)),
             "reason": ("depth", reason.astype(np.int8), meanings),
+            "near_border": ("depth", (np.abs(depth - 8.0) < 0.35).astype(np.int8)),
         },
         {"depth": depth, "percentile": [5.0, 50.0, 95.0], "cause": ["test", "model"]},
         {"title": title},
