@@ -98,8 +98,14 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     return found
 
 
+DECIMAL_COMMA = re.compile(r"-?\d*,\d+")
+
+
 def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
-    """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma."""
+    """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma.
+
+    Parted by tab or ; numbers may have a decimal comma, where no cell has a point.
+    """
     lines = {
         number: line
         for number, line in enumerate(text.splitlines(), start=1)
@@ -108,12 +114,19 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
     first = next(iter(lines.values()))
-    reader = csv.reader(lines.values(), delimiter=next((it for it in "\t;," if it in first), ","))
+    delimiter = next((it for it in "\t;," if it in first), ",")
+    reader = csv.reader(lines.values(), delimiter=delimiter)
     header = [_heading(it.strip()) for it in next(reader)]
     numbers = list(lines)
-    return TestFile(
-        headings=header, rows=[(numbers[reader.line_num - 1], cells) for cells in reader]
-    )
+    rows = [(numbers[reader.line_num - 1], cells) for cells in reader]
+    notes: tuple[str, ...] = ()
+    cells_of_all = [cell for _, cells in rows for cell in cells]
+    if delimiter != "," and not any("." in cell for cell in cells_of_all):
+        commas = [DECIMAL_COMMA.fullmatch(cell.strip()) is not None for cell in cells_of_all]
+        if any(commas):  # no cell has a point, so a comma cannot part thousands from a fraction
+            rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
+            notes = ("numbers have a decimal comma",)
+    return TestFile(headings=header, rows=rows, notes=notes)
 
 
 def _heading(title: str) -> Heading:

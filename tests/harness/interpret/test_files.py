@@ -218,6 +218,17 @@ def test_changes_of_rods_and_gaps_are_told(folder: Path) -> None:
     )
 
 
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_decimal_commas_are_read_where_the_cells_are_not_parted_by_commas(
+    folder: Path, delimiter: str
+) -> None:
+    rows = rows_of(folder)
+    text = as_csv(rows).replace(",", delimiter).replace(".", ",")
+    found = columns_of(site_of(folder, "csv", text))
+    assert found.notes == ("numbers have a decimal comma",)
+    np.testing.assert_array_equal(found.values["depth"], [row[0] for row in rows])
+
+
 def test_levels_become_depths(folder: Path) -> None:
     rows = rows_of(folder)
     levels = as_csv([(round(4.5 - z, 3), *others) for z, *others in rows])
@@ -254,7 +265,11 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "UTF-16": ("csv", lambda it: it.decode().encode("utf-16"), "or UTF-16; save it as UTF-8"),
     "cut in a row": ("csv", cut_after("\n1.3,"), "line 5: has 2 values; must have one for each"),
     "text": ("csv", replaced("\n1.5,", "\n1.5,n/a"), "line 7, column 'qc [MPa]': 'n/a0."),
-    "comma": ("csv", lambda it: it.replace(b",", b";").replace(b".", b","), "a number has a point"),
+    "comma": (
+        "csv",
+        lambda it: it.replace(b",", b";").replace(b"\n1.5;", b"\n1,5;"),
+        "'1,5' is no number; a number has a point",
+    ),
     "no column": ("csv", replaced("fs [MPa]", "x [MPa]"), "has no column 'fs'"),
     "twice": ("csv", replaced("fs [MPa]", "qc [MPa]"), "2 columns may be qc: qc [MPa], qc [MPa]"),
     "unit of qc": ("csv", replaced("qc [MPa]", "qc [kPa]"), "nowhere above sigma_v0, 2.02e+05 Pa"),
