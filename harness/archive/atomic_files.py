@@ -1,11 +1,13 @@
 """Files that are written whole or not at all: under another name first, then renamed."""
 
 import contextlib
+import csv
+import io
 import os
 import platform
 import re
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -49,6 +51,13 @@ def write_whole(content: bytes | memoryview, path: Path) -> None:
             partial.replace(path)
     except OSError as error:
         raise ArchiveError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def write_csv(rows: Iterable[Iterable[str]], path: Path) -> None:
+    """Write a table as CSV, whole or not at all."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    write_whole(text.getvalue().encode(), path)
 
 
 def discard_partial(folder: Path, process_id: int) -> None:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.study.files import LARGEST_FILE, read_toml, studies_folder
-from harness.study.tables import StudyError, Table
+from harness.study.schema import DIALECT, LINE, Schema, table_schema
+from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.parameters import nearest_name
 
 META_KEYS: Mapping[str, str] = {
@@ -81,19 +82,11 @@ class Submission:
 ACCURACIES = ("quick", "standard", "fine")
 
 
-def meta_schema() -> dict[str, object]:
+def meta_schema() -> Schema:
     """The JSON schema of `meta.toml`; it ships as schema.json."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "meta.toml of a submission to the benchmark of cone penetration",
-        "type": "object",
-        "properties": {
-            key: {"type": "string", "description": meaning, "pattern": "\\S"}
-            for key, meaning in META_KEYS.items()
-        },
-        "required": list(META_KEYS),
-        "additionalProperties": False,
-    }
+    texts = {key: LINE | {"description": meaning} for key, meaning in META_KEYS.items()}
+    title = "meta.toml of a submission to the benchmark of cone penetration"
+    return {"$schema": DIALECT, "title": title, **table_schema(texts, required=list(META_KEYS))}
 
 
 def benchmark_folder() -> Path:
@@ -117,23 +110,9 @@ def _case(row: Mapping[str, str]) -> BenchmarkCase:
         exact=(float(low), float(high)) if low else None,
         scene=row["scene"],
         result=row["result"],
-        fixed=_settings(row["parameters"]),
-        accuracy={name: _settings(row[name]) for name in ACCURACIES},
+        fixed=dict(map(parse_setting, row["parameters"].split())),
+        accuracy={it: dict(map(parse_setting, row[it].split())) for it in ACCURACIES},
     )
-
-
-def _settings(text: str) -> dict[str, float | str]:
-    """Parameters out of a text as ``a=1 b=tresca``."""
-    found: dict[str, float | str] = {}
-    for item in text.split():
-        key, _, value = item.partition("=")
-        try:
-            number = float(value)
-        except ValueError:
-            found[key] = value
-        else:
-            found[key] = int(number) if value.isdecimal() else number
-    return found
 
 
 def read_submissions(folder: Path) -> list[Submission]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import xarray as xr
 
-from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import Role, with_role
 from harness.archive.provenance import provenance
 from harness.benchmark.cases import COLUMNS, BenchmarkCase, Result, benchmark_cases, read_results
@@ -48,7 +49,7 @@ def run_benchmark(folder: Path, accuracy: str) -> int:
             tell(f"{case.name}: {in_one_line(error)}")
             continue
         write_whole(_meta(accuracy).encode(), meta)
-        write_whole(_rows(results).encode(), path)
+        write_csv(_rows(results), path)
         print(f"{case.name}: {results[case.name].value:.5g} {case.unit}", flush=True)
     return failed
 
@@ -76,12 +77,11 @@ def _at(values: xr.DataArray, place: str) -> float:
     return float(values)
 
 
-def _rows(results: dict[str, Result]) -> str:
-    lines = [",".join(COLUMNS)]
+def _rows(results: Mapping[str, Result]) -> Iterator[Sequence[str]]:
+    yield COLUMNS
     for name, it in results.items():
         cells = (f"{it.value:.7g}", f"{it.uncertainty:.2g}", f"{it.seconds:.3g}")
-        lines.append(",".join([name, *("" if cell == "nan" else cell for cell in cells)]))
-    return "\n".join([*lines, ""])
+        yield [name, *("" if cell == "nan" else cell for cell in cells)]
 
 
 def _meta(accuracy: str) -> str:

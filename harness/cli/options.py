@@ -182,7 +182,7 @@ def make_parser() -> Parser:
 
     _add_options_of_interpret(add("interpret", "interpret.interpret_site", OUT))
 
-    _add_options_of_benchmark(add("benchmark", "benchmark.benchmark", OUT))
+    _add_options_of_benchmark(add("benchmark", "run.benchmark", OUT))
 
     about = add("help", "completion.show_help")
     about.add_argument("about", nargs="?", metavar="COMMAND", choices=tuple(HELP))

@@ -27,7 +27,7 @@ from harness.interpret.keys import (
 from harness.interpret.site import load_site
 from harness.study.description import WIDTH
 from harness.study.files import read_toml
-from harness.study.schema import DIALECT, Schema, table_schema
+from harness.study.schema import DIALECT, LINE, Schema, table_schema
 from harness.study.tables import StudyError, Table
 
 PERCENTILES = 5, 50, 95
@@ -161,18 +161,17 @@ def _of_form(form: Form, key: Key) -> list[Schema]:
     }
     number: Schema = {"type": "number"}
     within = number | {name: it for name, it in bounds.items() if math.isfinite(it)}
-    text: Schema = {"type": "string", "pattern": "\\S"}
     by_depth = {"depth": _list(number), "value": _list(within)}
     errors = dict.fromkeys(COLUMNS[1:], number | {"minimum": 0})
     return {
-        Form.TEXT: [text],
+        Form.TEXT: [LINE],
         Form.NUMBER: [within],
         Form.INTEGER: [within | {"type": "integer"}],
         Form.INPUT: [within, *_distributions()],
         Form.BY_DEPTH: [table_schema(by_depth, required=list(by_depth))],
         Form.NUMBERS: [_list(number)],
         Form.WORDS: [_list({"enum": list(key.choices)})],
-        Form.TEXTS: [table_schema(dict.fromkeys(COLUMNS, text))],
+        Form.TEXTS: [table_schema(dict.fromkeys(COLUMNS, LINE))],
         Form.ERRORS: [table_schema(errors, required=list(errors))],
         Form.RATE: [{"type": "string", "pattern": f"^{RATE}$"}],
     }[form]

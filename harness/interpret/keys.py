@@ -6,6 +6,7 @@ What reads, writes, describes or checks such a file takes the keys from here.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -30,6 +31,8 @@ ACCURACY: Mapping[str, Mapping[str, tuple[float, float]]] = {
 """Allowed errors by class of EN ISO 22476-1:2012 as commonly quoted: [Pa], or a share of the value
 where that is more; taken as half widths of 95 %, the same along the whole test."""
 LARGEST_DEPTH = 1000.0
+MODE_RATIO = Range(above=0, maximum=1.2)
+"""What su in another test may be over that in compression."""
 RATE = r"(\d+\.?\d*) ?%/(s|min|h)"
 """A strain rate as a text."""
 
@@ -55,18 +58,18 @@ class Key:
 
     Attributes:
         meaning: what it is.
+        allowed: what a number may be.
         forms: how it may be written, `choices` aside.
         unit: of its numbers, "" where it has none.
-        allowed: what a number may be.
         choices: texts that it may be.
         default: what holds where the file does not say it; None where nothing does.
         required: whether the file must say it.
     """
 
     meaning: str
+    allowed: Range = FINITE
     forms: tuple[Form, ...] = ()
     unit: str = ""
-    allowed: Range = FINITE
     choices: tuple[str, ...] = ()
     default: object = None
     required: bool = False
@@ -85,142 +88,112 @@ class Key:
         return f"{self.meaning}{unit}; {', or '.join(forms)}"
 
 
+_text = functools.partial(Key, forms=(Form.TEXT,))
+_texts = functools.partial(Key, forms=(Form.TEXTS,))
+_integer = functools.partial(Key, forms=(Form.INTEGER,))
+_number = functools.partial(Key, forms=(Form.NUMBER,))
+_input = functools.partial(Key, forms=(Form.INPUT,), unit="1")
+
 SITE_KEYS: Mapping[str, Key] = {
-    "title": Key("what the test is called", (Form.TEXT,), required=True),
+    "title": _text("what the test is called", required=True),
     "use": Key(
         "what tells of the soil, the tip first",
-        (Form.WORDS,),
+        forms=(Form.WORDS,),
         choices=MEASURES,
         default=[MEASURES[0]],
     ),
-    "samples": Key(
+    "samples": _integer(
         "how many combinations of the inputs are drawn",
-        (Form.INTEGER,),
-        allowed=Range(minimum=64, maximum=65536),
+        Range(minimum=64, maximum=65536),
         default=2048,
     ),
-    "seed": Key(
-        "of their random numbers",
-        (Form.INTEGER,),
-        allowed=Range(minimum=0, maximum=1e9),
-        default=1,
-    ),
+    "seed": _integer("of their random numbers", Range(minimum=0, maximum=1e9), default=1),
 }
 TEST_KEYS: Mapping[str, Key] = {
-    "file": Key(
-        "the measured test, CSV, GEF (.gef), BRO (.xml) or AGS 4 (.ags)",
-        (Form.TEXT,),
-        required=True,
+    "file": _text("the measured test, CSV, GEF (.gef), BRO (.xml) or AGS 4 (.ags)", required=True),
+    "sounding": _text("name of the one that is meant, in a file of several"),
+    "columns": _texts("names of the columns in the file, where they are others"),
+    "units": _texts("units of the columns, in place of the file's"),
+    "missing": Key("numbers that stand for no value, beside the file's own", forms=(Form.NUMBERS,)),
+    "ground_level": _number(
+        "level of the ground, where the file has levels, upward, in place of depths", unit="m"
     ),
-    "sounding": Key("name of the one that is meant, in a file of several", (Form.TEXT,)),
-    "columns": Key("names of the columns in the file, where they are others", (Form.TEXTS,)),
-    "units": Key("units of the columns, in place of the file's", (Form.TEXTS,)),
-    "missing": Key("numbers that stand for no value, beside the file's own", (Form.NUMBERS,)),
-    "ground_level": Key(
-        "level of the ground, where the file has levels, upward, in place of depths",
-        (Form.NUMBER,),
-        "m",
-    ),
-    "pre_drilled": Key(
+    "pre_drilled": _number(
         "depth that was bored beforehand, by default what the file says, or 0",
-        (Form.NUMBER,),
-        "m",
         NOT_NEGATIVE,
+        unit="m",
     ),
-    "area_ratio": Key(
+    "area_ratio": _number(
         "net area ratio of the cone by its calibration sheet, 1 where qc is corrected; a CSV does "
         "not say it, other files may",
-        (Form.NUMBER,),
-        "1",
         Range(above=0, maximum=1),
+        unit="1",
     ),
-    "cone_area": Key(
-        "cross-section of the cone",
-        (Form.NUMBER,),
-        "cm2",
-        Range(minimum=1, maximum=100),
-        default=10.0,
+    "cone_area": _number(
+        "cross-section of the cone", Range(minimum=1, maximum=100), unit="cm2", default=10.0
     ),
-    "water_level": Key(
+    "water_level": _number(
         "depth of the ground water, below which its pressure is hydrostatic",
-        (Form.NUMBER,),
-        "m",
+        unit="m",
         required=True,
     ),
-    "u0": Key("water pressure by depth [m], in place of water_level", (Form.BY_DEPTH,), "kPa"),
+    "u0": Key(
+        "water pressure by depth [m], in place of water_level", forms=(Form.BY_DEPTH,), unit="kPa"
+    ),
     "unit_weight": Key(
         "of the ground",
-        (Form.INPUT, Form.BY_DEPTH),
-        "kN/m3",
         Range(above=0, maximum=30),
+        forms=(Form.INPUT, Form.BY_DEPTH),
+        unit="kN/m3",
         required=True,
     ),
     "accuracy": Key(
         "class of EN ISO 22476-1, or the test's errors",
-        (Form.ERRORS,),
+        forms=(Form.ERRORS,),
         choices=tuple(ACCURACY),
         default="class 2",
     ),
 }
 LAYER_KEYS: Mapping[str, Key] = {
-    "title": Key("what it is called, by default its depths", (Form.TEXT,)),
-    "from": Key("depth of its top", (Form.NUMBER,), "m", NOT_NEGATIVE, required=True),
-    "to": Key(
-        "depth of its bottom",
-        (Form.NUMBER,),
-        "m",
-        Range(above=0, maximum=LARGEST_DEPTH),
-        required=True,
+    "title": _text("what it is called, by default its depths"),
+    "from": _number("depth of its top", NOT_NEGATIVE, unit="m", required=True),
+    "to": _number(
+        "depth of its bottom", Range(above=0, maximum=LARGEST_DEPTH), unit="m", required=True
     ),
-    "rigidity_index": Key(
-        "Ir = G / su", (Form.INPUT,), "1", Range(minimum=15, maximum=1000), required=True
-    ),
-    "adhesion_factor": Key(
+    "rigidity_index": _input("Ir = G / su", Range(minimum=15, maximum=1000), required=True),
+    "adhesion_factor": _input(
         "alpha, or by fs at each depth",
-        (Form.INPUT,),
-        "1",
         Range(minimum=0, maximum=1),
         choices=(BY_SLEEVE,),
         default={"low": 0.2, "high": 0.8},
     ),
-    "K0": Key(
+    "K0": _input(
         "effective horizontal over vertical stress",
-        (Form.INPUT,),
-        "1",
         Range(above=0, maximum=5),
         default={"low": 0.5, "high": 0.8},
     ),
-    "stress_anisotropy": Key(
-        "Delta = (sigma_v0 - sigma_h0) / (2 su), in place of K0",
-        (Form.INPUT,),
-        "1",
-        Range(minimum=-0.6, maximum=0.9),
+    "stress_anisotropy": _input(
+        "Delta = (sigma_v0 - sigma_h0) / (2 su), in place of K0", Range(minimum=-0.6, maximum=0.9)
     ),
-    "rate_factor": Key(
+    "rate_factor": _input(
         "what a log cycle of strain rate adds to su, over su",
-        (Form.INPUT,),
-        "1",
         Range(minimum=0, maximum=0.25),
         default={"mean": 0.1, "deviation": 0.03},
     ),
     "laboratory_rate": Key(
         "strain rate at which su is wanted",
-        (Form.NUMBER, Form.RATE),
-        "1/s",
         Range(minimum=TABLE_RATE, maximum=1e-2),
+        forms=(Form.NUMBER, Form.RATE),
+        unit="1/s",
         default="1 %/h",
     ),
-    "sensitivity": Key(
+    "sensitivity": _input(
         "intact over remoulded strength",
-        (Form.INPUT,),
-        "1",
         Range(minimum=1, maximum=25),
         default={"low": 1.5, "high": 6.0},
     ),
-    "ductility": Key(
+    "ductility": _input(
         "plastic shear strain at which 95 % of the loss of strength is done",
-        (Form.INPUT,),
-        "1",
         Range(minimum=5, maximum=60),
         default={"low": 10, "high": 50},
     ),
@@ -229,25 +202,16 @@ LAYER_KEYS: Mapping[str, Key] = {
         choices=MODES,
         default=MODES[0],
     ),
-    "simple_shear_ratio": Key(
-        "su in simple shear over compression",
-        (Form.INPUT,),
-        "1",
-        Range(above=0, maximum=1.2),
-        default={"low": 0.6, "high": 0.9},
+    "simple_shear_ratio": _input(
+        "su in simple shear over compression", MODE_RATIO, default={"low": 0.6, "high": 0.9}
     ),
-    "extension_ratio": Key(
-        "su in extension over compression",
-        (Form.INPUT,),
-        "1",
-        Range(above=0, maximum=1.2),
-        default={"low": 0.35, "high": 0.7},
+    "extension_ratio": _input(
+        "su in extension over compression", MODE_RATIO, default={"low": 0.35, "high": 0.7}
     ),
-    "model_error": Key(
+    "model_error": _number(
         "what the simulation leaves out, a deviation over Nkt",
-        (Form.NUMBER,),
-        "1",
         Range(minimum=0, maximum=1),
+        unit="1",
         default=0.1,
     ),
 }

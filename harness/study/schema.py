@@ -26,11 +26,12 @@ from mpm_warp.scenes.sounding.profile import PROFILE
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 Schema = dict[str, Any]
+LINE: Schema = {"type": "string", "pattern": "\\S"}
+"""A text, which is not empty."""
 
 
 def study_schema() -> Schema:
     """The schema of a study's definition."""
-    line = {"type": "string", "pattern": "\\S"}
     references = _ids(reference_ids(), "cone factors of the literature")
     # Where the study, or its base, defines some of its own these may be named too.
     defines = [{"required": [OWN_REFERENCES]}, {"required": ["base"]}]
@@ -43,8 +44,8 @@ def study_schema() -> Schema:
         "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
     }
     properties: Schema = {
-        "title": line | {"description": "one line on what the study shows"},
-        "base": line | {"description": "study that holds where this one says nothing"},
+        "title": LINE | {"description": "one line on what the study shows"},
+        "base": LINE | {"description": "study that holds where this one says nothing"},
         "scene": {
             "description": "what is simulated, or a list of several",
             "anyOf": [_scene_name(), {"type": "array", "items": _scene_name(), "minItems": 1}],
@@ -64,7 +65,7 @@ def study_schema() -> Schema:
         "compare": table_schema(
             {
                 "references": own,
-                REFERENCE_STUDY: line | {"description": "study whose kept result tells the errors"},
+                REFERENCE_STUDY: LINE | {"description": "study whose kept result tells the errors"},
                 "experience": experience,
                 "tolerance": tolerance,
             }
@@ -73,7 +74,7 @@ def study_schema() -> Schema:
             "type": "object",
             "description": "cone factors of the study's own: formulas of parameters",
             "propertyNames": {"pattern": f"^{REFERENCE_NAME}$"},
-            "additionalProperties": _own_reference(line),
+            "additionalProperties": _own_reference(),
         },
         STABILITY_MAP: {"type": "boolean", "description": "draw where the cases complete"},
         "timing": table_schema({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
@@ -92,13 +93,13 @@ def study_schema() -> Schema:
     }
 
 
-def _own_reference(line: Schema) -> Schema:
+def _own_reference() -> Schema:
     """A table [references.NAME], whose texts are each of one line."""
     span = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
     texts = {
-        "label": line | {"description": "name in pictures, as authors and year"},
-        "source": line | {"description": "where it is published"},
-        **dict.fromkeys(OPTIONAL, line),
+        "label": LINE | {"description": "name in pictures, as authors and year"},
+        "source": LINE | {"description": "where it is published"},
+        **dict.fromkeys(OPTIONAL, LINE),
     }
     ranges = {
         "type": "object",

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import csv
-import io
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.atomic_files import prepare, write_csv
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.netcdf_files import write_netcdf
 from harness.cli.process import DONE
@@ -84,7 +84,7 @@ def _write(test: Interpreted, base: str) -> None:
     """Write what was found of a test, and tell what may be quoted and what is left out."""
     found = test.found
     write_netcdf(found.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
-    write_whole(_table(found).encode(), Path(f"{base}.csv"))
+    write_csv(_table(found), Path(f"{base}.csv"))
     _write_figure(test.figure, base)
     print(*in_words(test.site, found), sep="\n")
     left = [
@@ -121,8 +121,8 @@ def _check(test: Interpreted, accuracy: str, base: str) -> None:
     tell(f"written: {base}.nc, .png, .svg")
 
 
-def _table(found: xr.Dataset) -> str:
-    """The result as CSV, a row a depth; "" where there is no number."""
+def _table(found: xr.Dataset) -> Iterator[list[str]]:
+    """The titles of the columns, then a row a depth; "" where there is no number."""
     columns = {title: found[name].values / unit for title, (name, unit) in COLUMNS.items()}
     for name, title, unit in (
         ("resistance_factor", "Nkt {:g}% [1]", 1.0),
@@ -133,13 +133,10 @@ def _table(found: xr.Dataset) -> str:
             columns[title.format(percentile)] = values
     for cause in found.cause.values:
         columns[f"share of {cause} [1]"] = found.error_share.sel(cause=cause).values
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*columns, "reason"])
+    yield [*columns, "reason"]
     numbers = np.stack(list(columns.values()), axis=-1)
     for row, reason in zip(numbers, found.reason.values, strict=True):
-        writer.writerow([*("" if np.isnan(it) else f"{it:.6g}" for it in row), REASONS[reason]])
-    return text.getvalue()
+        yield [*("" if np.isnan(it) else f"{it:.6g}" for it in row), REASONS[reason]]
 
 
 def read_points(path: Path) -> list[tuple[float, float]]:

@@ -1,21 +1,27 @@
-"""Commands that compute: a study, a case again, what a step costs, scenes with exact solutions."""
+"""Commands that compute: a study, a case again, what a step costs, exact solutions, benchmark."""
 
 import argparse
 import math
 import sys
+from collections.abc import Sequence
 
 import xarray as xr
 
-from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import provenance
 from harness.archive.study_files import study_file
+from harness.benchmark.cases import benchmark_cases, benchmark_folder, read_submissions
+from harness.benchmark.own import run_benchmark
+from harness.benchmark.score import case_rows, formulas, scores, summary_rows
 from harness.cli.commands.results import list_misses, show
 from harness.cli.process import DONE, INCOMPLETE, end_at_sigterm
 from harness.compare.step_cost_table import bench_rows
 from harness.errors import HarnessError, tell
+from harness.pictures.drawing.plot_parts import image, write_own
 from harness.pictures.work_precision import draw_work_precision
+from harness.report.benchmark import benchmark_figure, benchmark_page
 from harness.run.progress import Display
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device
@@ -129,3 +135,40 @@ def verify_scenes(options: argparse.Namespace) -> int:
     if options.out is not None:
         draw_work_precision(as_dataset(results), options.out / "verify.png")
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE
+
+
+def benchmark(options: argparse.Namespace) -> int:
+    """Run the cases as a submission, or score submissions."""
+    if options.action == "run":
+        if options.folder is None:
+            raise HarnessError("benchmark run: name the folder of the submission")
+        return INCOMPLETE if run_benchmark(options.folder, options.accuracy) else DONE
+    cases = benchmark_cases()
+    shipped = read_submissions(benchmark_folder() / "submissions")
+    own = [] if options.folder is None else read_submissions(options.folder)
+    given = {it.name: it for it in [*shipped, *own]}
+    submissions = [*given.values(), *formulas(cases)]
+    found = scores(cases, submissions, options.against)
+    prepare(options.out)
+    base = options.out / "benchmark"
+    picture = image(benchmark_figure(found))
+    write_csv(case_rows(found), base.with_suffix(".csv"))
+    write_own(picture, base.with_suffix(".png"))
+    page = benchmark_page(submissions, found, picture, options.against)
+    write_own(page.encode(), base.with_suffix(".html"))
+    _print_table(case_rows(found))
+    print()
+    _print_table(summary_rows(found))
+    tell(
+        "exact cases: against the exact value; others: against "
+        f"{options.against}, with its uncertainty; written: {base}.csv, .png, .html"
+    )
+    return DONE
+
+
+def _print_table(rows: Sequence[Sequence[str]]) -> None:
+    """A table, its columns as wide as what stands in them."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        print("  ".join(cells).rstrip())
