@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 from harness.archive.conventions import Role, over_cases, parameter_of, with_role
 from harness.compare.compared import NothingToCompareError, conditions_of, stored_references
 from harness.pictures.convergence import shows_convergence
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import left_out, write_caption
 from harness.pictures.drawing.literature import draw_experience, draw_literature, ranges_of_own
 from harness.pictures.drawing.plot_parts import (
     FAILED,
@@ -102,13 +102,12 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
     axes.set_ylabel(axis_label(dataset, studied.headline))
     label_ends(axes, ends)
     legend_above(figure, axes)
-    left_out = len(groups) - len(shown)
     write_caption(
         figure,
         dataset,
         studied.bars,
         ranges_of_own(dataset) if ends else "",
-        f"{left_out} more series are not shown." if left_out else "",
+        left_out(len(groups) - len(shown), "series"),
     )
     return figure
 

@@ -16,7 +16,6 @@ from harness.errors import HarnessError
 from harness.pictures.cases import cases_figure, scenes_figure, shows_cases, shows_scenes
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, map_figure, shows_curve, shows_map
-from harness.pictures.cycles import cycles_figure, shows_cycles
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
 from harness.pictures.effects import (
     effects_figure,
@@ -24,7 +23,12 @@ from harness.pictures.effects import (
     shows_tornado,
     tornado_figure,
 )
-from harness.pictures.element_tests import element_tests_figure, shows_element_tests
+from harness.pictures.element_and_cyclic_tests import (
+    cycles_figure,
+    element_tests_figure,
+    shows_cycles,
+    shows_element_tests,
+)
 from harness.pictures.resistance import resistance_figure, shows_resistance
 from harness.pictures.sounding import shows_sounding, sounding_figure
 from harness.pictures.stability import shows_stability

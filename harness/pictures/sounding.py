@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import case_dims
-from harness.pictures.drawing.caption import of_half_widths, write_caption
+from harness.archive.conventions import by_case, case_dims
+from harness.pictures.drawing.caption import left_out, of_half_widths, write_caption
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
     STYLED,
@@ -43,19 +43,15 @@ def joined(dataset: xr.Dataset) -> xr.Dataset:
         The curves, and `overlap_difference` [Pa] of neighbours; the coordinate `case` holds the
         number of the first case of each sounding.
     """
-    dims = case_dims(dataset)
     # A collected file leaves out what no case has, a half width say.
-    curves = dataset[[name for name in CURVES if name in dataset]]
-    cases = curves.stack(case=dims) if dims else curves.expand_dims("case")
-    numbers = np.arange(cases.sizes["case"])
-    cases = cases.drop_vars(["case", *dims], errors="ignore").assign_coords(case=numbers)
-    groups = [cases.isel(case=group) for group in _groups(dataset, dims)]
+    cases = by_case(dataset[[name for name in ("status", *CURVES) if name in dataset]])
+    groups = [cases.drop_vars("status").isel(case=group) for group in _groups(dataset)]
     return xr.concat([_as_one(group) for group in groups], dim="sounding")
 
 
-def _groups(dataset: xr.Dataset, dims: tuple[str, ...]) -> list[np.ndarray]:
+def _groups(dataset: xr.Dataset) -> list[np.ndarray]:
     """The numbers of the cases that are stretches of one sounding, for each sounding."""
-    numbers = np.arange(dataset["status"].size)
+    numbers, dims = np.arange(dataset["status"].size), case_dims(dataset)
     if STRETCH in dims:
         by_dim = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
         return list(by_dim.reshape(-1, by_dim.shape[-1]))
@@ -133,7 +129,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure:
         figure,
         dataset,
         of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
-        f"{count - len(shown)} more soundings are not shown." if count > len(shown) else "",
+        left_out(count - len(shown), "soundings"),
     )
     return figure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -19,7 +20,8 @@ from harness.archive.conventions import (
     varied_names,
     with_role,
 )
-from harness.pictures.drawing.caption import of_half_widths
+from harness.pictures.drawing.caption import left_out, of_half_widths
+from harness.pictures.drawing.plot_parts import MARKERS, MOST_LABELS, chosen, series_colour
 from harness.pictures.drawing.quantities import Floats, Texts, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
@@ -139,6 +141,37 @@ class Studied:
         rows = np.array([self.varied[name].numbers for name in names]).T
         found, member = np.unique(rows, axis=0, return_inverse=True)
         return [np.flatnonzero(member.ravel() == place) for place in range(len(found))]
+
+
+def label_of(dataset: xr.Dataset, case: int) -> str:
+    """What a case of a result is called; "" where its cases share no headline."""
+    studied = Studied.of(dataset)
+    return "" if studied is None else studied.label(case)
+
+
+class Series(NamedTuple):
+    """How the curve of a case is drawn."""
+
+    case: int
+    colour: str
+    marker: str
+    label: str
+
+
+def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
+    """Some of the cases that have a curve, evenly spread; and how many more there are, in words.
+
+    Args:
+        dataset: the result.
+        curves: of its cases, shape [case, :].
+    """
+    drawn = np.flatnonzero(np.isfinite(curves).any(axis=1))
+    shown = drawn[chosen(drawn.size, MOST_LABELS)].tolist()
+    series = [
+        Series(case, series_colour(rank, len(shown)), MARKERS[rank], label_of(dataset, case))
+        for rank, case in enumerate(shown)
+    ]
+    return series, left_out(drawn.size - len(shown), "cases")
 
 
 def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:

@@ -49,6 +49,11 @@ def write_caption(figure: Figure, dataset: xr.Dataset, *sentences: str) -> None:
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
 
 
+def left_out(count: int, noun: str) -> str:
+    """How many of something have no room in a picture, in a sentence."""
+    return f"{count} more {noun} are not shown." if count else ""
+
+
 def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     """What bars or bands are, and why there is none of some cases, in sentences.
 

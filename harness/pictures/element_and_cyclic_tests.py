@@ -1,0 +1,169 @@
+"""Pictures of tests: stress over strain of elements of soil, and resistance over cycles.
+
+Of elements, laws with effective stress have its path and the pore pressure too; of cyclic tests
+there are loops of resistance over depth. Few of many cases are drawn.
+"""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from harness.archive.conventions import by_case, curves_over_cases, over_cases
+from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.plot_parts import STYLED, legend_above, series_colour
+from harness.pictures.drawing.quantities import Floats, axis_label
+from harness.pictures.studied import Series, label_of, series_of
+from mpm_warp.scenes.full_flow.cyclic import Degradation
+
+STRAIN, SHEAR, DEVIATOR = "shear_strain", "shear_stress", "deviator_stress"
+EFFECTIVE, WATER, SLOPE = "effective_mean_stress", "excess_pore_pressure", "critical_state_ratio"
+LABELS = {
+    STRAIN: r"shear strain $ε_1 - ε_3$ [-]",
+    SHEAR: r"shear stress $(σ_1 - σ_3) / 2$ [kPa]",
+    DEVIATOR: "deviator stress $q$ [kPa]",
+    EFFECTIVE: "effective mean stress $p'$ [kPa]",
+    WATER: "pore pressure of shear [kPa]",
+}
+KILO = 1e-3
+SHOWN_STRENGTH = 0.99
+"""The strain axis ends where every case has this share of the stress at its end, and twice that."""
+
+
+def shows_element_tests(dataset: xr.Dataset) -> bool:
+    """Whether a result holds stresses over the strain of element tests."""
+    return {STRAIN, SHEAR, DEVIATOR, "status"} <= set(dataset.variables)
+
+
+@STYLED
+def element_tests_figure(dataset: xr.Dataset) -> Figure:
+    """Shear stress over shear strain; of laws with effective stress q over p', and pore pressure.
+
+    A dashed line is the critical state in compression.
+    """
+    names = [it for it in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if it in dataset]
+    curves = {name: KILO * curves_over_cases(dataset, name) for name in names}
+    stress = curves[SHEAR]
+    series, left_out = series_of(dataset, stress)
+    shown = [it.case for it in series]
+    has_path = EFFECTIVE in curves and bool(np.isfinite(curves[EFFECTIVE][shown]).any())
+    figure = Figure()
+    panels = figure.subplots(1, 3 if has_path else 1, squeeze=False)[0]
+    strain = dataset[STRAIN].values
+    over_strain = {0: SHEAR, 2: WATER} if has_path else {0: SHEAR}
+    for it in series:
+        for place, name in over_strain.items():
+            _draw(panels[place], strain, curves[name][it.case], it)
+        if has_path:
+            _draw(panels[1], curves[EFFECTIVE][it.case], curves[DEVIATOR][it.case], it)
+    for place, name in over_strain.items():
+        panels[place].set_xlabel(LABELS[STRAIN])
+        panels[place].set_ylabel(LABELS[name])
+        panels[place].set_xlim(0.0, _last_strain(strain, stress[shown]))
+    panels[0].set_ylim(bottom=0.0)
+    if has_path:
+        panels[1].set_xlabel(LABELS[EFFECTIVE])
+        panels[1].set_ylabel(LABELS[DEVIATOR])
+        if SLOPE in dataset:
+            _draw_critical_states(panels[1], over_cases(dataset, SLOPE)[shown])
+    legend_above(figure, panels[0])
+    dashed = "Dashed: critical state in compression." if has_path and SLOPE in dataset else ""
+    write_caption(figure, dataset, dashed, left_out)
+    return figure
+
+
+def _draw(axes: Axes, x: Floats, y: Floats, of: Series) -> None:
+    known = np.isfinite(x) & np.isfinite(y)
+    axes.plot(x[known], y[known], color=of.colour, label=of.label)
+
+
+def _last_strain(strain: Floats, stress: Floats) -> float:
+    """Where the strain axis ends: beyond it nothing is to be seen."""
+    last = np.array([row[np.isfinite(row)][-1] for row in stress])
+    near = np.abs(stress - last[:, None]) <= (1.0 - SHOWN_STRENGTH) * np.abs(last)[:, None]
+    far = [np.flatnonzero(row) for row in ~near & np.isfinite(stress)]
+    reached = max((strain[it[-1]] for it in far if it.size), default=strain[-1])
+    return float(min(strain[-1], 2.0 * reached))
+
+
+def _draw_critical_states(axes: Axes, slopes: Floats) -> None:
+    high = axes.get_xlim()[1]
+    axes.set_xlim(0.0, high)
+    axes.set_ylim(bottom=0.0)
+    for slope in np.unique(slopes[np.isfinite(slopes)]):
+        axes.plot([0.0, high], [0.0, slope * high], ls="--", lw=0.8, color="0.4", scaley=False)
+
+
+LOOPS, FACTOR, STRENGTH = (
+    "cyclic_resistance",
+    "cyclic_resistance_factor",
+    "undrained_shear_strength",
+)
+FITTED = {
+    "intact": "fitted_resistance_factor",
+    "remoulded_share": "fitted_remoulded_ratio",
+    "cycles": "fitted_cycles",
+    "misfit": "fit_misfit",
+}
+"""Where a result has the numbers of a `Degradation`."""
+FINE = 200
+"""Points of a fitted curve."""
+
+
+def shows_cycles(dataset: xr.Dataset) -> bool:
+    """Whether a result holds loops of resistance."""
+    return {LOOPS, FACTOR, STRENGTH, "status"} <= set(dataset)
+
+
+@STYLED
+def cycles_figure(dataset: xr.Dataset) -> Figure:
+    """The loops of the case that loses most resistance, and all cases over cycles with their fits.
+
+    Depth goes downward; resistance is below 0 where the body is pulled up.
+    """
+    names = [LOOPS, FACTOR, STRENGTH, *FITTED.values()]
+    cases = by_case(dataset[[name for name in ("status", *names) if name in dataset]])
+    series, left_out = series_of(dataset, cases[FACTOR].values)
+    figure = Figure()
+    loops, factors = figure.subplots(1, 2, width_ratios=(2, 3))
+    for it in series:
+        _draw_factor(factors, cases.isel(case=it.case), it)
+    factors.set_xlabel("number of the cycle [-]")
+    factors.set_ylabel(r"resistance factor $q/s_\mathrm{u}$ [-]")
+    factors.set_xlim(left=0.0)
+    factors.set_ylim(bottom=0.0)
+    kept = {
+        place: known[-1] / known[0]
+        for place, row in enumerate(cases[FACTOR].values)
+        if (known := row[np.isfinite(row)]).size
+    }
+    of_one = ""
+    if kept:
+        most = min(kept, key=lambda it: kept[it])
+        _draw_loops(loops, cases.isel(case=most))
+        label = label_of(dataset, most)
+        of_one = f"Loops: {label}, from light to dark." if label else ""
+    loops.set_xlabel(r"resistance over strength $q/s_\mathrm{u}$ [-]")
+    loops.set_ylabel(axis_label(dataset, "penetration"))
+    loops.invert_yaxis()
+    legend_above(figure, factors)
+    write_caption(figure, dataset, of_one, "Curves over cycles: fits.", left_out)
+    return figure
+
+
+def _draw_factor(axes: Axes, case: xr.Dataset, of: Series) -> None:
+    cycle, factor, colour = case["cycle"].values, case[FACTOR].values, of.colour
+    axes.errorbar(cycle, factor, color=colour, label=of.label, ls="", marker=of.marker, ms=4)
+    fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
+    if np.isfinite(fit.cycles):
+        along = np.linspace(0.0, float(cycle[-1]), FINE)
+        axes.plot(along, fit.resistance_factor(along), color=colour, lw=0.8)
+
+
+def _draw_loops(axes: Axes, case: xr.Dataset) -> None:
+    strength = case[STRENGTH].item()
+    passages = [it / strength for it in case[LOOPS].values if np.isfinite(it).any()]
+    for number, resistance in enumerate(passages):
+        # From the last shade to the first: what is remoulded is dark.
+        colour = series_colour(len(passages) - 1 - number, max(2, len(passages)))
+        axes.plot(resistance, case["penetration"].values, color=colour, lw=0.9)
