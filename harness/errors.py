@@ -62,12 +62,8 @@ def coloured(text: str, *, is_good: bool, stream: TextIO | None = None) -> str:
     """A text in green or red where it goes to a terminal that has colours; otherwise as it is.
 
     The environment variable ``NO_COLOR`` (https://no-color.org), set to anything, keeps it plain.
-
-    Args:
-        text: what is to be printed.
-        is_good: whether it reports what went well.
-        stream: where it is printed as it is; default: standard output, where
-            `harness.cli.process` puts the codes of the colours in.
+    By default it goes to standard output, where `harness.cli.process` puts the codes of the colours
+    in.
     """
     to_terminal = (stream or sys.stdout).isatty()
     if not to_terminal or os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":

@@ -38,11 +38,7 @@ def prepare(folder: Path) -> None:
 
 
 def write_whole(content: bytes | memoryview, path: Path) -> None:
-    """Write a file that is either complete under its name or not there.
-
-    Raises:
-        ArchiveError: it cannot be written; an earlier file of that name is as it was.
-    """
+    """Write a file that is either complete under its name or, with an `ArchiveError`, as it was."""
     try:
         with _partial(path.parent) as (partial, file):
             file.write(content)

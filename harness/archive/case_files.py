@@ -103,14 +103,9 @@ def write_case(
 ) -> None:
     """Keep the result of a case, and its snapshots first: what is done has them.
 
-    Args:
-        folder: the folder of the study's cases.
-        case: the case.
-        dataset: what the scene returned; empty where it did not complete. Where it was computed
-            by another machine it carries that machine's provenance.
-        status: how it ended, as the status of an `Outcome`.
-        message: why it did not complete, one line.
-        fields: snapshots of the soil; without them those of an earlier run are removed.
+    The dataset is what the scene returned, empty where it did not complete; where another machine
+    computed it, it carries that machine's provenance. `status` and `message` are those of an
+    `Outcome`. Without snapshots those of an earlier run are removed.
     """
     attributes = {
         "case_key": case.key,
@@ -233,8 +228,7 @@ def find_fields(file: Path, key: str | None) -> Path:
         key: which case; None where there are the snapshots of one alone.
 
     Raises:
-        ArchiveError: the file is of no use, or there are no such snapshots; the message names what
-            there is.
+        ArchiveError: there are no such snapshots; the message names what there is.
     """
     if file.name.endswith(ENDING):
         return file

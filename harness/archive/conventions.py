@@ -128,12 +128,9 @@ def known_digits(value: float, half_width: float) -> str:
 
 
 def stated(value: float, half_width: float, reason: str = "") -> str:
-    """A number with its half width: 10.49 +- 0.08; where it has none, with the word for why.
+    """A number with its half width of 95 %: 10.49 +- 0.08; without one with the word for why.
 
-    Args:
-        value: the number.
-        half_width: of 95 %; not a number where none is known.
-        reason: why there is none, see `reasons_of`; 10.5, no U: Delta.
+    The reason is one of `reasons_of`: 10.5, no U: Delta. A half width may be not a number.
     """
     told = known_digits(value, half_width)
     if not math.isfinite(half_width) or half_width <= 0.0:

@@ -41,14 +41,7 @@ _STRING_SIZE = 64
 
 @dataclass(frozen=True)
 class Form:
-    """What a variable is, without its values.
-
-    Attributes:
-        shape: sizes of the dims.
-        dims: their names.
-        kind: one of `NUMBERS`, `TEXT`, or any other letter.
-        attributes: of the variable.
-    """
+    """What a variable is, without its values; kind: one of `NUMBERS`, `TEXT`, or another letter."""
 
     shape: tuple[int, ...]
     dims: tuple[str, ...]
@@ -58,13 +51,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Outline:
-    """What a file holds, without the values.
-
-    Attributes:
-        attributes: of the file.
-        forms: of the variables, by name.
-        values: reads the values of a variable.
-    """
+    """What a file holds: attributes, the forms of its variables, and what reads their values."""
 
     attributes: Mapping[str, Any]
     forms: Mapping[str, Form]
@@ -104,11 +91,7 @@ def memory_of_machine() -> int:
 
 
 def foreign_outline(path: Path) -> Outline:
-    """What a file of another program holds, read by a process that may be lost.
-
-    Raises:
-        ValueError: it cannot be read.
-    """
+    """What another program's file holds, read by a process that may be lost; or a `ValueError`."""
     command = [sys.executable, "-P", __file__, os.fspath(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, check=False, timeout=TIME_LIMIT)

@@ -52,11 +52,7 @@ _SUPERBLOCK = 48
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file, whole or not at all, and its digest.
-
-    Raises:
-        ArchiveError: it cannot be written; an earlier file of that name is as it was.
-    """
+    """Write a netCDF file and its digest; with an `ArchiveError` an earlier file is as it was."""
     # The file is made in memory, because on a full disk the netCDF library only says "HDF error"
     # and keeps the broken file open, so that its space is not freed until the process ends.
     image = _image(dataset.assign_attrs({DIGEST: _STATEMENT}))

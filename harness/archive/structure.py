@@ -28,11 +28,7 @@ _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
 
 
 def malformed(result: Outline) -> str | None:
-    """The first thing in a result that is not as it has to be, in words; None where all is well.
-
-    Args:
-        result: of a case, or of a study with its `status`.
-    """
+    """What is not as it has to be in the result of a case or a study; None where all is well."""
     return next(_faults(result), None)
 
 

@@ -32,8 +32,7 @@ def read_study(path: Path) -> xr.Dataset:
     """Read the collected dataset of a study.
 
     Raises:
-        ArchiveError: there is no such file (the nearest one is named), or it is damaged, or of
-            another format version, or of a case alone, or lacks what every result has.
+        ArchiveError: there is no such file, or it is damaged or no result of a study.
     """
     dataset = read_result(path)
     if "study" not in dataset.attrs:

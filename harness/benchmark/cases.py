@@ -130,11 +130,7 @@ def read_submissions(folder: Path) -> list[Submission]:
 
 
 def read_submission(folder: Path) -> Submission:
-    """A submission.
-
-    Raises:
-        StudyError: a file is missing, or what it says is not allowed: one line.
-    """
+    """A submission; a `StudyError` says in a line what is missing or not allowed."""
     table = Table(f"{folder / 'meta.toml'}:", read_toml(folder / "meta.toml"))
     table.allow(*META_KEYS)
     meta = {key: table.text(key, f"; {meaning}") for key, meaning in META_KEYS.items()}
@@ -142,11 +138,7 @@ def read_submission(folder: Path) -> Submission:
 
 
 def read_results(path: Path) -> dict[str, Result]:
-    """The rows of `results.csv` by case.
-
-    Raises:
-        StudyError: it is missing, or not such a table.
-    """
+    """The rows of `results.csv` by case; a `StudyError` says what is missing or malformed."""
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise StudyError(f"{path}: has more than {LARGEST_FILE} bytes")

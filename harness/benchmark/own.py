@@ -23,16 +23,11 @@ from mpm_warp.scenes import scene_class
 def run_benchmark(folder: Path, accuracy: str) -> int:
     """Write a submission of all cases; those that the folder has already are not run again.
 
-    Args:
-        folder: of the submission.
-        accuracy: one of `ACCURACIES`.
-
     Returns:
         How many cases did not complete; a line says why.
 
     Raises:
         StudyError: results are there that cannot be read, or are another submission's.
-        ArchiveError: a file cannot be written.
     """
     prepare(folder)
     path, meta, failed = folder / "results.csv", folder / "meta.toml", 0

@@ -29,7 +29,7 @@ class Score:
         submission: its name.
         case: what was computed.
         result: what it found.
-        error: E over the yardstick; not a number where there is no yardstick.
+        error: E over the yardstick; not a number where there is none.
         distance: d; not a number where the submission states no uncertainty.
     """
 
@@ -45,13 +45,8 @@ def scores(
 ) -> list[Score]:
     """All results of all submissions beside the yardsticks of their cases, case by case.
 
-    Args:
-        cases: of the benchmark.
-        submissions: to be scored.
-        against: name of the submission that is the yardstick where no exact value is known.
-
-    Raises:
-        StudyError: no submission has that name.
+    Where no exact value is known, the submission called `against` is the yardstick; a `StudyError`
+    says that there is none.
     """
     by_name = {it.name: it for it in submissions}
     if against not in by_name:

@@ -28,10 +28,7 @@ REFUSALS = (HarnessError, ParameterError, SceneError, UnknownSceneError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command.
-
-    Args:
-        arguments: the command line without the program's name; default: that of the process.
+    """Run one command of the command line that is given, by default that of the process.
 
     Returns:
         Exit code: 0 done, 1 a case did not complete or a bound is not reached,

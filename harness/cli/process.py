@@ -21,11 +21,7 @@ DEFECT = 70
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM or SIGHUP has come; ends a run as Ctrl-C does.
-
-    Attributes:
-        number: of the signal.
-    """
+    """The signal of this number, SIGTERM or SIGHUP, has come; it ends a run as Ctrl-C does."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -97,10 +93,8 @@ def _safe(
 class _Stream:
     """A stream before another one: what cannot be written there goes nowhere from then on.
 
-    Args:
-        stream: the other one.
-        is_output: whether it is standard output: lines of printable characters, whose loss ends the
-            command. Without remarks on standard error it goes on.
+    Standard output has lines of printable characters, whose loss ends the command; without remarks
+    on standard error it goes on.
     """
 
     def __init__(self, stream: TextIO, *, is_output: bool) -> None:

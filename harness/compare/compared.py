@@ -122,12 +122,7 @@ BOUND = "bound"
 
 
 def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset:
-    """Set bands of experience beside the result of a study.
-
-    Returns:
-        The dataset with `experience_<id>` for each id, over the dim `bound`: the least and the
-        greatest factor.
-    """
+    """Set bands of experience beside a result: `experience_<id>`, least and greatest by `bound`."""
     if not entry_ids:
         return dataset
     bands = {}

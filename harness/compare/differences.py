@@ -35,12 +35,9 @@ class NotComparableError(HarnessError):
 
 @dataclass(frozen=True)
 class Difference:
-    """The largest relative difference of one result over the cases of two datasets.
+    """The largest relative difference of one result over the cases of two datasets, and its case.
 
-    Attributes:
-        name: of the result.
-        size: difference over the first's value; infinite where only one has a number.
-        label: the case.
+    The size is over the first's value; infinite where only one has a number.
     """
 
     name: str

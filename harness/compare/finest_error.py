@@ -57,16 +57,11 @@ def with_finest_error(
 ) -> xr.Dataset:
     """Add the error of each case against the best known one, where no exact error is known.
 
-    Cases are alike that differ only in parameters of the method. The best known one among them is
-    that of the reference, or else the one with the smallest stated uncertainty, or where none
-    states any the costliest, by particle updates; it has itself no error. Its relative uncertainty
-    is the floor, below which no error says anything. A case whose headline has not settled has no
-    error and is not the best known one.
-
-    Args:
-        dataset: the result of a study of one scene.
-        method: the parameters of the method.
-        reference: a result whose cases stand for the true values of those alike; or none.
+    Cases of the one scene are alike that differ only in parameters of the method. The best known
+    one among them is that of the reference, if one is given, or else the one with the smallest
+    stated uncertainty, or where none states any the costliest, by particle updates; it has itself
+    no error. Its relative uncertainty is the floor, below which no error says anything. A case
+    whose headline has not settled has no error and is not the best known one.
     """
     headlines = with_role(dataset, Role.HEADLINE)
     if ERROR in dataset or not (method and headlines and "particle_updates" in dataset):

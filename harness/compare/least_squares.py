@@ -62,12 +62,7 @@ class Fit:
 
 
 def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
-    """The fit of values on meshes of these cells.
-
-    Args:
-        sizes: h, four at least, all > 0.
-        values: one of each mesh.
-    """
+    """The fit of values on meshes whose cells are h = `sizes`, four at least, all > 0."""
     size, value = np.array(sizes), np.array(values)
     weights = [np.ones(size.size), size.size / size / (1.0 / size).sum()]
     free = [min(_fits(size, value, weight), key=lambda it: it[1]) for weight in weights]
@@ -109,11 +104,7 @@ def _line(
 
 
 def least_squares_table(dataset: xr.Dataset) -> str:
-    """A text table for a terminal: cone factors with U by least squares, and with their own.
-
-    Raises:
-        NothingToCompareError: there are no cone factors on four meshes that are else alike.
-    """
+    """A text table for a terminal: cone factors with U by least squares, and with their own."""
     names = [it for it in varied_names(dataset) if it != RESOLUTION]
     values = over_cases(dataset, SIMULATED).astype(float)
     sizes = 1.0 / over_cases(dataset, RESOLUTION).astype(float)

@@ -48,12 +48,7 @@ def ratio(first: Known, second: Known) -> Known:
 
 
 def slope(places: np.ndarray, values: np.ndarray) -> Known:
-    """Of the straight line by least squares through values at these places.
-
-    Args:
-        places: shape [n], not all alike.
-        values: with their half widths, shape [n, 2].
-    """
+    """Of the line by least squares through values with half widths, [n, 2], at places [n]."""
     number, half_width = values.T
     beside = places - places.mean()
     weights = beside / (beside @ beside)

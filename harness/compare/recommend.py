@@ -53,11 +53,8 @@ class Recommendation:
 def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation | None:
     """The cheapest settings whose error is at most `largest_error` in every case that has them.
 
-    A file that is no study, not of the scene, or without errors is passed over. The error is
-    dimensionless.
-
-    Raises:
-        HarnessError: no result of the scene has an error; the message says whether any is there.
+    A file that is no study, not of the scene, or without errors is passed over; a `HarnessError`
+    says that none has errors, and whether any is there. The error is dimensionless.
     """
     known = scene_class(scene)
     # What refines an exact solution is a parameter of the method too.
@@ -77,11 +74,7 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
 
 
 def results_in(folder: Path) -> list[Path]:
-    """The files that may be results, sorted.
-
-    Raises:
-        HarnessError: there is no such folder.
-    """
+    """The files of a folder that may be results, sorted."""
     if not folder.is_dir():
         raise HarnessError(f"--results {folder}: no such folder")
     return sorted(folder.glob("*.nc"))

@@ -27,9 +27,6 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     """Tables of speed, of the gain by threads and of memory, a column a size.
 
     Below stand the stages of a step, with their times, of the largest case of the most physics.
-
-    Raises:
-        HarnessError: the dataset is of another scene.
     """
     if dataset.attrs["scene"] != "step_cost":
         raise HarnessError(f"{dataset.attrs['study']}: is not a study of the scene step_cost")

@@ -80,10 +80,7 @@ def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: fl
 def without_borders(test: Measured, borders: Sequence[float], radius: float) -> Measured:
     """A test in which each depth has the resistance of its own layer, with the error of that.
 
-    Args:
-        test: as measured; sleeve friction and pore pressure stay.
-        borders: depths of borders of layers [m].
-        radius: of the cone [m].
+    Sleeve friction and pore pressure stay; the others are as for `near_border`.
     """
     net = sharpened(test.depth, test.net, borders, radius)
     effect = net - test.net
@@ -123,10 +120,8 @@ def _place(way: Floats, logarithm: Floats, borders: Sequence[float], border: flo
 def _own_over_mean(way: Floats, logarithm: Floats, inside: Sequence[float]) -> tuple[Floats, float]:
     """Logarithm of the soil's own resistance over the one so averaged, [n], and the misfit.
 
-    Args:
-        way: depths of the tip, over the radius, shape [n].
-        logarithm: of the net resistance, shape [n].
-        inside: depths of borders, over the radius.
+    The way of the tip and the borders inside it are over the radius; the logarithm is of net
+    resistance.
     """
     edges, curvature = _cells([way[0], *inside, way[-1]])
     jumps = sparse.csr_array(edges[:-1, None] >= np.array(inside), dtype=float)

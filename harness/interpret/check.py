@@ -40,7 +40,6 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
 
     Raises:
         HarnessError: no depth of the site has a strength.
-        ParameterError: the scene does not allow that ground.
     """
     radius, depth = site.test.cone_radius, found.depth.values
     rows, soils, ways = [], [], []
@@ -113,12 +112,7 @@ def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
 
 
 def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
-    """What was found, with the simulated sounding at the depths of the test, and the misfit.
-
-    Args:
-        found: by `interpret`.
-        simulated: the result of `sounding_of`.
-    """
+    """What `interpret` found, with the simulated sounding at the test's depths, and the misfit."""
     depth, at = found.depth.values, simulated.depth.values
     net, friction, pressure = (
         np.interp(depth, at, simulated[name].values, left=np.nan, right=np.nan)

@@ -35,12 +35,7 @@ PERCENTILES = 5, 50, 95
 
 
 def site_text(test: str, told: Mapping[str, float]) -> str:
-    """A site file for a measured test, explained key by key; it is to be edited.
-
-    Args:
-        test: its file.
-        told: values of keys of [test] that the file of the test says itself.
-    """
+    """A site file for a test, explained key by key, to be edited; `told` is by the test's own."""
     given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
     lines = [
@@ -96,11 +91,7 @@ def is_site_file(name: str) -> bool:
 
 
 def site_rows(path: Path) -> list[str]:
-    """What a site file says: each key with its value, and what it is.
-
-    Raises:
-        StudyError: something in it is wrong.
-    """
+    """What a site file says: each key with its value, and what it is."""
     site, values = load_site(path), read_toml(path)
     rows = [f"{path}: {site.title}", "", *_told_rows(SITE_KEYS, values)]
     rows += ["", "[test]", *_told_rows(TEST_KEYS, values["test"])]

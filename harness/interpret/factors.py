@@ -88,11 +88,7 @@ class Factors:
         return self.along(fixed)(anisotropy, adhesion)
 
     def along(self, fixed: Mapping[str, Floats | float]) -> Along:
-        """The quantities of soils as functions of what changes with depth.
-
-        Args:
-            fixed: all inputs but those of `MOVING`, shape [soils].
-        """
+        """The quantities of soils, shape [soils], as functions of what changes with depth."""
         names = list(RANGES)
         places = [names.index(name) for name in fixed]
         x = np.stack([np.atleast_1d(scaled(name, fixed[name])) for name in fixed])
@@ -109,11 +105,7 @@ class Factors:
 
 @dataclass(frozen=True, eq=False)
 class Along:
-    """Factors of soils over stress anisotropy and adhesion factor.
-
-    Attributes:
-        weights: by the powers of the two, shape [quantities, soils].
-    """
+    """Factors of soils over stress anisotropy and adhesion; weights are by the powers of both."""
 
     weights: Mapping[tuple[int, int], Floats]
 

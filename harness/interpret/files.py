@@ -66,9 +66,7 @@ class TestFile:
 def read_file(path: Path, sounding: str | None = None) -> TestFile:
     """A test of its file; the format goes by the ending, CSV where it is none of GEF, XML, AGS.
 
-    Args:
-        path: the file.
-        sounding: its name, in a file that has several.
+    `sounding` names the test in a file that has several.
 
     Raises:
         StudyError: the file cannot be read, or is damaged; the message is one line.

@@ -48,13 +48,7 @@ SURELY = 1e-6
 
 @dataclass(frozen=True)
 class Input:
-    """One input of an interpretation.
-
-    Attributes:
-        text: how it is written, for the page.
-        quantiles: its distribution.
-        is_known: whether it is one number.
-    """
+    """One input: how it is written, its distribution, and whether it is one number."""
 
     text: str
     quantiles: Quantiles
@@ -164,16 +158,7 @@ def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Qu
 
 
 def sampled(inputs: dict[str, Input], count: int, seed: int) -> dict[str, Floats]:
-    """Samples of inputs that are independent of each other, a Latin hypercube of them.
-
-    Args:
-        inputs: by name.
-        count: how many samples.
-        seed: of the random numbers.
-
-    Returns:
-        By name, shape [count].
-    """
+    """Samples of inputs that are independent of each other, a Latin hypercube; each [count]."""
     shares = stats.qmc.LatinHypercube(len(inputs), rng=seed).random(count)
     columns = zip(inputs.items(), shares.T, strict=True)
     return {name: it.quantiles(share) for (name, it), share in columns}

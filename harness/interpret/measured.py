@@ -76,11 +76,7 @@ class Measured:
 
 
 def measured(test: MeasuredTest) -> Measured:
-    """The test of a site, corrected.
-
-    Raises:
-        StudyError: the file cannot be read, or what it holds cannot be.
-    """
+    """The test of a site, corrected."""
     read = read_columns(test)
     columns, area_ratio = read.values, read.area_ratio
     depth, qc, fs, u2 = (columns[name] for name in COLUMNS)

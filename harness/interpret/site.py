@@ -126,11 +126,7 @@ class Site:
 
 
 def load_site(path: Path) -> Site:
-    """A site of its file.
-
-    Raises:
-        StudyError: something in it is wrong; the message names file, key and what is allowed.
-    """
+    """A site of its file; a `StudyError` names file, key and what is allowed."""
     if not path.is_file():
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
     whole = _filled(Table(f"{path}:", read_toml(path)), SITE_KEYS, "test", "layer")

@@ -152,13 +152,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
 
 
 def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
-    """Draw the inputs of a layer, and the strength of each draw at its depths.
-
-    Args:
-        site: it is of.
-        number: of the layer.
-        test: as measured.
-        here: places of its depths, shape [depths].
+    """Draw the inputs of a layer, and the strength of each draw at its depths, which are at `here`.
 
     Raises:
         StudyError: an input of the layer leaves the table.
@@ -313,14 +307,10 @@ def _chosen(likelihood: Floats, seed: int) -> tuple[np.ndarray, float]:
 
 
 def error_shares(inputs: Mapping[str, Floats], values: Floats) -> dict[str, Floats]:
-    """Share of each input in the variance of values, and of all together beyond that.
+    """Share of each input in the variance of values, [depths, draws], and of all beyond that.
 
-    Args:
-        inputs: by name, shape [draws]; one that is the same everywhere has no share.
-        values: shape [depths, draws].
-
-    Returns:
-        By name, `TOGETHER` among them; they add up to 1, shape [depths].
+    By name, `TOGETHER` among them, they add up to 1, shape [depths]. An input that is the same in
+    all draws has none.
     """
     size = values.shape[1] // CLASSES
     variance = values.var(axis=1)

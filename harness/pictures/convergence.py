@@ -83,10 +83,7 @@ def approach(h: Floats, values: Floats) -> Approach | None:
 
     Richardson's extrapolation, with the order that follows from the three values: so they have to
     change in one direction, and by less and less. None also where the order is not within `ORDERS`.
-
-    Args:
-        h: what goes to zero with refinement, > 0.
-        values: what was computed there; those that are not a number are left out.
+    `h` > 0 goes to zero with refinement; values that are not a number are left out.
     """
     known = np.flatnonzero(np.isfinite(values))
     finest = known[np.argsort(h[known])][:LEAST_POINTS]

@@ -77,11 +77,7 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
 
 @STYLED
 def check_figure(found: xr.Dataset) -> Figure:
-    """Net resistance, sleeve and pore pressure, measured and simulated, and the misfit, by depth.
-
-    Args:
-        found: what `checked` gives.
-    """
+    """Net resistance, sleeve and pore pressure, measured and simulated; the misfit, by depth."""
     figure = Figure(figsize=SIZE, layout="constrained")
     *panels, misfit = figure.subplots(1, 4, sharey=True)
     depth = found.depth.values

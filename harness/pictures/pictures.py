@@ -66,11 +66,7 @@ Failures = dict[str, Exception]
 def draw(
     dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)
 ) -> tuple[list[Path], Failures]:
-    """Write the pictures of a study's result.
-
-    Each file is written whole or not at all, and is called by the attribute ``study`` of the
-    result. The folder is made where it does not exist; `forms` are of
-    :data:`harness.pictures.drawing.plot_parts.FORMATS`.
+    """Write the pictures of a study's result, each whole or not at all.
 
     Returns:
         Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result;
@@ -80,7 +76,6 @@ def draw(
         NothingToDrawError: none is meant for it.
         NotOwnFileError: a file is in the way that was not written by this program; then no
             picture is written.
-        ArchiveError: a file cannot be written.
     """
     drawn, failed = rendered(dataset, lambda figure: {form: image(figure, form) for form in forms})
     if not drawn and not failed:
@@ -104,13 +99,10 @@ def draw(
 def rendered(
     dataset: xr.Dataset, render: Callable[[Figure], Rendered]
 ) -> tuple[dict[str, Rendered], Failures]:
-    """The pictures that are meant for a study's result, by name; the main one first.
+    """What is made of each picture meant for a result, by name, the main one first; and errors.
 
     A failed case has no curve there. A picture that fails, which is an error of this program, takes
     nothing from the others.
-
-    Returns:
-        What is made of each figure, and the errors of those that failed.
     """
     sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
     made: dict[str, Rendered] = {}

@@ -148,14 +148,9 @@ QUANTITIES = (
 
 
 def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Figure:
-    """The sections of one snapshot; colours mean the same in those of all snapshots of a case.
+    """The sections of the snapshot nearest to a penetration over the cone radius; or of the last.
 
-    Args:
-        fields: the snapshots of a case.
-        penetration: over the cone radius; the nearest snapshot is drawn. Default: the last one.
-
-    Raises:
-        KeyError: the dataset has no snapshots of a cone test.
+    Colours mean the same in those of all snapshots of a case.
     """
     figure = Figure(figsize=_size(fields), dpi=150, layout="constrained")
     last = float(fields["penetration"][-1])
@@ -242,11 +237,7 @@ MOST_CURVES = 6
 
 
 def traction_figure(fields: xr.Dataset) -> Figure:
-    """Normal and shear traction over the distance along the surface, a curve a snapshot.
-
-    Raises:
-        KeyError: the dataset has no snapshots of a cone test.
-    """
+    """Normal and shear traction over the distance along the surface, a curve a snapshot."""
     figure = Figure(figsize=(7.2, 5.6), dpi=150, layout="constrained")
     normal, shear = figure.subplots(2, 1, sharex=True)
     radius = fields.cone_radius.item()
@@ -284,13 +275,7 @@ RESOLUTION = 80
 
 
 def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
-    """Write the film as a GIF, and as an MP4 beside it where `ffmpeg` is installed.
-
-    `path` is that of the GIF.
-
-    Returns:
-        The files, each written whole or not at all.
-    """
+    """Write the film as a GIF, and as an MP4 beside it where `ffmpeg` is installed; the files."""
     writers: dict[Path, AbstractMovieWriter] = {path: PillowWriter(fps=FRAMES_PER_SECOND)}
     if shutil.which("ffmpeg") is not None:
         writers[path.with_suffix(".mp4")] = FFMpegWriter(

@@ -32,12 +32,7 @@ BARS = "Error bars hold the value"
 
 @dataclass(frozen=True)
 class Studied:
-    """The cases of a result, in their order, whatever dims the result has.
-
-    Attributes:
-        dataset: the result.
-        headline: name of the scalar that the cases were run for.
-    """
+    """The cases of a result in their order, and the name of the headline that they were run for."""
 
     dataset: xr.Dataset
     headline: str
@@ -161,9 +156,7 @@ class Series(NamedTuple):
 def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
     """Some of the cases that have a curve, evenly spread; and how many more there are, in words.
 
-    Args:
-        dataset: the result.
-        curves: of its cases, shape [case, :].
+    The curves have the shape [case, :].
     """
     drawn = np.flatnonzero(np.isfinite(curves).any(axis=1))
     shown = drawn[chosen(drawn.size, MOST_LABELS)].tolist()

@@ -27,12 +27,6 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
 
     Points carry what they carry in the snapshots; the nodes of the grid have averages of it, and
     their own velocities. Between the nodes of the surface the traction is linear.
-
-    Returns:
-        The series, and every file that it lists.
-
-    Raises:
-        HarnessError: pyvista is not installed.
     """
     beside = folder / f"{name}_vtk"
     prepare(beside)

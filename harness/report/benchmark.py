@@ -20,11 +20,7 @@ PHASES = ("exact anchors", "cone factors", "layers and gradient")
 
 @STYLED
 def benchmark_figure(found: Sequence[Score]) -> Figure:
-    """Error over run time, a panel a phase; submissions that tell no time stand at the left.
-
-    Args:
-        found: scores; those without a yardstick are left out.
-    """
+    """Error over run time, a panel a phase; submissions that tell no time stand at the left."""
     figure = Figure(figsize=SIZE, layout="constrained")
     judged = [it for it in found if math.isfinite(it.error)]
     names = list(dict.fromkeys(it.submission for it in judged))
@@ -55,14 +51,7 @@ def benchmark_figure(found: Sequence[Score]) -> Figure:
 def benchmark_page(
     submissions: Sequence[Submission], found: Sequence[Score], picture: bytes, against: str
 ) -> str:
-    """The page as text.
-
-    Args:
-        submissions: all that were scored.
-        found: their scores.
-        picture: PNG of errors over run time.
-        against: the submission that is the yardstick where no exact value is known.
-    """
+    """The page as text, with a PNG of errors over run time; `against` is the yardstick."""
     cases = {it.case.name: it.case for it in found}
     exact = {
         name: " to ".join(dict.fromkeys(f"{it:g}" for it in case.exact)) if case.exact else ""

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,7 @@ from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words
 from harness.interpret.site import Layer, Site
 from harness.pictures.drawing.plot_parts import MAKER, image
-from harness.report.report import PICTURE_DPI, TEMPLATES, Picture, embedded
+from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
 
 USED = 0
 """Number of the reason of depths that have a strength."""
@@ -25,14 +26,7 @@ Rows = list[tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Interpreted:
-    """One test.
-
-    Attributes:
-        path: of its site file.
-        site: what that says.
-        found: what `interpret` gives.
-        figure: the picture of it.
-    """
+    """One test: its site file, what that says, what `interpret` gives, and the picture of it."""
 
     path: Path
     site: Site
@@ -40,40 +34,8 @@ class Interpreted:
     figure: Figure
 
 
-@dataclass(frozen=True)
-class Section:
-    """What the page says of one test.
-
-    Attributes:
-        anchor: where it begins, for links.
-        title: of the test.
-        sentences: what may be quoted.
-        picture: by depth.
-        inputs: of each layer, as given, and before and after the test tells of them.
-        causes: shares of the error by layer.
-        left_out: depths that have no strength, and why.
-        notes: on the file of the test.
-        site_file: all keys with their values, lines of text.
-    """
-
-    anchor: str
-    title: str
-    sentences: list[str]
-    picture: Picture
-    inputs: Rows
-    causes: Rows
-    left_out: Rows
-    notes: list[str]
-    site_file: str
-
-
 def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -> str:
-    """The page as text.
-
-    Args:
-        tests: all that are on it.
-        together: a picture of them all, where there are several.
-    """
+    """The page on tests as text; a picture of them together where there are several."""
     overview = None if together is None else embedded("all tests", image(together, dpi=PICTURE_DPI))
     made = provenance()
     return TEMPLATES.get_template("interpretation.html").render(
@@ -84,22 +46,23 @@ def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -
     )
 
 
-def _section(test: Interpreted, place: int) -> Section:
+def _section(test: Interpreted, place: int) -> dict[str, Any]:
+    """What the page says of a test, by the names that stand in interpretation.html."""
     site, found = test.site, test.found
-    return Section(
-        anchor=f"test-{place}",
-        title=site.title,
-        sentences=in_words(site, found),
-        picture=embedded(site.name, image(test.figure, dpi=PICTURE_DPI)),
-        inputs=[
+    return {
+        "anchor": f"test-{place}",
+        "title": site.title,
+        "sentences": in_words(site, found),
+        "picture": embedded(site.name, image(test.figure, dpi=PICTURE_DPI)),
+        "inputs": [
             ("layer", "input", "as given", "before: median (90 %)", "by the test: median (90 %)"),
             *(row for layer in site.layers for row in _input_rows(layer, found)),
         ],
-        causes=_cause_rows(site, found),
-        left_out=_left_out(site, found),
-        notes=[it for it in found.attrs["notes"].split("; ") if it],
-        site_file="\n".join(site_rows(test.path)),
-    )
+        "causes": _cause_rows(site, found),
+        "left_out": _left_out(site, found),
+        "notes": [it for it in found.attrs["notes"].split("; ") if it],
+        "site_file": "\n".join(site_rows(test.path)),
+    }
 
 
 def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:

@@ -54,11 +54,7 @@ class Picture:
 
 
 def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
-    """Write the page, whole or not at all.
-
-    Returns:
-        The errors of the pictures that could not be drawn; the page is whole without them.
-    """
+    """Write the page; returns the errors of pictures that could not be drawn, and are left out."""
     text, failed = page(datasets)
     write_own(text.encode(), path)
     return failed

@@ -30,12 +30,7 @@ from harness.report import words
 
 @dataclass(frozen=True)
 class Cell:
-    """What a table shows of one value.
-
-    Attributes:
-        text: the value with few digits.
-        value: all its digits, by which the table is sorted and filtered; "" where it is a text.
-    """
+    """What a table shows of one value, and all its digits to sort and filter by; "" of a text."""
 
     text: str
     value: str
@@ -43,14 +38,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Column:
-    """One quantity of all cases.
-
-    Attributes:
-        title: its name.
-        symbol: its symbol, "" where it has none.
-        unit: its unit, "" where it has none.
-        cells: one for each case.
-    """
+    """One quantity of all cases; its symbol and its unit are "" where it has none."""
 
     title: str
     symbol: Markup

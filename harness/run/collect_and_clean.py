@@ -178,12 +178,9 @@ Parameters = Mapping[str, Value | None]
 
 @dataclass(frozen=True)
 class StrayFile:
-    """A file that does not belong to a study.
+    """A file, or a link, that does not belong to a study, and what it is, in words.
 
-    Attributes:
-        path: the file, or the link.
-        what: it is, in words.
-        identity: distinguishes it from another file that has its name later.
+    Its identity distinguishes it from another file that has its name later.
     """
 
     path: Path

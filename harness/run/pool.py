@@ -41,16 +41,9 @@ def run_cases(
 ) -> None:
     """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
 
-    A case that fails does not stop the others. An exception, such as that of Ctrl-C, ends the
-    workers; the results so far are kept. A case that another run has completed meanwhile is not
-    run again.
-
-    Args:
-        cases: what to run, in this order.
-        folder: where the case files are.
-        worker_count: greatest number of processes at work.
-        watcher: receives reports of what goes on.
-        options: how they are run.
+    Cases are begun in this order, at most `worker_count` at a time. One that fails does not stop
+    the others. An exception, such as that of Ctrl-C, ends the workers; the results so far are kept.
+    A case that another run has completed meanwhile is not run again.
     """
     # Starting this process of multiprocessing unblocks signals that are held: it must come first.
     resource_tracker.ensure_running()

@@ -15,11 +15,9 @@ NOTICED = 0.05
 
 
 class Display(AbstractContextManager["Display"]):
-    """Shows cases as they run; a context that leaves the terminal's line clean.
+    """Shows so many cases as they run, with a bar where the stream is a terminal.
 
-    Args:
-        total: number of cases to run.
-        stream: where to write; the bar is drawn where that is a terminal.
+    It is a context that leaves the terminal's line clean.
     """
 
     def __init__(self, total: int, stream: TextIO) -> None:

@@ -31,7 +31,6 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
     Raises:
         ArchiveError: there is no such case, or another version of the simulator computed it, or
             the file lacks what is needed.
-        UnknownSceneError: the simulator has no such scene.
     """
     if path.name.endswith(ENDING):
         own = path.with_name(f"{path.name.removesuffix(ENDING)}.nc")

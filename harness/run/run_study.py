@@ -34,15 +34,10 @@ RunCases = Callable[[Sequence[Case], Path, Watcher], None]
 def on_this_machine(
     study: Study, worker_count: int | None, options: RunOptions = DEFAULTS
 ) -> RunCases:
-    """How to run the cases of a study in worker processes here.
+    """How to run the cases of a study in worker processes here; None: as many as there are cores.
 
-    If the study asks for timed runs, or its scenes measure the machine, one process runs alone.
-
-    Args:
-        study: what is run; it says how often cases are run again.
-        worker_count: processes at work; None: as many as there are cores for their threads.
-        options: with the memory that all cases at work may take together [byte]; no threads mean
-            one where the study asks for timing.
+    If the study asks for timed runs, or its scenes measure the machine, one process runs alone,
+    with one thread where no number is given. The memory of the options is for all cases at work.
 
     Raises:
         HarnessError: there is no such device, or cases to be timed are to run at the same time.
@@ -78,11 +73,10 @@ def on_this_machine(
 
 
 def on_cluster(study: Study, address: str) -> RunCases:
-    """How to run the cases of a study on a Dask cluster.
+    """How to run the cases of a study on the Dask cluster whose scheduler has this address.
 
     Raises:
-        HarnessError: the study asks for timed runs, or Dask is not installed.
-        ClusterError: the scheduler at `address` cannot be reached.
+        HarnessError: the study asks for timed runs, Dask is missing, or nobody answers there.
     """
     if study.timing_repeats:
         raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
@@ -106,11 +100,6 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     A case is done when it has completed, and been timed as often as its study asks for. Done cases
     that were computed by other sources of the simulator are kept, and one line says so. However
     the run ends, what is done is in the archive, and collected.
-
-    Raises:
-        HarnessError: results cannot be written or lie outside the folder of results, or a cluster
-            is lost.
-        KeyboardInterrupt: Ctrl-C.
     """
     folder = case_folder(out, study)
     check_no_link(out, study)

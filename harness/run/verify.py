@@ -14,12 +14,7 @@ from mpm_warp.scenes import Verification, scene_class, scene_names
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """A scene with one set of parameters, to be run at all its resolutions.
-
-    Attributes:
-        scene: name of the scene.
-        verification: resolutions and bounds.
-    """
+    """A scene with one set of parameters, to be run at all its resolutions within its bounds."""
 
     scene: str
     verification: Verification
@@ -33,13 +28,7 @@ class Check:
 
 @dataclass(frozen=True, kw_only=True)
 class Verified:
-    """The results of a check.
-
-    Attributes:
-        check: what was run.
-        results: datasets of the scene, one for each resolution; None where the run failed.
-        messages: why a run failed, "" where it did not.
-    """
+    """The results of a check, one for each resolution; None where the run failed, and then why."""
 
     check: Check
     results: tuple[xr.Dataset | None, ...]
@@ -75,15 +64,10 @@ class Verified:
 
 
 def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Check, ...]:
-    """The checks of the scenes called `names`, or of all that have an exact solution.
-
-    Args:
-        names: scenes, all by default.
-        extreme: whether the extreme checks are wanted, else all others.
+    """The checks, or the extreme ones, of these scenes; by default of all with an exact solution.
 
     Raises:
         HarnessError: a scene that is named has none of these checks.
-        UnknownSceneError: there is no scene of that name.
     """
     checks = tuple(
         Check(scene=name, verification=verification)

@@ -52,13 +52,9 @@ REPORT_INTERVAL = 0.1
 
 @dataclass(frozen=True)
 class Result:
-    """What became of a case.
+    """What became of a case: what its scene gave, or had computed up to its error, and snapshots.
 
-    Attributes:
-        outcome: how it ended.
-        dataset: what the scene returned, or had computed up to its error; what it cost and where it
-            was computed.
-        fields: snapshots of the soil, up to its error; None where there are none.
+    The dataset says what it cost and where it was computed, too.
     """
 
     outcome: Outcome
@@ -75,13 +71,8 @@ def compute(
     """Run a case in this process.
 
     An exception that the scene raises is the outcome of the case, by its attribute ``status``
-    where it has one; it is not raised again.
-
-    Args:
-        case: the case.
-        progress: receives the fraction done now and then.
-        execution: where it is computed, and on how many threads; default: one of the processor.
-        options: how often it is run again, and what memory it may take.
+    where it has one; it is not raised again. `progress` receives the fraction done now and then; by
+    default the case is computed on one thread of the processor.
     """
     execution = execution or Execution()
     measurement = Measurement()

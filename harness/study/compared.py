@@ -160,9 +160,8 @@ def _tolerances(
 class OwnReference(ConeFactor):
     """A reference of a study's own; outside its ranges it has no value.
 
-    Attributes:
-        names: parameters and symbols that the formula depends on.
-        ranges: least and greatest value that the formula is meant for, by parameter or symbol.
+    The formula depends on the parameters and symbols `names`; the ranges are by parameter or
+    symbol.
     """
 
     names: frozenset[str]

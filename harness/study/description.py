@@ -226,12 +226,7 @@ MEANT = (0.0, 1.0)
 
 @dataclass(frozen=True)
 class Usual:
-    """The usual range of a parameter of soil or penetrometer.
-
-    Attributes:
-        low, high: the ends, in the parameter's own unit.
-        units: other units that a value is often given in, and what one of them is.
-    """
+    """The usual range of a parameter, in its unit, and the size of others that are often given."""
 
     low: float
     high: float

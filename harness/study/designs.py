@@ -35,12 +35,7 @@ def rounded(number: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Range:
-    """Numbers from one end to the other, both included.
-
-    Attributes:
-        start, stop: the ends; above 0 where the spacing is logarithmic.
-        logarithmic: whether ratios are equal instead of differences.
-    """
+    """Numbers from one end to the other, both included; equal ratios where logarithmic."""
 
     start: float
     stop: float
@@ -63,13 +58,7 @@ class Range:
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """How values are combined.
-
-    Attributes:
-        kind: one of `DESIGNS`.
-        samples: cases of a Latin hypercube, 0 of another design.
-        seed: of its random numbers.
-    """
+    """How values are combined: one of `DESIGNS`; of a Latin hypercube its cases and its seed."""
 
     kind: str
     samples: int = 0
@@ -97,14 +86,7 @@ def combinations(
     listed: Sequence[Combination],
     known: Mapping[str, Parameter],
 ) -> Iterator[Combination]:
-    """The combinations of a design, in order.
-
-    Args:
-        design: how values are combined.
-        varied: values of the parameters that vary; a range is there in a Latin hypercube alone.
-        listed: the combinations of the design ``list``.
-        known: definitions of the parameters.
-    """
+    """The combinations of a design, in order; those of the design ``list`` are `listed`."""
     if design.kind == LIST:
         yield from listed
     elif design.kind == LATIN_HYPERCUBE:

@@ -58,13 +58,7 @@ class ExpressionError(ValueError):
 
 @dataclass(frozen=True)
 class Expression:
-    """An expression that is well formed.
-
-    Attributes:
-        text: as it was written.
-        names: parameters that it needs.
-        tree: its syntax, read once however many cases it is worked out for.
-    """
+    """A well-formed expression: as it was written, the parameters that it needs, its syntax."""
 
     text: str
     names: frozenset[str]

@@ -46,11 +46,7 @@ def study_names() -> tuple[str, ...]:
 
 
 def find_study(study: str, beside: Path | None = None) -> Path:
-    """The file of the study called `study`, or the file `study` itself.
-
-    Args:
-        study: a name, or a path that ends in ``.toml``.
-        beside: folder that a relative path starts from; default: the current one.
+    """The file of the study called `study`, or the file `study` itself, in a folder or here.
 
     Raises:
         StudyError: there is none (the nearest name is given), or its name names no results.
@@ -135,13 +131,9 @@ def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
 def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> dict[str, Any]:
     """What `own` says, and what `base` says where `own` says nothing.
 
-    Tables are joined key by key. A parameter that `own` fixes, varies or derives is no longer what
-    `base` makes of it; but one that `own` varies keeps its fixed value where a case has that.
-
-    Args:
-        base: a definition, or what stands in one under [scenes.NAME].
-        own: the same of a study that stands on it.
-        design: of the study, checked or not.
+    Both are definitions, or what stands in them under [scenes.NAME]. Tables are joined key by key.
+    A parameter that `own` fixes, varies or derives is no longer what `base` makes of it; but one
+    that `own` varies keeps its fixed value where a case of the design has that.
     """
     result = dict(base)
     for name in ASSIGNING:

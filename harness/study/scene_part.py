@@ -73,14 +73,9 @@ def read_part(
 ) -> ScenePart:
     """Read what a study does with a scene, and apply settings.
 
-    Args:
-        name: of the scene.
-        scene: its class.
-        table: all that the definition says of it.
-        design: how varied values are combined.
-        settings: parameters and their values, which hold whatever the definition says; those of
-            parameters that the scene does not have are left out. In the design `one_at_a_time` a
-            parameter that a setting varies keeps its fixed value in the first case.
+    Settings hold whatever the definition says; those of parameters that the scene does not have are
+    left out. In the design `one_at_a_time` a parameter that a setting varies keeps its fixed value
+    in the first case.
     """
     known = parameters_of(scene)
     settings = {key: value for key, value in settings.items() if key in known}

@@ -102,9 +102,7 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
 def with_snapshots(study: Study, moments: str) -> Study:
     """The study whose scenes keep the soil at other moments, where they take snapshots at all.
 
-    Args:
-        study: the study.
-        moments: as on the command line: ``5, 10``, or the list or the range of a study in TOML.
+    They are given as on the command line: ``5, 10``, or the list or the range of a study in TOML.
     """
     option = f"--{SNAPSHOTS}"
     given = moments if moments.lstrip().startswith(("[", "{")) else f"[{moments}]"

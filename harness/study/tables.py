@@ -31,12 +31,7 @@ class StudyError(HarnessError):
 
 
 class Table:
-    """A TOML table.
-
-    Attributes:
-        where: the file and the name of the table, for messages.
-        values: the keys and their values.
-    """
+    """A TOML table: its keys and values, and for messages the file and the name of the table."""
 
     def __init__(self, where: str, values: Mapping[str, Any]) -> None:
         self.where = where
@@ -109,11 +104,7 @@ class Table:
 
 
 class Assignments(Table):
-    """A table whose keys are parameters.
-
-    Attributes:
-        known: definitions of the parameters that the scene has.
-    """
+    """A table whose keys are parameters of a scene, with their definitions."""
 
     def __init__(
         self, where: str, values: Mapping[str, Any], known: Mapping[str, Parameter]

@@ -140,11 +140,7 @@ def _table(found: xr.Dataset) -> Iterator[list[str]]:
 
 
 def read_points(path: Path) -> list[tuple[float, float]]:
-    """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa].
-
-    Raises:
-        HarnessError: it cannot be read, or is no such table.
-    """
+    """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa]."""
     try:
         rows = list(csv.DictReader(path.read_text(encoding="utf-8-sig").splitlines()))
         return [(float(it["depth [m]"]), 1e3 * float(it["strength [kPa]"])) for it in rows]

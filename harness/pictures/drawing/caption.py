@@ -57,10 +57,7 @@ def left_out(count: int, noun: str) -> str:
 def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     """What bars or bands are, and why there is none of some cases, in sentences.
 
-    Args:
-        dataset: what is shown.
-        holds: which they are, and of what: "Bands hold the resistance".
-        are_shown: whether there are any.
+    `holds` says which they are, and of what: "Bands hold the resistance".
     """
     meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
     why = words_of(reasons_of(dataset))

@@ -53,16 +53,10 @@ ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
 def draw_literature(
     axes: Axes, one: xr.Dataset, name: str, along: Floats, colour: str | None = None
 ) -> list[CurveEnd]:
-    """Draw the envelope and the references of a case, over one of its parameters.
+    """Draw the envelope and the references of a case over values of one of its parameters.
 
-    A curve is solid where its reference applies and dashed outside.
-
-    Args:
-        axes: where to.
-        one: a case: its parameters, and the references that it was compared with.
-        name: the parameter.
-        along: its values.
-        colour: of the series that the case is one of: the envelope alone is drawn, in this colour.
+    A curve is solid where its reference applies and dashed outside. Of a case that is one of a
+    series in a colour the envelope alone is drawn, in that colour.
 
     Returns:
         The ends of the references' curves, with their names.

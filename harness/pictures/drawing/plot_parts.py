@@ -26,11 +26,7 @@ class NotOwnFileError(HarnessError):
 
 
 def check_replaceable(path: Path) -> None:
-    """Check that nothing is lost by writing a file: it is not there, or was written by the harness.
-
-    Raises:
-        NotOwnFileError: it was written by another program, or is a folder.
-    """
+    """Refuse to write a file that is there already and was not written by the harness."""
     if not path.exists() and not path.is_symlink():
         return
     if not path.is_file():
@@ -79,13 +75,7 @@ INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
 
 @STYLED
 def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
-    """The image of a figure, the same bytes each time.
-
-    Args:
-        figure: the figure.
-        form: one of `FORMATS`.
-        dpi: points of a PNG an inch; None: those of the style.
-    """
+    """The image of a figure in one of `FORMATS`, the same bytes each time; `dpi` is of a PNG."""
     content = io.BytesIO()
     figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
     return content.getvalue()
