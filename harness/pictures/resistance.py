@@ -66,8 +66,8 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         is_start = not few and labelled[:1] == [case]
         width = 1.3 if few or case in labelled else 0.6
         axes.plot(x, curves[case], color=INK if is_start else colour, lw=1.8 if is_start else width)
-        if case in labelled:
-            label = _label(studied, case)
+        label = _label(studied, case) if case in labelled else ""
+        if label:
             marks.append(CurveEnd(x[last[case]], ends[case], label, INK if is_start else colour))
     axes.set_xlabel(axis_label(dataset, "penetration"))
     axes.set_ylabel(OVER_STRENGTH)
@@ -88,7 +88,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         figure,
         dataset,
         f"{len(drawn)} cases." if not few else "",
-        "Before the gap the cone is faster: the way there is no result." if approached else "",
+        "Before the gap the cone approaches faster; that part is no result." if approached else "",
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
     )
     return figure

@@ -158,6 +158,10 @@ def test_resistance_is_over_the_strength_with_a_label_for_each_case() -> None:
     assert axes.get_xlabel() == "penetration over cone radius $z/R$ [-]"
 
 
+def test_the_curve_of_a_single_case_has_no_label() -> None:
+    assert written(resistance_figure(result({"adhesion_factor": [0.3]}, [11.0]))) == []
+
+
 def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled() -> None:
     count = 12
     columns = {"rigidity_index": [100.0 + case for case in range(count)]}
