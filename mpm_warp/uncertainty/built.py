@@ -105,8 +105,12 @@ def why_not_tresca(material: Material) -> list[str]:
     """Why the laws of the error do not hold in a soil that one of the catalogue's scenes has."""
     if type(material) is Tresca:
         return []
-    name = built_name(material)
-    return [f"law: the error is known in tresca, not in {name}, but further runs may measure it"]
+    changing = isinstance(material, EinavRandolph)
+    name = "clay that softens or has a rate effect" if changing else built_name(material)
+    return [
+        f"law: the error is known in tresca, not in {name}, but further runs may measure it "
+        "(uncertainty = measured)"
+    ]
 
 
 def _why_law_not_measured(material: Material) -> list[str]:
