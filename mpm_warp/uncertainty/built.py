@@ -107,10 +107,8 @@ def why_not_tresca(material: Material) -> list[str]:
         return []
     changing = isinstance(material, EinavRandolph)
     name = "clay that softens or has a rate effect" if changing else built_name(material)
-    return [
-        f"law: the error is known in tresca, not in {name}, but further runs may measure it "
-        "(uncertainty = measured)"
-    ]
+    measured = "further runs may measure it (uncertainty = measured)"
+    return [f"law: the error is known in tresca, not in {name}, but {measured}"]
 
 
 def _why_law_not_measured(material: Material) -> list[str]:
