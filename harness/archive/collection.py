@@ -12,6 +12,7 @@ from harness.archive.conventions import (
     CASE,
     COMPLETED,
     DAMAGED,
+    DISTRIBUTION,
     FORMAT_VERSION,
     MISSING,
     Role,
@@ -21,7 +22,7 @@ from harness.archive.conventions import (
 )
 from harness.archive.provenance import OF_CASE
 from harness.study.cases import Case
-from harness.study.designs import Range
+from harness.study.distributions import Input
 from harness.study.study import STABILITY_MAP, Study
 from mpm_warp.parameters import Parameter, Value
 from mpm_warp.results import material_as_built, stored_name
@@ -55,7 +56,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}
     if study.is_grid:
         varied = study.parts[0].varied
-        axes = {names[name]: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
+        axes = {names[name]: v for name, v in varied.items() if isinstance(v, tuple)}
 
     own = {name: it for name, it in gathered.variables.items() if name != CASE}
     origins, origin = _origins(results)
@@ -125,8 +126,11 @@ def _parameters(
     variables: Variables = {}
     coordinates: Variables = {}
     assigned = {name for part in study.parts for name in part.assigned}
+    varied = [pair for part in study.parts for pair in part.varied.items()]
+    distributions = {name: it.text for name, it in varied if isinstance(it, Input)}
     for name, definition in definitions.items():
         stored, labels = names[name], parameter_attributes(definition)
+        labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
         values = [case.parameters.get(name) for case in study.cases]
         # Not a number, or an empty text, where there is none.
         nothing = "" if definition.kind is str else np.nan

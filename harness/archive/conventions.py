@@ -58,6 +58,8 @@ TOLERANCES = "tolerances"
 NUMERICAL = "numerical error only, of this clay, not of your soil"
 HALF_WIDTH = f"half width of 95 %: {NUMERICAL}"
 """What +- means."""
+DISTRIBUTION = "distribution"
+"""Attribute of a varied parameter with the distribution that it was drawn from, in words."""
 TRACEBACK = "traceback"
 """Attribute of the file of a failed case that says where in the program it failed."""
 

@@ -31,6 +31,7 @@ from harness.compare.compared import (
 )
 from harness.compare.finest_error import error_name
 from harness.compare.ratios import change_notes, ratio_notes
+from harness.compare.spread import spread_notes
 from harness.references.cone_factors import (
     COMPARED,
     ENVELOPE,
@@ -64,9 +65,10 @@ def result_table(dataset: xr.Dataset) -> str:
     """A text table for a terminal: one row a case, and how to read it below.
 
     Where cone factors stand beside results of other scenes, these have a table of their own, and
-    each ratio of two scenes in one soil stands below.
+    each ratio of two scenes in one soil stands below, and what distributions of inputs make of it.
     """
-    return "\n".join([_tables(dataset), *ratio_notes(dataset), *change_notes(dataset)])
+    notes = [*ratio_notes(dataset), *change_notes(dataset), *spread_notes(dataset)]
+    return "\n".join([_tables(dataset), *notes])
 
 
 def _tables(dataset: xr.Dataset) -> str:

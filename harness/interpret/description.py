@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from harness.interpret.inputs import FORMS, HOW, read_input
 from harness.interpret.keys import (
     COLUMNS,
     LAYER_KEYS,
@@ -26,8 +25,9 @@ from harness.interpret.keys import (
 )
 from harness.interpret.site import load_site
 from harness.study.description import WIDTH
+from harness.study.distributions import HOW, read_input
 from harness.study.files import read_toml
-from harness.study.schema import DIALECT, LINE, Schema, table_schema
+from harness.study.schema import DIALECT, LINE, Schema, distributions, table_schema
 from harness.study.tables import StudyError, Table
 
 PERCENTILES = 5, 50, 95
@@ -158,7 +158,7 @@ def _of_form(form: Form, key: Key) -> list[Schema]:
         Form.TEXT: [LINE],
         Form.NUMBER: [within],
         Form.INTEGER: [within | {"type": "integer"}],
-        Form.INPUT: [within, *_distributions()],
+        Form.INPUT: [within, *distributions()],
         Form.BY_DEPTH: [table_schema(by_depth, required=list(by_depth))],
         Form.NUMBERS: [_list(number)],
         Form.WORDS: [_list({"enum": list(key.choices)})],
@@ -166,18 +166,6 @@ def _of_form(form: Form, key: Key) -> list[Schema]:
         Form.ERRORS: [table_schema(errors, required=list(errors))],
         Form.RATE: [{"type": "string", "pattern": f"^{RATE}$"}],
     }[form]
-
-
-def _distributions() -> list[Schema]:
-    """All ways to write an input that is not one number."""
-    kinds: dict[str, Schema] = {"shape": {"enum": ["normal", "lognormal"]}}
-    number = {"type": "number"}
-    tables = [
-        table_schema({name: kinds.get(name, number) for name in form}, required=list(form))
-        for form in FORMS
-    ]
-    percentiles = {"patternProperties": {r"^p\d{1,2}$": number}, "minProperties": 2}
-    return [*tables, table_schema({}, **percentiles)]
 
 
 def _list(items: Schema) -> Schema:

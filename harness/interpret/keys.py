@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from harness.interpret.factors import TABLE_RATE
-from harness.interpret.inputs import HOW
+from harness.study.distributions import HOW
 from mpm_warp.arguments import FINITE, NOT_NEGATIVE, Range
 
 MEASURES = ("tip", "sleeve", "pore_pressure")

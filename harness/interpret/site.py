@@ -24,7 +24,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.interpret.inputs import Input, read_input, refuse_both
 from harness.interpret.keys import (
     ACCURACY,
     BY_SLEEVE,
@@ -39,6 +38,7 @@ from harness.interpret.keys import (
     TEST_KEYS,
     Key,
 )
+from harness.study.distributions import Input, read_input
 from harness.study.files import read_toml
 from harness.study.tables import StudyError, Table
 
@@ -165,7 +165,7 @@ def _filled(table: Table, keys: Mapping[str, Key], *others: str) -> Table:
 
 
 def _test(given: Table, folder: Path) -> MeasuredTest:
-    refuse_both(given, "water_level", "u0")
+    _refuse_both(given, "water_level", "u0")
     in_place = {"water_level": 0.0} if "u0" in given.values else {}
     table = _filled(Table(given.where, {**in_place, **given.values}), TEST_KEYS)
     weight = table.values["unit_weight"]
@@ -191,7 +191,7 @@ def _test(given: Table, folder: Path) -> MeasuredTest:
 
 
 def _layer(given: Table) -> Layer:
-    refuse_both(given, "K0", "stress_anisotropy")
+    _refuse_both(given, "K0", "stress_anisotropy")
     table = _filled(given, LAYER_KEYS)
     top, bottom = (_number(table, key, LAYER_KEYS) for key in ("from", "to"))
     if not top < bottom:
@@ -218,6 +218,12 @@ def _layer(given: Table) -> Layer:
             if it not in given.values
         ),
     )
+
+
+def _refuse_both(table: Table, one: str, other: str) -> None:
+    """Refuse a table that has both of two keys that say the same."""
+    if one in table.values and other in table.values:
+        raise StudyError(f"{table.where} {one}: {other} says the same; give one of them")
 
 
 def _finite(table: Table, key: str, value: object) -> float:

@@ -26,10 +26,10 @@ import xarray as xr
 
 from harness.interpret.borders import near_border, without_borders
 from harness.interpret.factors import NUMERICAL_ERROR, RANGES, Along, at_table_rate, factors
-from harness.interpret.inputs import normal, sampled
 from harness.interpret.measured import REASONS, Measured, measured
 from harness.interpret.result import PERCENTILES, as_dataset
 from harness.interpret.site import ByDepth, Layer, Site
+from harness.study.distributions import normal, sampled
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled

@@ -31,6 +31,7 @@ from harness.pictures.element_and_cyclic_tests import (
 )
 from harness.pictures.resistance import resistance_figure, shows_resistance
 from harness.pictures.sounding import shows_sounding, sounding_figure
+from harness.pictures.spread import shows_spread, spread_figure
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_figure
 from harness.pictures.work_precision import shows_work_precision, study_figure
@@ -42,6 +43,7 @@ PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], F
     "convergence": (shows_convergence, convergence_figure),
     "cycles": (shows_cycles, cycles_figure),
     "element_tests": (shows_element_tests, element_tests_figure),
+    "spread": (shows_spread, spread_figure),
     "effects": (shows_effects, effects_figure),
     "cases": (shows_cases, cases_figure),
     "scenes": (shows_scenes, scenes_figure),

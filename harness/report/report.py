@@ -23,6 +23,7 @@ from harness.archive.conventions import (
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
 from harness.compare.result_table import which_strength
+from harness.compare.spread import spread_rows, spreads_of
 from harness.pictures.drawing.caption import SOIL_AND_CONE
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import Failures, rendered
@@ -93,6 +94,7 @@ def _section(
         "failed": failed,
         "missed": misses(dataset),
         "stability": stability_rows(dataset) if shows_stability(dataset) else [],
+        "spreads": [(spoken(it.name), spread_rows(it)) for it in spreads_of(dataset)],
         "table": table,
         "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
         "references": stored_references(dataset),

@@ -12,12 +12,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
+import numpy as np
+
 from harness.errors import tell
 from harness.references.cone_factors import ENVELOPE
 from harness.references.experience import EXPERIENCE
 from harness.study.cases import most_cases
 from harness.study.compared import takes_references
-from harness.study.designs import DESIGNS, Range
+from harness.study.designs import DESIGNS, Range, Variation
+from harness.study.distributions import Input
 from harness.study.scene_part import ScenePart
 from harness.study.study import Study
 from mpm_warp.errors import ParameterError
@@ -97,7 +100,9 @@ def _of_part(part: ScenePart) -> Iterator[tuple[str, str]]:
         yield "excluded", condition.text
 
 
-def _span(values: tuple[Value, ...] | Range) -> str:
+def _span(values: Variation) -> str:
+    if isinstance(values, Input):
+        return f"{{ {values.text} }}"
     if isinstance(values, Range):
         return f"{values.start:g} to {values.stop:g}"
     return ", ".join(map(str, values))
@@ -295,6 +300,12 @@ def _given(part: ScenePart, name: str) -> list[float]:
     """All values that a study gives to a parameter."""
     varied = part.varied.get(name, ())
     values = [part.fixed[name]] if name in part.fixed else []
-    values += [varied.start, varied.stop] if isinstance(varied, Range) else varied
+    match varied:
+        case Range():
+            values += [varied.start, varied.stop]
+        case Input():
+            values += varied.quantiles(np.array([0.05, 0.95])).tolist()
+        case _:
+            values += varied
     values += [case[name] for case in part.listed if name in case]
     return [float(value) for value in values]

@@ -1,8 +1,8 @@
 """Which combinations of values a study runs.
 
 Of a full design the last parameter is the fastest. One at a time begins with the fixed values
-alone. Of a Latin hypercube each range has as many equal shares as there are samples, and every
-share is sampled once.
+alone. Of a Latin hypercube each range, and each distribution, has as many equally probable shares
+as there are samples, and every share is sampled once.
 """
 
 import itertools
@@ -10,6 +10,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from harness.study.distributions import Input
 from mpm_warp.parameters import Parameter, Value
 
 FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
@@ -65,12 +68,13 @@ class Design:
     seed: int = 0
 
 
-Variations = Mapping[str, tuple[Value, ...] | Range]
+Variation = tuple[Value, ...] | Range | Input
+Variations = Mapping[str, Variation]
 
 
 def combination_count(design: Design, varied: Variations, listed: Sequence[Combination]) -> int:
     """How many combinations :func:`combinations` gives."""
-    sizes = [len(values) for values in varied.values() if not isinstance(values, Range)]
+    sizes = [len(values) for values in varied.values() if isinstance(values, tuple)]
     counts = {
         FULL: math.prod(sizes),
         ONE_AT_A_TIME: 1 + sum(sizes),
@@ -92,7 +96,7 @@ def combinations(
     elif design.kind == LATIN_HYPERCUBE:
         yield from _latin_hypercube(design, varied, known)
     else:
-        values = {name: tuple(v) for name, v in varied.items() if not isinstance(v, Range)}
+        values = {name: v for name, v in varied.items() if isinstance(v, tuple)}
         if design.kind == FULL:
             for choice in itertools.product(*values.values()):
                 yield dict(zip(values, choice, strict=True))
@@ -117,9 +121,11 @@ def _latin_hypercube(
         }
 
 
-def _sampled(values: tuple[Value, ...] | Range, fraction: float, kind: type) -> Value:
-    if not isinstance(values, Range):
+def _sampled(values: Variation, fraction: float, kind: type) -> Value:
+    if isinstance(values, tuple):
         return values[int(fraction * len(values))]
+    if isinstance(values, Input):
+        return rounded(float(values.quantiles(np.array(fraction))))
     if kind is not int:
         return values.at(fraction)
     # Every integer has the same share, those at the ends too.

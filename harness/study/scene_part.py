@@ -13,10 +13,13 @@ from harness.study.designs import (
     Combination,
     Design,
     Range,
+    Variation,
     Variations,
 )
+from harness.study.distributions import is_distribution, read_input
 from harness.study.expressions import Expression, ExpressionError
 from harness.study.tables import Assignments, StudyError, Table, shown
+from mpm_warp.arguments import Range as Allowed
 from mpm_warp.parameters import Parameter, Value, nearest_parameter, parameters_of
 from mpm_warp.scenes import CatalogueScene
 
@@ -40,7 +43,8 @@ class ScenePart:
         scene: its class.
         parameters: definitions of its parameters, by name.
         fixed: parameters that are the same in every case, or where nothing varies them.
-        varied: values of the parameters that vary; a range in a Latin hypercube alone.
+        varied: values of the parameters that vary; ranges and distributions in a Latin hypercube
+            alone.
         listed: the cases of the design ``list``.
         derived: parameters worked out from the others, in this order.
         excluded: conditions on cases that are not run.
@@ -154,12 +158,20 @@ def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> N
             raise table.refuse(key, "is under [fixed] as well; keep one of them")
 
 
-def _variation(table: Assignments, key: str, design: Design) -> tuple[Value, ...] | Range:
-    """A list of values, or a range such as ``{from = 1, to = 100, count = 5}``."""
+def _variation(table: Assignments, key: str, design: Design) -> Variation:
+    """A list, a range such as ``{from = 1, to = 100, count = 5}``, or a distribution."""
     value = table.values[key]
     if not isinstance(value, dict):
         return table.several(key)
     definition = table.definition(key)
+    if is_distribution(value):
+        if definition.kind is not float:
+            raise table.refuse(key, f"has no distributions; must be {definition.allowed}")
+        if design.kind != LATIN_HYPERCUBE:
+            raise table.refuse(key, f'a distribution goes with design = "{LATIN_HYPERCUBE}" alone')
+        bounds = {it: getattr(definition, it) for it in ("minimum", "maximum", "above", "below")}
+        known = {name: bound for name, bound in bounds.items() if bound is not None}
+        return read_input(table, key, Allowed(**known))
     ends = Table(f"{table.where} {key}:", value)
     if definition.kind not in (int, float) or definition.choices is not None:
         raise table.refuse(

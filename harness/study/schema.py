@@ -16,6 +16,7 @@ from harness.study.compared import (
     SYMBOLS,
 )
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
+from harness.study.distributions import FORMS, PERCENTILE
 from harness.study.expressions import LONGEST
 from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
 from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
@@ -154,7 +155,20 @@ def _variation(parameter: Parameter) -> Schema:
     count = _integer("numbers from one end to the other", 2, LARGEST_STUDY)
     ends = {"from": value, "to": value, "count": count, "spacing": {"enum": list(SPACINGS)}}
     span = table_schema(ends, required=["from", "to"])
-    return {"description": value["description"], "anyOf": [several, span]}
+    drawn = distributions() if parameter.kind is float else []
+    return {"description": value["description"], "anyOf": [several, span, *drawn]}
+
+
+def distributions() -> list[Schema]:
+    """All ways to write an input that is not one number."""
+    kinds: dict[str, Schema] = {"shape": {"enum": ["normal", "lognormal"]}}
+    number = {"type": "number"}
+    tables = [
+        table_schema({name: kinds.get(name, number) for name in form}, required=list(form))
+        for form in FORMS
+    ]
+    percentiles = {"patternProperties": {f"^{PERCENTILE}$": number}, "minProperties": 2}
+    return [*tables, table_schema({}, **percentiles)]
 
 
 def _integer(meaning: str, least: int, most: int) -> Schema:

@@ -8,58 +8,11 @@ import pytest
 
 from harness.cli.main import main
 from harness.interpret.factors import cone_factor, factors
-from harness.interpret.inputs import read_input, sampled
 from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
-from harness.study.tables import StudyError, Table
-from mpm_warp.arguments import FINITE, POSITIVE
+from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from tests.harness.interpret.conftest import STRENGTH, changed
-
-
-@pytest.mark.parametrize(
-    ("written", "mean", "deviation"),
-    [
-        (3.0, 3.0, 0.0),
-        ({"low": 2.0, "high": 4.0}, 3.0, 2.0 / math.sqrt(12.0)),
-        ({"low": 1.0, "high": math.e**2}, (math.e**2 - 1.0) / 2.0, None),
-        ({"low": 0.0, "mode": 3.0, "high": 6.0}, 3.0, math.sqrt(1.5)),
-        ({"mean": 3.0, "deviation": 0.5}, 3.0, 0.5),
-        ({"mean": 3.0, "deviation": 0.9, "shape": "lognormal"}, 3.0, 0.9),
-        ({"p10": 1.0, "p50": 2.0, "p90": 3.0}, 2.0, 2.5 / math.sqrt(12.0)),
-    ],
-)
-def test_an_input_has_the_moments_of_its_distribution(
-    written: object, mean: float, deviation: float | None
-) -> None:
-    """A Latin hypercube of n draws has a mean within its range over n of the exact one."""
-    count = 20_000
-    drawn = sampled({"x": read_input(Table("t:", {"x": written}), "x", FINITE)}, count, 1)["x"]
-    assert drawn.mean() == pytest.approx(mean, abs=20.0 / count * max(1.0, np.ptp(drawn)))
-    if deviation is not None:
-        assert drawn.std() == pytest.approx(deviation, abs=20.0 / count * max(1.0, np.ptp(drawn)))
-
-
-@pytest.mark.parametrize(
-    "written",
-    [
-        "x",
-        -1.0,
-        True,
-        {},
-        {"low": 1.0},
-        {"low": 2.0, "high": 1.0},
-        {"low": -1.0, "high": 1.0},
-        {"mean": 1.0, "deviation": 0.0},
-        {"mean": 1.0, "deviation": 1.0, "shape": "beta"},
-        {"p10": 2.0, "p90": 1.0},
-        {"low": 1.0, "high": "2"},
-        {"low": math.nan, "high": 2.0},
-    ],
-)
-def test_a_wrong_input_is_refused_in_one_line(written: object) -> None:
-    with pytest.raises(StudyError, match=r"^t: x = .*: .+$"):
-        read_input(Table("t:", {"x": written}), "x", POSITIVE)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ SCENE = 'scene = "cone_penetration"\n'
 ALLOWED = {name: it.allowed for name, it in parameters_of(ConePenetration).items()}
 MANY = list(range(1001, 2001))
 OURS = '[references.it]\nformula = "Ir"\nlabel = "l"\nsource = "s"\n'
+DRAWN = 'design = "latin_hypercube"\nsamples = 4\nseed = 1\n[vary]\n'
 
 OF_A_CONE = [
     # Values.
@@ -73,6 +74,14 @@ OF_A_CONE = [
     ("samples = 3", "latin_hypercube"),
     ('design = "latin_hypercube"\nseed = 1', "samples: is missing"),
     ('design = "latin_hypercube"\nsamples = 2\nseed = 1', "nothing to sample"),
+    ("[vary]\ndensity = { low = 1, high = 2 }", 'goes with design = "latin_hypercube" alone'),
+    (DRAWN + "density = { low = 2, high = 1 }", "low must be below high"),
+    (DRAWN + "density = { mean = 2 }", "must be a number, { low, high }"),
+    (DRAWN + "adhesion_factor = { low = 0, high = 2 }", "goes from 2e-06 to 2, must be >= 0"),
+    (
+        DRAWN + "particles_per_cell = { low = 4, high = 9 }",
+        "has no distributions; must be one of 4",
+    ),
     ("[[case]]\ndensity = 1", 'design = "list" alone'),
     ('design = "list"', "[[case]]"),
     ('design = "list"\n[[case]]\ndensty = 1', "[[case]] 1: densty = 1"),

@@ -17,6 +17,8 @@ SCHEMA = Draft202012Validator(study_schema())
 
 VALID = {
     "range": '[vary]\ndensity = { from = 1, to = 9, count = 3, spacing = "logarithmic" }',
+    "distribution": "[vary]\ndensity = { p10 = 1, p90 = 2 }",
+    "lognormal": '[vary]\ndensity = { mean = 1, deviation = 1, shape = "lognormal" }',
     "derived": '[derived]\ndensity = "2 * penetration"',
     "list": "[[case]]\ndensity = 1\n[[case]]\ndensity = 2",
     "reference of its own": (
@@ -34,6 +36,7 @@ INVALID = {
     "wrong type": '[fixed]\ndensity = "1"',
     "range of texts": "[vary]\nmaterial = { from = 1, to = 2 }",
     "range without an end": "[vary]\ndensity = { from = 1 }",
+    "distribution without a deviation": "[vary]\ndensity = { mean = 1 }",
     "unknown key": "scenne = 1",
     "reference": '[compare]\nreferences = ["lu_2005"]',
     "reference without a formula": '[references.ours]\nlabel = "We"\nsource = "here"',

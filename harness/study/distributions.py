@@ -1,6 +1,6 @@
 """Inputs that are not known exactly: a number, a range, or a distribution, and samples of them.
 
-In a file each is written as one of ::
+In the file of a site, and under [vary] of a study, each is written as one of ::
 
     rigidity_index = 150
     rigidity_index = { low = 50, high = 300 }
@@ -12,19 +12,20 @@ In a file each is written as one of ::
 A range is uniform, on a logarithmic scale where it spans more than a factor of three; with a mode
 it is a triangle. A mean with a deviation is normal. Percentiles are joined by straight lines, and
 the lines of the two outermost pairs go on to 0 and 100 %.
+
+SciPy takes half a second to load; what has no distributions does not wait for it.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
-from harness.study.tables import StudyError, Table
+from harness.study.tables import Table
 from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
 
@@ -39,11 +40,15 @@ FORMS = (
     ("mean", "deviation", "shape"),
 )
 """Keys that an input may have together; the other form is percentiles, p5, p50 say."""
+PERCENTILE = r"p\d{1,2}"
 HOW = (
     "a number, { low, high }, { low, mode, high }, { mean, deviation, shape } or { p10, p50, p90 }"
 )
 SURELY = 1e-6
 """Share beyond which the tails of a distribution are cut."""
+
+INSIDE = 1e-9
+"""From a bound that is not allowed itself, a sample beyond it; parameters have 12 digits."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,15 @@ def normal(deviation: float) -> Input:
     """An error around 0 [of the unit of `deviation`]."""
     if deviation == 0.0:
         return known(0.0)
-    return Input(f"0 +- {deviation:g}", lambda share: stats.norm.ppf(share, scale=deviation), False)
+    from scipy.stats import norm
+
+    return Input(f"0 +- {deviation:g}", lambda share: norm.ppf(share, scale=deviation), False)
+
+
+def is_distribution(value: Mapping[str, Any]) -> bool:
+    """Whether a table is meant as a distribution: has a key that only these have."""
+    names = {name for form in FORMS for name in form}
+    return any(it in names or re.fullmatch(PERCENTILE, it) for it in value)
 
 
 def read_input(table: Table, key: str, allowed: Range) -> Input:
@@ -98,8 +111,8 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         raise table.refuse(key, f"its median {middle:g} must be {allowed.allowed}")
     if "mean" not in value and not allowed.holds(*ends):
         raise table.refuse(key, f"goes from {ends[0]:g} to {ends[1]:g}, must be {allowed.allowed}")
-    low = max(allowed.minimum, np.nextafter(allowed.above, np.inf))
-    high = min(allowed.maximum, np.nextafter(allowed.below, -np.inf))
+    low = max(allowed.minimum, allowed.above + INSIDE)
+    high = min(allowed.maximum, allowed.below - INSIDE)
     text = ", ".join(f"{name} {it}" for name, it in value.items())
     return Input(
         text, lambda share: np.clip(quantiles(np.clip(share, SURELY, 1 - SURELY)), low, high), False
@@ -108,8 +121,10 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
 
 def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
     """The quantiles of a distribution as it is written."""
+    from scipy import stats
+
     names = tuple(value)
-    if all(re.fullmatch(r"p\d{1,2}", name) for name in names) and len(names) > 1:
+    if all(re.fullmatch(PERCENTILE, name) for name in names) and len(names) > 1:
         return _of_percentiles(table, key, value)
     if not any(set(names) == set(form) for form in FORMS):
         raise table.refuse(key, f"must be {HOW}")
@@ -159,12 +174,8 @@ def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Qu
 
 def sampled(inputs: dict[str, Input], count: int, seed: int) -> dict[str, Floats]:
     """Samples of inputs that are independent of each other, a Latin hypercube; each [count]."""
-    shares = stats.qmc.LatinHypercube(len(inputs), rng=seed).random(count)
+    from scipy.stats.qmc import LatinHypercube
+
+    shares = LatinHypercube(len(inputs), rng=seed).random(count)
     columns = zip(inputs.items(), shares.T, strict=True)
     return {name: it.quantiles(share) for (name, it), share in columns}
-
-
-def refuse_both(table: Table, one: str, other: str) -> None:
-    """Refuse a table that has both of two keys that say the same."""
-    if one in table.values and other in table.values:
-        raise StudyError(f"{table.where} {one}: {other} says the same; give one of them")

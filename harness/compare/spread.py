@@ -1,0 +1,204 @@
+"""The spread of a study whose parameters are distributions: what is not known, in numbers.
+
+The cases of such a study are a Latin hypercube of its inputs, so mean, deviation and percentiles
+are those of the cases. The numerical error of each case, a deviation U / 1.96, is added as squares:
+
+    combined U = 1.96 sqrt(deviation^2 + mean of (U / 1.96)^2)
+
+The first-order share of an input is what the variance loses when that input is known (Saltelli et
+al. 2008, chapter 4). `scipy.stats.sobol_indices` takes it from a polynomial of second degree
+through the cases, in the logarithm of an input where that is the more symmetric. What this leaves
+in cases kept out, one at a time, and what only several inputs do together, is the share `together`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from harness.archive.conventions import (
+    DISTRIBUTION,
+    Role,
+    known_digits,
+    over_cases,
+    stated,
+    uncertainty_of,
+    varied_names,
+    with_role,
+)
+from mpm_warp.grid.fitted import Floats
+
+PERCENTILES = (5, 50, 95)
+DEVIATIONS = 1.96
+"""Half width of 95 % over a deviation."""
+CASES_A_TERM = 2
+"""Cases for each term of the polynomial, at least: of fewer no shares are told."""
+SAMPLES = 2**12
+"""Of the polynomial: its shares are known to 1 %."""
+NUMERICAL, TOGETHER = "numerical error", "together"
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The spread of a result.
+
+    Attributes:
+        name: of the result.
+        values: of the cases that have one, shape [cases].
+        mean, deviation: of these, inputs alone.
+        percentiles: `PERCENTILES` of these.
+        numerical: deviation of the numerical error, 0 where none is known.
+        shares: of each input, of the numerical error and of what is left, in the variance with the
+            numerical error; they add up to 1. Empty where there are too few cases.
+        needed: cases that shares need.
+    """
+
+    name: str
+    values: Floats
+    mean: float
+    deviation: float
+    percentiles: Floats
+    numerical: float
+    shares: Mapping[str, float]
+    needed: int
+
+    @property
+    def combined(self) -> float:
+        """Half width of 95 % by inputs and numerical error, as of a normal distribution."""
+        return DEVIATIONS * math.hypot(self.deviation, self.numerical)
+
+
+def spreads_of(dataset: xr.Dataset) -> list[Spread]:
+    """The spread of each headline of a study of one scene; none of one without distributions."""
+    names = varied_names(dataset) if "status" in dataset else []
+    if "scene" in names or not any(DISTRIBUTION in dataset[name].attrs for name in names):
+        return []
+    columns = {name: over_cases(dataset, name) for name in names}
+    inputs = {name: it.astype(float) for name, it in columns.items() if it.dtype.kind in "if"}
+    dims, half_widths = set(dataset["status"].dims), uncertainty_of(dataset).astype(float)
+    found = []
+    for name in with_role(dataset, Role.HEADLINE):
+        values = over_cases(dataset, name) if set(dataset[name].dims) <= dims else np.array(np.nan)
+        sound = np.isfinite(values)
+        if np.sum(sound) > 1:
+            drawn = {name: it[sound] for name, it in inputs.items()}
+            found.append(_spread(name, drawn, values[sound], half_widths[sound]))
+    return found
+
+
+def _spread(name: str, inputs: Mapping[str, Floats], values: Floats, half_widths: Floats) -> Spread:
+    known = half_widths[np.isfinite(half_widths)]
+    numerical = math.sqrt(np.mean((known / DEVIATIONS) ** 2)) if len(known) else 0.0
+    variance = values.var(ddof=1)
+    needed = CASES_A_TERM * len(_exponents(len(inputs)))
+    shares: dict[str, float] = {}
+    if len(values) >= needed and variance > 0.0:
+        of_inputs = variance / (variance + numerical**2)
+        shares = {it: of_inputs * share for it, share in first_order(inputs, values).items()}
+        if numerical:
+            shares[NUMERICAL] = 1.0 - of_inputs
+        shares[TOGETHER] = max(0.0, 1.0 - sum(shares.values()))
+    return Spread(
+        name=name,
+        values=values,
+        mean=float(values.mean()),
+        deviation=math.sqrt(variance),
+        percentiles=np.percentile(values, PERCENTILES),
+        numerical=numerical,
+        shares=shares,
+        needed=needed,
+    )
+
+
+def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float]:
+    """First-order share of each input in the variance of values.
+
+    Args:
+        inputs: by name, independent of each other, shape [cases].
+        values: shape [cases].
+    """
+    from scipy.stats import sobol_indices
+
+    drawn = [_straightened(it) for it in inputs.values()]
+    exponents = _exponents(len(drawn))
+
+    def terms(points: Floats) -> Floats:
+        product: Floats = np.prod(points[:, None, :] ** exponents.T[:, :, None], axis=0)
+        return product.T  # [points, terms]
+
+    matrix = terms(np.stack(drawn))
+    weights, *_ = np.linalg.lstsq(matrix, values, rcond=None)
+    leverage = np.linalg.norm(np.linalg.qr(matrix)[0], axis=1) ** 2
+    kept_out = (values - matrix @ weights) / np.maximum(1.0 - leverage, 1e-9)
+    told = max(0.0, 1.0 - float(np.mean(kept_out**2) / values.var()))
+    found = sobol_indices(
+        func=lambda points: terms(points) @ weights,
+        n=SAMPLES,
+        dists=[_AsDrawn(it) for it in drawn],
+        rng=np.random.default_rng(1),
+    )
+    shares = told * np.maximum(found.first_order, 0.0)
+    return dict(zip(inputs, shares.tolist(), strict=True))
+
+
+def _straightened(values: Floats) -> Floats:
+    """An input from -1 to 1, its logarithm where that is the more symmetric."""
+    from scipy.stats import skew
+
+    if values.min() > 0.0 and abs(skew(np.log(values))) < abs(skew(values)):
+        values = np.log(values)
+    low, high = values.min(), values.max()
+    scaled: Floats = (2.0 * values - (low + high)) / max(high - low, 1e-300)
+    return scaled
+
+
+def _exponents(count: int) -> np.ndarray:
+    """Of each input in each term, shape [terms, inputs]."""
+    powers = np.eye(count + 1, dtype=int)[:, 1:]  # the first is none of them
+    return np.array([a + b for a, b in itertools.combinations_with_replacement(powers, 2)])
+
+
+@dataclass(frozen=True)
+class _AsDrawn:
+    """The distribution that drawn values have, as SciPy asks for it."""
+
+    values: Floats
+
+    def ppf(self, share: Floats) -> Floats:
+        """Quantiles."""
+        return np.quantile(self.values, share)
+
+
+def spread_rows(spread: Spread) -> list[tuple[str, str]]:
+    """What a spread is, and its value, in words."""
+    half = DEVIATIONS * spread.numerical
+    low, middle, high = (known_digits(it, spread.deviation / 3.0) for it in spread.percentiles)
+    rows = [
+        ("mean with the combined U", stated(spread.mean, spread.combined)),
+        ("deviation by the inputs", f"{spread.deviation:.3g}"),
+        ("median", middle),
+        ("90 % of the cases", f"{low} to {high}"),
+        ("U of the inputs alone", f"{DEVIATIONS * spread.deviation:.2g}"),
+        ("numerical U", f"{half:.2g}" if half else "not known"),
+    ]
+    shares = sorted(spread.shares.items(), key=lambda it: -it[1])
+    told = ", ".join(f"{name} {share:.0%}" for name, share in shares)
+    too_few = f"not told: {spread.needed} cases are needed"
+    return [*rows, ("share of the variance", told or too_few)]
+
+
+def spread_notes(dataset: xr.Dataset) -> list[str]:
+    """The spread of each headline by its inputs, a line each; none without distributions."""
+    notes = []
+    for spread in spreads_of(dataset):
+        notes += [
+            "",
+            f"{spread.name} by the distributions of its inputs, {len(spread.values)} cases:",
+        ]
+        notes += [f"  {what}: {told}" for what, told in spread_rows(spread)]
+    return notes
