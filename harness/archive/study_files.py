@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
+from harness.archive.case_files import ENDING as FIELDS_ENDING
 from harness.archive.conventions import PER_CASE, TOLERANCES
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
@@ -36,8 +37,20 @@ def read_study(path: Path) -> xr.Dataset:
     """
     dataset = read_result(path)
     if "study" not in dataset.attrs:
-        raise ArchiveError(f"{path}: is not the result of a study")
+        raise ArchiveError(f"{path}: is not the result of a study{_what_else(path, dataset)}")
     return dataset
+
+
+def _what_else(path: Path, dataset: xr.Dataset) -> str:
+    """What a file is instead, and what reads it."""
+    if "site" in dataset.attrs:
+        again = f"`harness interpret {dataset.attrs['site']}.toml` writes it, with a page, again"
+        return f", but of a measured test; {again}; in Python `xarray.open_dataset` reads it"
+    if path.name.endswith(FIELDS_ENDING):
+        return f", but snapshots of a case; `harness view {path}` draws them"
+    if "case_key" in dataset.attrs:
+        return f", but of one case; `harness rerun {path}` computes it again"
+    return "; `xarray.open_dataset` reads it"
 
 
 def read_result(path: Path) -> xr.Dataset:

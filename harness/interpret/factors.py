@@ -83,9 +83,14 @@ class Factors:
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         """The quantities of inputs of the table, shape [...]; they are not checked."""
-        fixed = {name: inputs[name] for name in RANGES if name not in MOVING}
-        anisotropy, adhesion = (np.asarray(inputs[name], dtype=float) for name in MOVING)
-        return self.along(fixed)(anisotropy, adhesion)
+        x = np.stack(np.broadcast_arrays(*(scaled(name, inputs[name]) for name in RANGES)))
+        powers = np.stack([x**power for power in range(DEGREE + 1)])
+        terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
+        values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
+        values["sleeve_friction_factor"] = (
+            values["sleeve_friction_factor"] * (inputs["adhesion_factor"])
+        )
+        return values
 
     def along(self, fixed: Mapping[str, Floats | float]) -> Along:
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
@@ -176,15 +181,17 @@ def at_table_rate(inputs: Mapping[str, Floats], rate: float) -> tuple[dict[str, 
 
 def cone_factor(
     *,
-    rigidity_index: float,
-    adhesion_factor: float = 0.0,
-    stress_anisotropy: float = 0.0,
-    rate_factor: float = 0.0,
+    rigidity_index: float | Floats,
+    adhesion_factor: float | Floats = 0.0,
+    stress_anisotropy: float | Floats = 0.0,
+    rate_factor: float | Floats = 0.0,
     reference_strain_rate: float = TABLE_RATE,
-    remoulded_strength_ratio: float = 1.0,
-    ductility: float = 20.0,
-) -> tuple[float, float]:
+    remoulded_strength_ratio: float | Floats = 1.0,
+    ductility: float | Floats = 20.0,
+) -> tuple[Floats, Floats]:
     """The factor Nkt = qnet / su of a 60 degree cone in Tresca clay, at once, with its error.
+
+    All but the rate may be arrays that go together, shape [...].
 
     Args:
         rigidity_index: G / su, 15 to 1000.
@@ -196,7 +203,7 @@ def cone_factor(
         ductility: plastic shear strain xi_95 at which 95 % of that loss is done, 5 to 60.
 
     Returns:
-        Nkt, and the half width of 95 % of its numerical error.
+        Nkt, and the half width of 95 % of its numerical error; of numbers alone, numbers.
 
     Raises:
         ParameterError: a value is outside the table.
@@ -218,11 +225,13 @@ def cone_factor(
     own, ratio = at_table_rate({k: np.asarray(v) for k, v in given.items()}, reference_strain_rate)
     for name, value in own.items():
         low, high = RANGES[name]
-        if not low <= value <= high:
-            at_rate = "" if value == given[name] else f", {value:g} at the rate of the table,"
-            raise ParameterError(
-                name, f"{name} = {given[name]:g}{at_rate} must be {low:g} to {high:g}"
+        outside = np.atleast_1d(~((value >= low) & (value <= high)))
+        if outside.any():
+            asked, at_table = (
+                np.broadcast_to(it, outside.shape)[outside][0] for it in (given[name], value)
             )
+            at_rate = "" if asked == at_table else f", {at_table:g} at the rate of the table,"
+            raise ParameterError(name, f"{name} = {asked:g}{at_rate} must be {low:g} to {high:g}")
     table = factors()
-    factor = float(table.at(own)["cone_factor"].item() * ratio)
-    return factor, factor * float(table.half_widths[0])
+    factor: Floats = (table.at(own)["cone_factor"] * ratio)[()]
+    return factor, factor * table.half_widths[0]

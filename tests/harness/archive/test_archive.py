@@ -148,7 +148,9 @@ def test_a_study_of_which_nothing_completed_still_says_so(folder: Path, small: S
 def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
     case = small.cases[0]
     complete(folder, [case])
-    with pytest.raises(ArchiveError, match="not the result of a study"):
+    with pytest.raises(
+        ArchiveError, match="not the result of a study, but of one case; `harness r"
+    ):
         study_files.read_study(case_files.case_file(folder, case))
 
 

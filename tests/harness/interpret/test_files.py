@@ -173,6 +173,9 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     strength = found.strength.sel(percentile=50.0) / STRENGTH
     used = found.reason.values == 0
     assert used.sum() == 79  # of 81 depths one lacks qc and one u2
+    assert main(["status", "results/site_interpretation.nc"]) == 2
+    told = "is not the result of a study, but of a measured test; `harness interpret site.toml`"
+    assert told in capsys.readouterr().err
     np.testing.assert_allclose(strength.values[used], 1.0, rtol=2e-4)
     assert main(["new", "mine", "--interpret", f"test.{kind}"]) == 0
     assert ("\narea_ratio = 0.8" in (folder / "mine.toml").read_text()) == (kind != "csv")
