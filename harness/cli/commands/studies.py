@@ -70,12 +70,13 @@ def _site_text(test: Path) -> str:
 
 def list_names(options: argparse.Namespace) -> int:
     """Print the studies and scenes that there are."""
-    print("studies:")
-    for name in study_names():
-        print(f"  {name:24} {load_study(name).title}")
-    print("scenes:")
-    for name in scene_names():
-        print(f"  {name:24} {scene_class(name).summary}")
+    kinds = {
+        "studies": {name: load_study(name).title for name in study_names()},
+        "scenes": {name: scene_class(name).summary for name in scene_names()},
+    }
+    width = max(len(name) for them in kinds.values() for name in them)
+    for kind, them in kinds.items():
+        print(f"{kind}:", *(f"  {name:{width}} {what}" for name, what in them.items()), sep="\n")
     return DONE
 
 
