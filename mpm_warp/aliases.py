@@ -1,4 +1,4 @@
-"""What else a user may call a parameter: symbols and words of the field."""
+"""What else a user may call a parameter or a scene: symbols and words of the field."""
 
 from collections.abc import Container
 
@@ -68,6 +68,14 @@ ALIASES: dict[tuple[str, ...], dict[str, str]] = {
     ("model", "criterion", "yield_criterion", "constitutive_model"): {"material": ""},
 }
 """Words in small letters, the parameters that they may mean, and what the value of each is."""
+SCENES = {
+    "cone": "cone_penetration",
+    "cpt": "cone_penetration",
+    "cptu": "cone_penetration",
+    "tbar": "t_bar_penetration",
+    "footing": "circular_footing",
+}
+"""Words in small letters, and the scene that is most likely meant."""
 RESULTS = ("nc", "nkt", "qc", "qt", "qnet", "fs", "cone_factor", "bearing_capacity")
 """Words for what a run computes, which nobody can give."""
 

@@ -17,11 +17,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mpm_warp.aliases import what_to_give
+from mpm_warp.aliases import SCENES, what_to_give
 from mpm_warp.errors import ParameterError
 
 Value = float | int | str | bool
-SceneT = typing.TypeVar("SceneT")
 
 
 class Derived(float):
@@ -238,20 +237,18 @@ def fill_in(scene: object, derived: Mapping[str, float]) -> None:
             object.__setattr__(scene, name, Derived(checked))
 
 
-def from_mapping(scene: type[SceneT], values: Mapping[str, object]) -> SceneT:
-    """Make a scene from names and values.
+def check_names(scene: type, names: Iterable[str]) -> None:
+    """Check that a scene has parameters of these names.
 
     Raises:
-        ParameterError: a name is unknown (the nearest valid one is named), or a value is not
-            allowed.
+        ParameterError: a name is unknown; the message says what to give instead.
     """
     known = parameters_of(scene)
-    for name in values:
+    for name in names:
         if name not in known:
             raise ParameterError(
                 name, f"unknown parameter {name!r}{nearest_parameter(name, known)}"
             )
-    return scene(**values)
 
 
 def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
@@ -276,9 +273,13 @@ def known_names(known: Iterable[str]) -> str:
 def nearest_name(name: str, known: Iterable[str]) -> str:
     """A phrase that names the nearest valid name, or all of them where none is near.
 
-    A name whose first words are given is near, however much longer it is.
+    A word of the field for a scene comes first. A name whose first words are given is near, however
+    much longer it is.
     """
     names = list(known)
+    meant = SCENES.get(name.lower(), "")
+    if meant in names:
+        return f"; did you mean {meant!r}?"
     begun = [longer for longer in names if longer.startswith(f"{name}_")]
     return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
 

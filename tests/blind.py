@@ -16,7 +16,6 @@ import xarray as xr
 from harness.interpret.keys import ACCURACY
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
-from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
 
 COUNT, SEED = 24, int(sys.argv[2]) if len(sys.argv) > 2 else 20261124
@@ -69,7 +68,7 @@ def simulate(number: int, folder: Path) -> None:
     """Simulate a sounding, unless its file is there."""
     path = folder / f"{number}.nc"
     if not path.exists():
-        from_mapping(scene_class("sounding"), ground(number)).run().to_netcdf(path)
+        scene_class("sounding")(**ground(number)).run().to_netcdf(path)
 
 
 def write_test(number: int, drawn: int, found: xr.Dataset, folder: Path) -> Path:

@@ -16,7 +16,6 @@ from harness.benchmark.cases import COLUMNS, BenchmarkCase, Result, benchmark_ca
 from harness.errors import in_one_line, tell
 from harness.study.tables import StudyError
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
-from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
 
 
@@ -52,7 +51,7 @@ def run_benchmark(folder: Path, accuracy: str) -> int:
 def computed(case: BenchmarkCase, accuracy: str) -> Result:
     """Value, uncertainty and seconds of a case, kernels compiled before or not."""
     values = {**case.fixed, **case.accuracy[accuracy]}
-    scene = from_mapping(scene_class(case.scene), values)
+    scene = scene_class(case.scene)(**values)
     start = time.perf_counter()
     found = scene.run()
     seconds = time.perf_counter() - start

@@ -22,7 +22,7 @@ from harness.archive.conventions import (
 from harness.archive.provenance import OF_CASE
 from harness.errors import HarnessError
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Value, from_mapping, parameters_of
+from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class
 
 Identity = tuple[str, frozenset[tuple[str, object]]]
@@ -187,7 +187,7 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
 def _complete(scene: type, given: dict[str, Value]) -> dict[str, Value | None]:
     """All parameters of a scene, defaults and those that it derives filled in."""
     try:
-        return dataclasses.asdict(from_mapping(scene, given))
+        return dataclasses.asdict(scene(**given))
     except ParameterError:  # a case that the scene refuses has nothing derived
         defaults = {name: it.default for name, it in parameters_of(scene).items()}
         return {**defaults, **given}

@@ -9,6 +9,7 @@ that leave a gap the ground changes linearly.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,7 +19,6 @@ from harness.interpret.factors import TABLE_RATE, at_table_rate
 from harness.interpret.site import Site
 from harness.interpret.strength import GROUND
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parameters import from_mapping
 from mpm_warp.results import labelled
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
@@ -83,21 +83,17 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
         stress_anisotropy=anisotropy,
     )
     rate, remoulded, ductility = np.average(soils, axis=0, weights=ways)
-    changes: dict[str, float] = {}
+    changes: dict[str, Any] = dict(ACCURACY[accuracy])
     if rate > 0.0:
         changes |= {"rate_factor": rate, "reference_strain_rate": TABLE_RATE}
     if remoulded < 1.0:
         changes |= {"remoulded_strength_ratio": remoulded, "ductility": ductility}
-    return from_mapping(
-        Sounding,
-        {
-            "profile": profile.text,
-            "cone_radius": radius,
-            "from_depth": max(first, float(depth[0])),
-            "to_depth": last,
-            **changes,
-            **ACCURACY[accuracy],
-        },
+    return Sounding(
+        profile=profile.text,
+        cone_radius=radius,
+        from_depth=max(first, float(depth[0])),
+        to_depth=last,
+        **changes,
     )
 
 

@@ -18,7 +18,6 @@ from harness.errors import HarnessError, tell
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.execution.execution import device_names
-from mpm_warp.parameters import from_mapping
 from mpm_warp.results import variable
 from mpm_warp.scenes import CatalogueScene, scene_class
 
@@ -121,7 +120,7 @@ def tell_of_likely_failures(cases: Sequence[Case]) -> None:
 def likely_failure(case: Case) -> str:
     """Why a case is likely not to complete; "" where no cause is known, or it is refused."""
     try:
-        return from_mapping(scene_class(case.scene), case.parameters).likely_failure
+        return scene_class(case.scene)(**case.parameters).likely_failure
     except (ParameterError, SceneError):
         return ""
 
@@ -133,7 +132,7 @@ UPDATE_RATE = 20e6
 def predicted_time(case: Case) -> float:
     """Time of a case on one thread, about [s]; 0 where it is not known, or the case is refused."""
     try:
-        size = from_mapping(scene_class(case.scene), case.parameters).run_size()
+        size = scene_class(case.scene)(**case.parameters).run_size()
     except (ParameterError, SceneError):
         return 0.0
     return 0.0 if size is None else size.particle_updates / UPDATE_RATE

@@ -42,7 +42,6 @@ from harness.run.resources import (
 from harness.study.cases import Case
 from mpm_warp.execution.batch import Batch
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import Progress, scene_class
 from mpm_warp.snapshots import Snapshots
 
@@ -214,7 +213,7 @@ def _run(
             f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
         )
     limit = options.memory_limit or default_memory_limit()
-    check_memory(from_mapping(scene, case.parameters), limit, len(case.snapshots))
+    check_memory(scene(**case.parameters), limit, len(case.snapshots))
     run_count = options.repeats + 1
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
@@ -222,7 +221,7 @@ def _run(
             if progress is not None:
                 progress((number + fraction) / run_count)
 
-        return from_mapping(scene, case.parameters).run(report, execution, snapshots)
+        return scene(**case.parameters).run(report, execution, snapshots)
 
     dataset = run(0, snapshots).assign_attrs({SOURCES: sources_digest(scene)})
     samples = []

@@ -20,7 +20,7 @@ from harness.study.expressions import ExpressionError
 from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Value, from_mapping
+from mpm_warp.parameters import Value
 from mpm_warp.scenes import CatalogueScene
 
 MANY = 10_000
@@ -125,7 +125,7 @@ def _complete(
         for name, expression in part.derived.items():
             value = expression.value(_parameters(part.scene(**given)))
             given[name] = rounded(value) if isinstance(value, float) else value
-        return _parameters(from_mapping(part.scene, given)), None
+        return _parameters(part.scene(**given)), None
     except ParameterError as error:
         defaults = {name: it.default for name, it in part.parameters.items()}
         return {**defaults, **given}, error

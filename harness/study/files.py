@@ -15,6 +15,7 @@ from harness.study.designs import EITHER_FIXED_OR_VARIED
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
+from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.profile import PROFILE, Profile, columns_of, text_of
 
 STUDY_NAME = r"\w[\w.-]*"
@@ -62,7 +63,8 @@ def find_study(study: str, beside: Path | None = None) -> Path:
         problem = "no such study" if is_name else "not a file" if path.exists() else "no such file"
         if is_name and (here / path.name).is_file():
             raise StudyError(f"{study}: {problem}; a file here is called {path.name}")
-        raise StudyError(f"{study}: {problem}{nearest_name(path.stem, study_names())}")
+        near = nearest_name(path.stem, [*study_names(), *scene_names()])
+        raise StudyError(f"{study}: {problem}{near}")
     if path.suffix != ".toml" or not re.fullmatch(STUDY_NAME, path.stem):
         raise StudyError(
             f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"

@@ -22,7 +22,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -31,7 +31,7 @@ from tqdm import tqdm
 from mpm_warp.arguments import check_kind, check_known
 from mpm_warp.errors import SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parameters import Value, check_parameters, nearest_name
+from mpm_warp.parameters import Value, check_names, check_parameters, nearest_name
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import material_as_built, parameter_variables
@@ -75,7 +75,8 @@ class CatalogueScene(ABC):
     (`record`).
 
     Raises:
-        mpm_warp.errors.ParameterError: on construction, where a value is not allowed.
+        mpm_warp.errors.ParameterError: on construction, where a name is unknown or a value is not
+            allowed.
     """
 
     summary: ClassVar[str]
@@ -94,6 +95,11 @@ class CatalogueScene(ABC):
     """Parameters of laws of other packages; None where `material` names another law."""
     snapshots_over: ClassVar[str | None] = None
     """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
+
+    def __new__(cls, **values: object) -> Self:  # noqa: D102 - the class says it
+        # Before __init__, which would refuse an unknown name without saying what to give instead.
+        check_names(cls, values)
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         check_parameters(self, self.derived)

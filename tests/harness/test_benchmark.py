@@ -13,7 +13,6 @@ from harness.benchmark.score import formulas, scores, summary_rows
 from harness.cli.main import main
 from harness.cli.process import BAD_INPUT, DONE
 from harness.study.tables import StudyError
-from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
 
 META = dict.fromkeys(META_KEYS, "told")
@@ -33,7 +32,7 @@ def test_each_case_is_a_scene_that_this_program_takes():
     assert len(set(names)) == len(names)
     for case in benchmark_cases():
         for settings in case.accuracy.values():
-            from_mapping(scene_class(case.scene), {**case.fixed, **settings})
+            scene_class(case.scene)(**{**case.fixed, **settings})
 
 
 def test_the_shipped_schema_is_that_of_the_keys():
@@ -146,7 +145,7 @@ def test_a_run_keeps_each_case_and_goes_on(tmp_path, monkeypatch, capsys):
     folder = tmp_path / "ours"
     assert own.run_benchmark(folder, "quick") == 1
     assert "no plateau" in capsys.readouterr().err
-    alone = from_mapping(scene_class(wave.scene), {**wave.fixed, **wave.accuracy["quick"]}).run()
+    alone = scene_class(wave.scene)(**{**wave.fixed, **wave.accuracy["quick"]}).run()
     found = benchmark.read_submission(folder).results
     assert found["standing_wave"].value == pytest.approx(
         float(alone.displacement.interp(phase=9.25)), rel=1e-6

@@ -9,7 +9,6 @@ from mpm_warp.parameters import (
     Derived,
     check_parameters,
     did_you_mean,
-    from_mapping,
     known_names,
     nearest_name,
     parameter,
@@ -23,6 +22,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
     ("key", "value", "said"),
     [
         ("adhesion_facto", 1, "did you mean 'adhesion_factor'"),
+        ("su", 20, "unknown parameter 'su'; give 'undrained_shear_strength', in Pa"),
         ("adhesion_factor", 1.5, "must be a number >= 0 and <= 1"),
         ("adhesion_factor", -0.1, "must be a number >= 0 and <= 1"),
         ("adhesion_factor", "1", "must be a number"),
@@ -40,7 +40,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 )
 def test_refusals_name_key_value_and_what_is_allowed(key: str, value: object, said: str) -> None:
     with pytest.raises(ParameterError) as refusal:
-        from_mapping(ConePenetration, {key: value})
+        ConePenetration(**{key: value})
     message = str(refusal.value)
     assert refusal.value.key == key
     assert key in message
@@ -49,7 +49,7 @@ def test_refusals_name_key_value_and_what_is_allowed(key: str, value: object, sa
 
 
 def test_values_take_the_type_of_the_parameter() -> None:
-    scene = from_mapping(ConePenetration, {"rigidity_index": 50, "particles_per_cell": 9.0})
+    scene = ConePenetration(rigidity_index=50, particles_per_cell=9.0)
     assert isinstance(scene.rigidity_index, float)
     assert isinstance(scene.particles_per_cell, int)
 

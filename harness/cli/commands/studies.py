@@ -27,7 +27,6 @@ from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.parameters import from_mapping
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
@@ -132,7 +131,7 @@ def show_plan(options: argparse.Namespace) -> int:
 
 
 def _scene_of(case: Case) -> CatalogueScene:
-    return from_mapping(scene_class(case.scene), case.parameters)
+    return scene_class(case.scene)(**case.parameters)
 
 
 def _at_work(count: int, what: str) -> tqdm[Any]:

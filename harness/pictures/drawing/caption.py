@@ -19,7 +19,7 @@ from harness.archive.conventions import (
 )
 from harness.pictures.drawing.quantities import assigned, plain
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Value, from_mapping, parameters_of
+from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.sounding.profile import PROFILE, replaced_by
 
@@ -105,12 +105,12 @@ def _defaults(
 ) -> dict[str, Value | None]:
     """The defaults of a scene, and what it derives from the parameters of the first case."""
     definitions = parameters_of(scene)
-    derivable: Mapping[str, Value] = from_mapping(scene, {}).derived()
+    derivable: Mapping[str, Value] = scene().derived()
     defaults = {name: it.default for name, it in definitions.items() if name not in derivable}
     first = {name: over_cases(dataset, stored[name])[0] for name in defaults if name in stored}
     given = {name: definitions[name].kind(it) for name, it in first.items() if is_there(it)}
     try:
-        return dataclasses.asdict(from_mapping(scene, given)) | defaults
+        return dataclasses.asdict(scene(**given)) | defaults
     except ParameterError:  # a case that the scene refuses has nothing derived
         return defaults
 

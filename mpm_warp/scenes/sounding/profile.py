@@ -18,7 +18,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -45,7 +45,8 @@ OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
 """What a column may be called too."""
 OWN = tuple(name for name in UNITS if name != "rigidity_index")
 """Columns that all ground may have."""
-OPTIONAL = ("adhesion_factor", "stress_anisotropy")
+FILLED_IN: Any = None
+"""Default of a column that all ground has."""
 STIFFNESS = ("rigidity_index", "shear_modulus")
 PROFILE = "profile"
 """The parameter of a sounding that holds such a text, and the table of a study that gives it."""
@@ -65,8 +66,8 @@ class Profile:
     Attributes:
         depth: below the surface of the ground [m], >= 0, not falling, no depth more than twice.
         strength: undrained shear strength su [Pa], > 0.
-        shear_modulus: G [Pa], > 0.
-        unit_weight: total unit weight [N/m3], >= 0.
+        shear_modulus: G [Pa], > 0; default: 100 su.
+        unit_weight: total unit weight [N/m3], >= 0; default: 17 kN/m3.
         adhesion_factor: of the cone's face beside the soil, dimensionless, 0 to 1; none where it is
             not of the ground.
         stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), dimensionless, > -1 and < 1, in
@@ -75,23 +76,32 @@ class Profile:
         of_law: parameters of the law of the ground that vary with depth, by name, in SI units.
 
     Raises:
-        ParameterError: a value is not allowed; the message names column, row and value.
+        ParameterError: a column is unknown, or a value is not allowed; the message names column,
+            row and value.
     """
 
     depth: Floats
     strength: Floats
-    shear_modulus: Floats
-    unit_weight: Floats
+    shear_modulus: Floats = FILLED_IN
+    unit_weight: Floats = FILLED_IN
     adhesion_factor: Floats | None = None
     stress_anisotropy: Floats | None = None
     of_law: Mapping[str, Floats] = field(default_factory=dict)
 
+    def __new__(cls, **columns: object) -> Self:  # noqa: D102 - the class says it
+        for name in columns:
+            if name not in (*OWN, "of_law"):
+                raise refused(f"unknown column {name!r}{nearest_name(name, OWN)}")
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
-        columns = {
-            name: _numbers(name, getattr(self, name))
-            for name in OWN
-            if not (name in OPTIONAL and getattr(self, name) is None)
-        }
+        strength = _numbers("strength", self.strength)
+        given = {name: getattr(self, name) for name in OWN}
+        if self.shear_modulus is FILLED_IN:
+            given["shear_modulus"] = 100.0 * strength
+        if self.unit_weight is FILLED_IN:
+            given["unit_weight"] = np.full_like(strength, 17e3)
+        columns = {name: _numbers(name, it) for name, it in given.items() if it is not None}
         for name, values in columns.items():
             object.__setattr__(self, name, values)
         of_law = {name: _numbers(name, values) for name, values in self.of_law.items()}
@@ -128,13 +138,11 @@ class Profile:
         """A profile of the columns of a table; see `read`."""
         if "strength" not in columns:
             raise refused("column strength is missing")
-        index = columns.get("rigidity_index", np.array(100.0))
-        filled = {
-            "shear_modulus": index * columns["strength"],
-            "unit_weight": np.full_like(columns["depth"], 17e3),
-        } | {name: it for name, it in columns.items() if name != "rigidity_index"}
-        of_law = {name: filled.pop(name) for name in columns if name not in UNITS}
-        return cls(**filled, of_law=of_law)
+        own = {name: it for name, it in columns.items() if name in OWN}
+        if "rigidity_index" in columns:
+            own["shear_modulus"] = columns["rigidity_index"] * columns["strength"]
+        of_law = {name: it for name, it in columns.items() if name not in UNITS}
+        return cls(**own, of_law=of_law)
 
     @property
     def text(self) -> str:

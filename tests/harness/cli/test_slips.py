@@ -23,6 +23,8 @@ MISTAKES = {
     "run cone_penetration": "is a scene; a study says what to vary in it: `harness new my_study "
     "--scene cone_penetration` writes one, `harness run my_study.toml` runs it",
     "run adhesion_facotr": "no such study; did you mean 'adhesion_factor'?",
+    "run cone": "no such study; did you mean 'cone_penetration'?",
+    "describe cone": "neither a scene nor a study; did you mean 'cone_penetration'?",
     "rnu adhesion_factor": "rnu: is no command; did you mean 'run'?",
     "adhesion_factor": "is no command, but a study: run it by `harness run adhesion_factor`",
     "run text": "text: no such study; a file here is called text.toml",

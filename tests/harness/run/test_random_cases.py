@@ -19,7 +19,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Parameter, Value, from_mapping, parameters_of
+from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 from tests.harness.conftest import Depth
 
@@ -70,7 +70,7 @@ def random_scene(source: random.Random, name: str) -> CatalogueScene:
     while True:
         known = {key: it for key, it in parameters_of(scene).items() if source.random() < share}
         try:
-            return from_mapping(scene, {key: drawn(source, it) for key, it in known.items()})
+            return scene(**{key: drawn(source, it) for key, it in known.items()})
         except ParameterError:
             share *= 0.9
 

@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class
 
 pytestmark = pytest.mark.slow
@@ -35,7 +34,7 @@ RECORDING: list[tuple[str, dict[str, Any], str]] = [
 def test_curves_up_to_the_failure_are_those_of_the_whole_run(
     name: str, parameters: dict[str, Any], axis: str
 ) -> None:
-    scene = from_mapping(scene_class(name), parameters)
+    scene = scene_class(name)(**parameters)
     whole = scene.run()
     samples: list[float] = []
 
