@@ -1,7 +1,8 @@
-"""The file of a study's collected results, ``OUT/<study>.nc``: written, read and checked."""
+"""The results of a study's cases in one dataset, ``OUT/<study>.nc``: gathered, written and read."""
 
 import json
 import re
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,230 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.case_files import ENDING as FIELDS_ENDING
-from harness.archive.conventions import PER_CASE, TOLERANCES
+from harness.archive.case_files import read_case
+from harness.archive.conventions import (
+    CASE,
+    COMPLETED,
+    DAMAGED,
+    DISTRIBUTION,
+    FORMAT_VERSION,
+    MISSING,
+    PER_CASE,
+    TOLERANCES,
+    Role,
+    parameter_attributes,
+    spoken,
+    with_role,
+)
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
-from harness.archive.provenance import provenance_of_collector
-from harness.study.study import Study
-from mpm_warp.parameters import did_you_mean, known_names
+from harness.archive.provenance import OF_CASE, provenance_of_collector
+from harness.study.cases import Case
+from harness.study.distributions import Input
+from harness.study.study import STABILITY_MAP, Study
+from mpm_warp.parameters import Parameter, Value, did_you_mean, known_names
+from mpm_warp.results import material_as_built, stored_name
+
+Variables = dict[Hashable, xr.Variable]
+
+
+def collect(study: Study, folder: Path) -> xr.Dataset:
+    """Gather the results of a study's cases in one dataset.
+
+    The dims of a full design are the varied parameters, in the study's order. Any other study,
+    and one of several scenes or with exclusions, has the dim `case`, along which what varies
+    stands as coordinates, `scene` too. Then come the scene's own dims, which are the union over
+    all cases.
+
+    Every parameter is there by name: what the study varies is a coordinate, what is the same in all
+    cases a scalar, what the scene derives from varied ones a variable over the cases. It is not a
+    number where a scene has no such parameter. A parameter that shares its name with a result is
+    called ``<name>_parameter``, whatever became of the cases; a result whose name a scene before
+    has used over other dims is called ``<scene>_<name>``.
+
+    Of a case that did not complete the curves are there, as far as they came; each scalar is not a
+    number. Its `status` and `message` say why, also where its file is of no use. Where, when and
+    with what the cases were computed are attributes where all agree that were computed, otherwise
+    variables over the cases, an empty text where a case file does not say.
+    """
+    results = [_result(folder, case) for case in study.cases]
+    gathered = _gathered(results)
+    definitions = {name: it for part in study.parts for name, it in part.parameters.items()}
+    names = {name: stored_name(name, {*gathered.variables, *gathered.dims}) for name in definitions}
+    axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}
+    if study.is_grid:
+        varied = study.parts[0].varied
+        axes = {names[name]: v for name, v in varied.items() if isinstance(v, tuple)}
+
+    own = {name: it for name, it in gathered.variables.items() if name != CASE}
+    origins, origin = _origins(results)
+    inputs, coordinates = _parameters(study, definitions, names, axes)
+    inputs |= _as_built(inputs, own)
+    variables = own | _records(study, results) | origins | inputs
+    coordinates |= _case_coordinates(study, axes)
+    sizes = {name: len(values) for name, values in axes.items()}
+    return xr.Dataset(
+        {name: _over_grid(it, sizes) for name, it in variables.items()},
+        {name: _over_grid(it, sizes) for name, it in coordinates.items()},
+        {
+            "title": study.title,
+            "study": study.name,
+            "design": study.design.kind,
+            "scene": " ".join(part.name for part in study.parts),
+            "scene_version": study.cases[0].scene_version,
+            "format_version": FORMAT_VERSION,
+            **({STABILITY_MAP: 1} if study.stability_map else {}),
+            **origin,
+        },
+    )
+
+
+def _over_grid(variable: xr.Variable, sizes: Mapping[str, int]) -> xr.Variable:
+    """A variable over the dims of the study instead of the dim `case`."""
+    if variable.dims[:1] != (CASE,):
+        return variable
+    values = variable.values.reshape((*sizes.values(), *variable.shape[1:]))
+    return xr.Variable((*sizes, *variable.dims[1:]), values, variable.attrs)
+
+
+def _records(study: Study, results: Sequence[xr.Dataset | None]) -> Variables:
+    """Status, message and key of each case."""
+    texts = {
+        "status": ("outcome of the case", _attributes(results, "status", MISSING)),
+        "message": ("why the case did not complete", _attributes(results, "message")),
+        "case_key": ("name of the case's file", [case.key for case in study.cases]),
+    }
+    return {
+        name: xr.Variable(CASE, np.array(values), {"long_name": meaning})
+        for name, (meaning, values) in texts.items()
+    }
+
+
+def _origins(results: Sequence[xr.Dataset | None]) -> tuple[Variables, dict[str, str]]:
+    """Where, when and with what cases were computed: what differs over cases, what all agree on."""
+    differing: Variables = {}
+    agreed: dict[str, str] = {}
+    for name in OF_CASE:
+        said = _attributes(results, name)
+        known = set(said) - {""}
+        if len(known) > 1:
+            differing[name] = xr.Variable(CASE, np.array(said), {"long_name": spoken(name)})
+        elif known:
+            agreed[name] = known.pop()
+    return differing, agreed
+
+
+def _parameters(
+    study: Study,
+    definitions: Mapping[str, Parameter],
+    names: Mapping[str, str],
+    axes: Mapping[str, Sequence[Value]],
+) -> tuple[Variables, Variables]:
+    """The parameters as variables, and those that the study varies as coordinates."""
+    variables: Variables = {}
+    coordinates: Variables = {}
+    assigned = {name for part in study.parts for name in part.assigned}
+    varied = [pair for part in study.parts for pair in part.varied.items()]
+    distributions = {name: it.text for name, it in varied if isinstance(it, Input)}
+    for name, definition in definitions.items():
+        stored, labels = names[name], parameter_attributes(definition)
+        labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
+        values = [case.parameters.get(name) for case in study.cases]
+        # Not a number, or an empty text, where there is none.
+        nothing = "" if definition.kind is str else np.nan
+        filled = np.array([nothing if value is None else value for value in values])
+        if stored in axes:
+            coordinates[stored] = xr.Variable(stored, list(axes[stored]), labels)
+        elif len(set(values)) == 1:
+            variables[stored] = xr.Variable((), filled[0], labels)
+        else:
+            is_derived = definition.default is None and name not in assigned
+            place = variables if is_derived else coordinates
+            place[stored] = xr.Variable(CASE, filled, labels)
+    return variables, coordinates
+
+
+def _as_built(inputs: Variables, own: Variables) -> Variables:
+    """The material, where a scene has built another than its parameter names; else nothing."""
+    if "material" not in inputs or "built_law" not in own:
+        return {}
+    asked, law = inputs["material"], own["built_law"]
+    named = np.vectorize(material_as_built)(asked.values, law.values)
+    if np.all(named == asked.values):
+        return {}
+    if len(set(named.flat)) == 1:
+        return {"material": xr.Variable((), named.flat[0], asked.attrs)}
+    return {"material": xr.Variable(law.dims, named, asked.attrs)}
+
+
+def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Variables:
+    """Numbers of the cases where they are a dim, and their scenes where these are several."""
+    coordinates: Variables = {}
+    if CASE in axes:
+        coordinates[CASE] = xr.Variable(CASE, np.arange(len(study.cases)), {"long_name": CASE})
+    if len(study.parts) > 1:
+        columns = {
+            "scene": [case.scene for case in study.cases],
+            "scene_version": [case.scene_version for case in study.cases],
+        }
+        coordinates |= {
+            name: xr.Variable(CASE, values, {"long_name": spoken(name)})
+            for name, values in columns.items()
+        }
+    return coordinates
+
+
+def _result(folder: Path, case: Case) -> xr.Dataset | None:
+    """What the file of a case holds, None where there is none; where it is of no use, why."""
+    try:
+        return read_case(folder, case)
+    except ArchiveError as error:
+        return xr.Dataset(attrs={"status": DAMAGED, "message": str(error)})
+
+
+def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
+    """The scenes' own variables over the dim `case`, padded with not a number."""
+    known = {
+        place: result if result.attrs["status"] == COMPLETED else _curves(result)
+        for place, result in enumerate(results)
+        if result is not None
+    }
+    told = {place: result for place, result in known.items() if result.variables}
+    if not told:
+        return xr.Dataset()
+    dims: dict[Hashable, tuple[Hashable, ...]] = {}
+    own = []
+    for result in told.values():
+        variables = result.drop_vars(with_role(result, Role.PARAMETER)).reset_coords()
+        others = {
+            name: f"{result.attrs['scene']}_{name}"
+            for name, array in variables.variables.items()
+            if dims.setdefault(name, array.dims) != array.dims
+        }
+        own.append(variables.rename(others))
+    joined = xr.concat(
+        own,
+        dim=CASE,
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        join="outer",
+        combine_attrs="override",
+    )
+    places = joined.assign_coords({CASE: list(told)})
+    of_all = places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
+    texts = [name for name, it in of_all.data_vars.items() if it.dtype.kind == "O"]
+    return of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
+
+
+def _curves(result: xr.Dataset) -> xr.Dataset:
+    """What a case that did not complete had sampled up to its end."""
+    return result.drop_vars([name for name, array in result.data_vars.items() if not array.dims])
+
+
+def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str = "") -> list[str]:
+    """What the files of all cases say under a name."""
+    return [otherwise if it is None else str(it.attrs.get(name, otherwise)) for it in results]
+
 
 MOST_NAMED = 10
 """Files of a folder that are named where none is like the one that is asked for."""

@@ -1,21 +1,31 @@
 """Cases of the benchmark, and submissions: what each code found, with its uncertainty and time.
 
 A submission is a folder of two files. `meta.toml` says who computed with what, and `results.csv`
-has a row a case: ``case,value,uncertainty,seconds``. What is not known stays empty.
+has a row a case: ``case,value,uncertainty,seconds``. What is not known stays empty. That of this
+program runs each case by its scene, and keeps it as soon as it is done.
 """
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import xarray as xr
+
+from harness.archive.atomic_files import prepare, write_csv, write_whole
+from harness.archive.conventions import Role, with_role
+from harness.archive.provenance import provenance
+from harness.errors import in_one_line, tell
 from harness.study.files import LARGEST_FILE, read_toml, studies_folder
 from harness.study.schema import DIALECT, LINE, Schema, table_schema
 from harness.study.tables import StudyError, Table, parse_setting
+from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
 from mpm_warp.parameters import nearest_name
+from mpm_warp.scenes import scene_class
 
 META_KEYS: Mapping[str, str] = {
     "author": "who computed, and may be asked",
@@ -180,3 +190,78 @@ def _numbers(where: str, cells: Sequence[str]) -> list[float]:
             raise StudyError(f"{where}: {name} = {cell} must be > 0, or empty where it is not told")
         numbers.append(number)
     return numbers
+
+
+def run_benchmark(folder: Path, accuracy: str) -> int:
+    """Write a submission of all cases; those that the folder has already are not run again.
+
+    Returns:
+        How many cases did not complete; a line says why.
+
+    Raises:
+        StudyError: results are there that cannot be read, or are another submission's.
+    """
+    prepare(folder)
+    path, meta, failed = folder / "results.csv", folder / "meta.toml", 0
+    if meta.exists() and meta.read_text() != _meta(accuracy):
+        raise StudyError(f"{meta}: is of another program, accuracy or machine; name a new folder")
+    results = read_results(path) if path.exists() else {}
+    for case in benchmark_cases():
+        if case.name in results:
+            continue
+        try:
+            results[case.name] = computed(case, accuracy)
+        except (InaccurateRun, SimulationDiverged, UnfinishedRun) as error:
+            failed += 1
+            tell(f"{case.name}: {in_one_line(error)}")
+            continue
+        write_whole(_meta(accuracy).encode(), meta)
+        write_csv(_rows(results), path)
+        print(f"{case.name}: {results[case.name].value:.5g} {case.unit}", flush=True)
+    return failed
+
+
+def computed(case: BenchmarkCase, accuracy: str) -> Result:
+    """Value, uncertainty and seconds of a case, kernels compiled before or not."""
+    values = {**case.fixed, **case.accuracy[accuracy]}
+    scene = scene_class(case.scene)(**values)
+    start = time.perf_counter()
+    found = scene.run()
+    seconds = time.perf_counter() - start
+    name, _, place = (it.strip() for it in case.result.partition("@"))
+    stated = [it for it in with_role(found, Role.UNCERTAINTY) if it == f"{name}_uncertainty"]
+    value, uncertainty = (
+        _at(found[it], place) if it else math.nan for it in (name, next(iter(stated), ""))
+    )
+    return Result(value, uncertainty, seconds)
+
+
+def _at(values: xr.DataArray, place: str) -> float:
+    """A number of a result: itself, or where its coordinate has the value that `place` says."""
+    if values.ndim:
+        coordinate, _, number = place.partition("=")
+        values = values.interp({coordinate: float(number)})
+    return float(values)
+
+
+def _rows(results: Mapping[str, Result]) -> Iterator[Sequence[str]]:
+    yield COLUMNS
+    for name, it in results.items():
+        cells = (f"{it.value:.7g}", f"{it.uncertainty:.2g}", f"{it.seconds:.3g}")
+        yield [name, *("" if cell == "nan" else cell for cell in cells)]
+
+
+def _meta(accuracy: str) -> str:
+    came = provenance()
+    meta = {
+        "author": "the mpm_warp developers",
+        "code": "mpm_warp",
+        "version": came["mpm_warp_version"],
+        "method": "material points with B-bar cells of linear functions, adhesive contact",
+        "mesh": f"accuracy {accuracy}; see the column of that name in cases.csv",
+        "domain": "by the scenes, corrected to an infinite one where an uncertainty is stated",
+        "speed": "by the scenes; the effect of inertia is part of the uncertainty",
+        "machine": f"{came['processor']}, {came['cores']} cores",
+        "uncertainty": "by laws of the error that were measured over meshes, windows and speeds",
+    }
+    return "".join(f'{key} = "{value}"\n' for key, value in meta.items())

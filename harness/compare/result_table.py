@@ -29,8 +29,8 @@ from harness.compare.compared import (
     experience_notes,
     stored_references,
 )
+from harness.compare.differences import change_notes, ratio_notes
 from harness.compare.finest_error import error_name
-from harness.compare.ratios import change_notes, ratio_notes
 from harness.compare.spread import spread_notes
 from harness.references.cone_factors import (
     COMPARED,

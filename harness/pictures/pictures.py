@@ -13,6 +13,14 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
+from harness.pictures.case_curves import (
+    cycles_figure,
+    element_tests_figure,
+    resistance_figure,
+    shows_cycles,
+    shows_element_tests,
+    shows_resistance,
+)
 from harness.pictures.cases import cases_figure, scenes_figure, shows_cases, shows_scenes
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, map_figure, shows_curve, shows_map
@@ -23,13 +31,6 @@ from harness.pictures.effects import (
     shows_tornado,
     tornado_figure,
 )
-from harness.pictures.element_and_cyclic_tests import (
-    cycles_figure,
-    element_tests_figure,
-    shows_cycles,
-    shows_element_tests,
-)
-from harness.pictures.resistance import resistance_figure, shows_resistance
 from harness.pictures.sounding import shows_sounding, sounding_figure
 from harness.pictures.spread import shows_spread, spread_figure
 from harness.pictures.stability import shows_stability

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from harness.benchmark import cases as benchmark
-from harness.benchmark import own
 from harness.benchmark.cases import META_KEYS, Result, Submission, benchmark_cases
 from harness.benchmark.score import formulas, scores, summary_rows
 from harness.cli.main import main
@@ -141,9 +140,9 @@ def test_a_run_keeps_each_case_and_goes_on(tmp_path, monkeypatch, capsys):
     of = {case.name: case for case in benchmark_cases()}
     short = replace(of["cone_smooth"], fixed={"displacement": 0.5})  # the load still rises
     wave = of["standing_wave"]
-    monkeypatch.setattr(own, "benchmark_cases", lambda: (short, wave))
+    monkeypatch.setattr(benchmark, "benchmark_cases", lambda: (short, wave))
     folder = tmp_path / "ours"
-    assert own.run_benchmark(folder, "quick") == 1
+    assert benchmark.run_benchmark(folder, "quick") == 1
     assert "no plateau" in capsys.readouterr().err
     alone = scene_class(wave.scene)(**{**wave.fixed, **wave.accuracy["quick"]}).run()
     found = benchmark.read_submission(folder).results
@@ -151,7 +150,7 @@ def test_a_run_keeps_each_case_and_goes_on(tmp_path, monkeypatch, capsys):
         float(alone.displacement.interp(phase=9.25)), rel=1e-6
     )
     before = (folder / "results.csv").read_bytes()
-    assert own.run_benchmark(folder, "quick") == 1
+    assert benchmark.run_benchmark(folder, "quick") == 1
     assert (folder / "results.csv").read_bytes() == before
     with pytest.raises(StudyError, match="name a new folder"):
-        own.run_benchmark(folder, "fine")
+        benchmark.run_benchmark(folder, "fine")

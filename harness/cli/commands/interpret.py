@@ -27,7 +27,7 @@ from harness.pictures.interpretation import (
     interpretation_figure,
     soundings_figure,
 )
-from harness.report.interpretation import Interpreted, interpretation_page
+from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from mpm_warp.errors import InaccurateRun, SimulationDiverged
 

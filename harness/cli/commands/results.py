@@ -13,9 +13,9 @@ from harness.archive.case_files import ENDING, find_fields, read_fields
 from harness.archive.study_files import read_study
 from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, has_tolerances, misses
+from harness.compare.costs import recommend, results_in
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.least_squares import least_squares_table
-from harness.compare.recommend import recommend, results_in
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError, defect, tell
 from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable, image, write_own

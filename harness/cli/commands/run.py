@@ -12,20 +12,23 @@ from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import provenance
 from harness.archive.study_files import study_file
-from harness.benchmark.cases import benchmark_cases, benchmark_folder, read_submissions
-from harness.benchmark.own import run_benchmark
+from harness.benchmark.cases import (
+    benchmark_cases,
+    benchmark_folder,
+    read_submissions,
+    run_benchmark,
+)
 from harness.benchmark.score import case_rows, formulas, scores, summary_rows
 from harness.cli.commands.results import list_misses, show
 from harness.cli.process import DONE, INCOMPLETE, end_at_sigterm
-from harness.compare.step_cost_table import bench_rows
+from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, tell
 from harness.pictures.drawing.plot_parts import image, write_own
 from harness.pictures.work_precision import draw_work_precision
-from harness.report.benchmark import benchmark_figure, benchmark_page
-from harness.run.progress import Display
+from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device
-from harness.run.run_study import on_cluster, on_this_machine, run_study
+from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
 from harness.run.verify import HEADING, as_dataset, checks_of, table_rows, verify
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots

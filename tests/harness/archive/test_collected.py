@@ -11,11 +11,10 @@ import xarray as xr
 
 import mpm_warp
 from harness.archive.case_files import case_file, case_folder, write_case
-from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, CRASHED
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import SOURCES, provenance, sources_digest
-from harness.archive.study_files import read_study, write_study
+from harness.archive.study_files import collect, read_study, write_study
 from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
 from harness.study.cases import Case

@@ -8,9 +8,8 @@ import pytest
 import xarray as xr
 
 from harness.archive.case_files import write_case
-from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, HALF_WIDTH, reasons_of, without_incomplete_curves
-from harness.archive.study_files import read_study, write_study
+from harness.archive.study_files import collect, read_study, write_study
 from harness.cli.main import main
 from harness.compare.result_table import cone_factor_table
 from harness.pictures.pictures import draw

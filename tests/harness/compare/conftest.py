@@ -9,8 +9,8 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import case_folder, write_case
-from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED
+from harness.archive.study_files import collect
 from harness.compare.compared import with_references
 from harness.references.registry import cone_factor_reference
 from harness.study.study import load_study

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.compare.ratios import difference, ratio, slope
+from harness.compare.differences import difference, ratio, slope
 from harness.compare.result_table import result_table
 from mpm_warp.results import labelled
 from tests.harness.compare.test_result_table import cone_and_bar, footings

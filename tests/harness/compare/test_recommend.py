@@ -12,7 +12,7 @@ from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.cli.parser import share
-from harness.compare.recommend import DERIVED, recommend
+from harness.compare.costs import DERIVED, recommend
 from harness.errors import HarnessError
 from tests.harness.conftest import Refusal
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from harness.cli.main import main
-from harness.compare.step_cost_table import bench_rows
+from harness.compare.costs import bench_rows
 
 pytestmark = pytest.mark.slow
 

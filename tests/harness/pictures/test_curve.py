@@ -8,8 +8,8 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from harness.pictures.case_curves import resistance_figure
 from harness.pictures.curve import curve_figure
-from harness.pictures.resistance import resistance_figure
 
 from .conftest import MADE, REFERENCES, one_at_a_time, result
 

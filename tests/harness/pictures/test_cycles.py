@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.lines import Line2D
 
-from harness.pictures.element_and_cyclic_tests import cycles_figure
+from harness.pictures.case_curves import cycles_figure
 from tests.harness.pictures.conftest import figures
 
 STRENGTH = 20e3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.pictures.element_and_cyclic_tests import element_tests_figure
+from harness.pictures.case_curves import element_tests_figure
 from tests.harness.pictures.conftest import figures
 
 RATIOS = [1.0, 4.0]

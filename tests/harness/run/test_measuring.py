@@ -11,8 +11,8 @@ import xarray as xr
 from harness.archive import case_files
 from harness.run import resources
 from harness.run.pool import run_cases
-from harness.run.progress import Display
 from harness.run.resources import Measurement, RunOptions, with_samples
+from harness.run.run_study import Display
 from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from mpm_warp.parameters import Value

@@ -4,7 +4,7 @@ import re
 import pytest
 
 from harness.archive.case_files import Outcome
-from harness.run.progress import Display
+from harness.run.run_study import Display
 from harness.study.study import Study
 
 pytestmark = pytest.mark.slow

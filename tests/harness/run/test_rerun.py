@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
-from harness.archive import collection as archive
+from harness.archive import study_files as archive
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
