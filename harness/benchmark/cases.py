@@ -20,7 +20,7 @@ from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import Role, with_role
 from harness.archive.provenance import provenance
 from harness.errors import in_one_line, tell
-from harness.study.files import LARGEST_FILE, read_toml, studies_folder
+from harness.study.files import read_text, read_toml, studies_folder
 from harness.study.schema import DIALECT, LINE, Schema, table_schema
 from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
@@ -149,14 +149,7 @@ def read_submission(folder: Path) -> Submission:
 
 def read_results(path: Path) -> dict[str, Result]:
     """The rows of `results.csv` by case; a `StudyError` says what is missing or malformed."""
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise StudyError(f"{path}: has more than {LARGEST_FILE} bytes")
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise StudyError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
+    lines = read_text(path, "a table of results").splitlines()
     rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     if not rows or tuple(rows[0]) != COLUMNS:
         raise StudyError(f"{path}: its first row must be {','.join(COLUMNS)}")

@@ -74,7 +74,7 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
         values = value.transpose(*computed.dims).values
         known = {"units": "1", **{name: getattr(reference, name) for name in told}}
         if isinstance(reference, OwnReference):
-            known |= reference.as_attributes()
+            known |= {OWN_LABEL: reference.label, "range": json.dumps(reference.ranges)}
         label = f"cone factor of {reference.label}"
         for role, numbers, meaning in (
             (Role.REFERENCE, values, label),

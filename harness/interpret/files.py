@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+from harness.study.files import read_bounded
 from harness.study.tables import StudyError
 from mpm_warp.parameters import nearest_name
 
@@ -71,15 +72,7 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     Raises:
         StudyError: the file cannot be read, or is damaged; the message is one line.
     """
-    try:
-        if path.exists() and not path.is_file():  # a device may have no end
-            raise StudyError(f"{path}: is no ordinary file")
-        size = path.stat().st_size
-        content = path.read_bytes() if size <= LARGEST_FILE else b""
-    except OSError as error:
-        raise StudyError(f"{path}: cannot be read: {error.strerror}") from None
-    if size > LARGEST_FILE:
-        raise StudyError(f"{path}: has {size} bytes; a test has at most {LARGEST_FILE}")
+    content = read_bounded(path, LARGEST_FILE, "a test")
     if b"\0" in content:
         raise StudyError(f"{path}: has null bytes: it is binary, or UTF-16; save it as UTF-8 text")
     try:

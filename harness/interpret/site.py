@@ -40,7 +40,7 @@ from harness.interpret.keys import (
 )
 from harness.study.distributions import Input, read_input
 from harness.study.files import read_toml
-from harness.study.tables import StudyError, Table
+from harness.study.tables import StudyError, Table, is_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +227,7 @@ def _refuse_both(table: Table, one: str, other: str) -> None:
 
 
 def _finite(table: Table, key: str, value: object) -> float:
-    if isinstance(value, bool) or not (isinstance(value, (int, float)) and abs(value) < 1e300):
+    if not is_number(value):
         raise table.refuse(key, "must be a number")
     return float(value)
 
@@ -287,7 +287,7 @@ def _rate(table: Table) -> float:
     found = re.fullmatch(RATE, value) if isinstance(value, str) else None
     if found:
         value = 0.01 * float(found[1]) / {"s": 1.0, "min": 60.0, "h": 3600.0}[found[2]]
-    if isinstance(value, (str, bool)) or not isinstance(value, (int, float)):
+    if not is_number(value):
         raise table.refuse("laboratory_rate", 'must be a text as "5 %/h", or a number in 1/s')
     if not allowed.holds(value, value):
         raise table.refuse("laboratory_rate", f"is {value:.2g} 1/s, must be {allowed.allowed}")

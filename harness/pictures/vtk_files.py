@@ -30,7 +30,9 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
     """
     beside = folder / f"{name}_vtk"
     prepare(beside)
-    series, collection = _series()
+    about = {"type": "Collection", "version": "1.0", "byte_order": "LittleEndian"}
+    series = ET.Element("VTKFile", about)
+    collection = ET.SubElement(series, "Collection")
     written = []
     for number, penetration in enumerate(fields["penetration"].values.tolist()):
         meshes = _meshes(fields.isel(penetration=number))
@@ -44,13 +46,6 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
     listed = folder / f"{name}.pvd"
     write_whole(ET.tostring(series, xml_declaration=True, encoding="utf-8"), listed)
     return [listed, *written]
-
-
-def _series() -> tuple[ET.Element, ET.Element]:
-    """An empty list of files by time, and where they are listed in it."""
-    about = {"type": "Collection", "version": "1.0", "byte_order": "LittleEndian"}
-    series = ET.Element("VTKFile", about)
-    return series, ET.SubElement(series, "Collection")
 
 
 def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:

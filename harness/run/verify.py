@@ -1,6 +1,5 @@
 """Scenes against their exact solutions: every scene that has one, at its resolutions."""
 
-import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +7,7 @@ from dataclasses import dataclass
 import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
-from mpm_warp.results import variable
+from mpm_warp.results import labelled
 from mpm_warp.scenes import Verification, scene_class, scene_names
 
 
@@ -143,18 +142,15 @@ def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
 
 
 def _as_dataset(verified: Verified) -> xr.Dataset:
-    over = functools.partial(variable, dims=("rank",))
     resolutions, passed = verified.check.verification.resolutions, not verified.shortfalls
-    order = "observed order between the two finest resolutions"
-    return xr.Dataset(
-        {
-            "error": over(verified.values("error"), meaning="error against the exact solution"),
-            "run_time": over(
-                verified.values("run_time"), unit="s", meaning="wall-clock time of the run"
-            ),
-            "resolution": over(resolutions, meaning="resolution, in the scene's own parameter"),
-            "order": variable(verified.order, meaning=order),
-            "passed": variable(int(passed), meaning="1 where every bound is reached"),
-        },
-        coords={"rank": range(len(verified.results))},
+    over_ranks = labelled(
+        dims=("rank",),
+        error=(verified.values("error"), "1", "error against the exact solution"),
+        run_time=(verified.values("run_time"), "s", "wall-clock time of the run"),
+        resolution=(resolutions, "1", "resolution, in the scene's own parameter"),
     )
+    alone = labelled(
+        order=(verified.order, "1", "observed order between the two finest resolutions"),
+        passed=(int(passed), "1", "1 where every bound is reached"),
+    )
+    return xr.Dataset(over_ranks | alone, coords={"rank": range(len(verified.results))})

@@ -1,13 +1,13 @@
 """What a worker process does: it runs cases one after the other and writes their files."""
 
 import contextlib
-import math
 import signal
 import sys
 import time
 import traceback
 from dataclasses import dataclass
 from functools import partial
+from math import nan
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -90,11 +90,14 @@ def compute(
         if not status:
             status = FAILED
             dataset = dataset.assign_attrs({TRACEBACK: traceback.format_exc()})
-    headline = ", ".join(
-        f"{spoken(name)} {stated(dataset[name].item(), _half_width(dataset), _reason(dataset))}"
-        for name in _headlines(dataset)
-        if status == COMPLETED
-    )
+    headline = ""
+    if status == COMPLETED:
+        half_width = next((dataset[it].item() for it in with_role(dataset, Role.UNCERTAINTY)), nan)
+        reason = next((str(dataset[it].item()) for it in with_role(dataset, Role.REASON)), "")
+        headline = ", ".join(
+            f"{spoken(name)} {stated(dataset[name].item(), half_width, reason)}"
+            for name in _headlines(dataset)
+        )
     idle_time = execution.idle_time
     dataset = without_idle_time(dataset, idle_time)
     dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
@@ -172,14 +175,6 @@ def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
 
 def _headlines(dataset: xr.Dataset) -> list[str]:
     return [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
-
-
-def _half_width(dataset: xr.Dataset) -> float:
-    return next((dataset[it].item() for it in with_role(dataset, Role.UNCERTAINTY)), math.nan)
-
-
-def _reason(dataset: xr.Dataset) -> str:
-    return next((str(dataset[it].item()) for it in with_role(dataset, Role.REASON)), "")
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:

@@ -22,7 +22,7 @@ from harness.references.registry import cone_factor_reference, experience_ids, r
 from harness.study.expressions import Expression, ExpressionError
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
-from harness.study.tables import StudyError, Table, shown
+from harness.study.tables import StudyError, Table, is_number, shown
 from mpm_warp.parameters import Value, did_you_mean, nearest_name
 
 ERROR = "error"
@@ -177,10 +177,6 @@ class OwnReference(ConeFactor):
         """Whether `conditions` lie within all ranges, element by element."""
         return _lies_within(self.ranges, conditions)
 
-    def as_attributes(self) -> dict[str, str]:
-        """What the file of a result keeps, beside what it keeps of those that ship."""
-        return {OWN_LABEL: self.label, "range": json.dumps(self.ranges)}
-
 
 def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReference:
     """A reference as the file of a result keeps it."""
@@ -236,11 +232,7 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
 def _span(ranges: Table, name: str) -> tuple[float, float]:
     """Least and greatest value of a range."""
     ends = ranges.list(name)
-    if (
-        len(ends) != 2
-        or not all(type(end) in (int, float) and math.isfinite(end) for end in ends)
-        or ends[0] > ends[1]
-    ):
+    if len(ends) != 2 or not all(map(is_number, ends)) or ends[0] > ends[1]:
         raise ranges.refuse(name, "must be two numbers, the least and the greatest")
     return float(ends[0]), float(ends[1])
 

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.study.tables import Table
+from harness.study.tables import Table, is_number
 from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
 
@@ -93,7 +93,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         StudyError: it is none of the forms, or not allowed.
     """
     value = table.values[key]
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
+    if is_number(value):
         if not allowed.holds(value, value):
             raise table.refuse(key, f"must be a number {allowed.allowed}")
         return known(float(value))
@@ -101,9 +101,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         raise table.refuse(key, f"must be {HOW}")
     numbers = {name: it for name, it in value.items() if name != "shape"}
     for name, number in numbers.items():
-        if isinstance(number, bool) or not (
-            isinstance(number, (int, float)) and abs(number) < 1e300
-        ):
+        if not is_number(number):
             raise table.refuse(key, f"{name} must be a number")
     quantiles = _distribution(table, key, value)
     middle, ends = quantiles(np.array(0.5)), quantiles(np.array([SURELY, 1.0 - SURELY]))

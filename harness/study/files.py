@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.study.designs import EITHER_FIXED_OR_VARIED
-from harness.study.tables import StudyError, Table, shown
+from harness.study.tables import StudyError, Table, is_number, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
 from mpm_warp.scenes import scene_names
@@ -72,34 +72,47 @@ def find_study(study: str, beside: Path | None = None) -> Path:
     return path
 
 
+def read_bounded(path: Path, most: int, what: str) -> bytes:
+    """The content of an ordinary file of at most so many bytes; `what` it is, for the message."""
+    try:
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):  # whoever opens a FIFO waits, a device may have no end
+            raise StudyError(f"{path}: is no ordinary file")
+        content = path.read_bytes() if about.st_size <= most else b""
+    except (OSError, ValueError) as error:  # a null character in its name
+        raise StudyError(f"{path}: cannot be read: {getattr(error, 'strerror', error)}") from None
+    if about.st_size > most:
+        raise StudyError(f"{path}: has {about.st_size} bytes; {what} has at most {most}")
+    return content
+
+
+def read_text(path: Path, what: str) -> str:
+    """The text of an ordinary file of UTF-8 of at most `LARGEST_FILE` bytes."""
+    try:
+        return read_bounded(path, LARGEST_FILE, what).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """The tables of a file as they stand there."""
+    text = read_text(path, "a study")
     try:
-        size = path.stat().st_size
-        content = path.read_bytes() if size <= LARGEST_FILE else b""
-    except OSError as error:
-        raise StudyError(f"{path}: cannot be read: {error.strerror}") from None
-    if size > LARGEST_FILE:
-        raise StudyError(f"{path}: has {size} bytes; a study has at most {LARGEST_FILE}")
-    try:
-        text = content.decode()
         if LONG_KEY.search(text):  # the time that it takes grows with the square of its parts
             raise StudyError(f"{path}: a key has more than {MOST_PARTS} parts with dots between")
         return tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise StudyError(f"{path}: not UTF-8 at byte {error.start}") from None
     except RecursionError:
         raise StudyError(f"{path}: not valid TOML: nested too deeply") from None
     except ValueError as error:  # not only TOMLDecodeError: an integer may have too many digits
-        raise StudyError(f"{path}: not valid TOML: {error}{_remedy(content, error)}") from None
+        raise StudyError(f"{path}: not valid TOML: {error}{_remedy(text, error)}") from None
 
 
-def _remedy(content: bytes, error: ValueError) -> str:
+def _remedy(text: str, error: ValueError) -> str:
     """What is wrong in the line that an error of TOML names, where it is a slip of beginners."""
     place = re.search(r"at line (\d+)", str(error))
     if place is None:
         return ""
-    line = content.decode().splitlines()[int(place[1]) - 1].partition("#")[0].strip()
+    line = text.splitlines()[int(place[1]) - 1].partition("#")[0].strip()
     key, equals, value = (part.strip() for part in line.partition("="))
     if equals and re.fullmatch(r"[A-Za-z][\w -]*", value):
         return f'; a text needs quotes: {key} = "{value}"'
@@ -140,7 +153,8 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
     result = dict(base)
     for name in ASSIGNING:
         keeps = name == "fixed" and design not in EITHER_FIXED_OR_VARIED
-        said = _keys(own, *(name for name in ASSIGNING if not (keeps and name == "vary")))
+        tables = (own.get(it) for it in ASSIGNING if not (keeps and it == "vary"))
+        said = {key for table in tables if isinstance(table, dict) for key in table}
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}
     for key, value in own.items():
@@ -153,10 +167,6 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
                 if isinstance(inherited[name], dict) and isinstance(value[name], dict):
                     result[key][name] = joined(inherited[name], value[name], design)
     return result
-
-
-def _keys(definition: Mapping[str, Any], *tables: str) -> set[str]:
-    return {key for it in tables if isinstance(table := definition.get(it), dict) for key in table}
 
 
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -188,27 +198,17 @@ def _of_file(folder: Path, table: Table) -> str:
     table.allow("file")
     path = folder / table.text("file")
     try:
-        if not path.resolve().is_relative_to(folder.resolve()):
-            raise table.refuse("file", "must be beside the study, or in a folder below")
-        about = path.stat()
-        if not stat.S_ISREG(about.st_mode):  # whoever opens a FIFO waits, a device may have no end
-            raise table.refuse("file", "is no ordinary file")
-        if about.st_size > LARGEST_FILE:
-            raise table.refuse("file", f"has more than {LARGEST_FILE} bytes")
-        with path.open("rb") as file:
-            return file.read(LARGEST_FILE).decode("utf-8-sig")
-    except OSError as error:
-        raise table.refuse("file", f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise table.refuse("file", f"not UTF-8 at byte {error.start}") from None
-    except ValueError as error:  # a null character in its name
-        raise table.refuse("file", f"cannot be read: {error}") from None
+        if path.resolve().is_relative_to(folder.resolve()):
+            return read_text(path, "a profile")
+    except (StudyError, OSError, ValueError) as error:
+        raise table.refuse("file", str(error).removeprefix(f"{path}: ")) from None
+    raise table.refuse("file", "must be beside the study, or in a folder below")
 
 
 def _of_columns(table: Table) -> str:
     lengths = {}
     for key, column in table.values.items():
-        if not isinstance(column, list) or not all(type(it) in (int, float) for it in column):
+        if not isinstance(column, list) or not all(map(is_number, column)):
             raise table.refuse(key, "must be a list of numbers, or file = a CSV file")
         lengths[key] = len(column)
     if len(set(lengths.values())) > 1:

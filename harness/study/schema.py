@@ -86,7 +86,11 @@ def study_schema() -> Schema:
         **table_schema(properties),
         "anyOf": [{"required": ["base"]}, {"required": ["title", "scene"]}],
         "allOf": [
-            *(_if("scene", name, _open(_of_scene(name))) for name in scene_names()),
+            # That of one scene says nothing of the other keys of a study.
+            *(
+                _if("scene", name, {"properties": _of_scene(name)["properties"]})
+                for name in scene_names()
+            ),
             _if("design", LATIN_HYPERCUBE, {"required": ["samples", "seed", "vary"]}),
             _if("design", LIST, {"required": ["case"]}),
             {"if": {"not": {"anyOf": defines}}, "then": shipped},
@@ -191,11 +195,6 @@ def _scene_name() -> Schema:
 def table_schema(properties: Schema, **more: object) -> Schema:
     """A table with these keys and no others."""
     return {"type": "object", "properties": properties, "additionalProperties": False, **more}
-
-
-def _open(schema: Schema) -> Schema:
-    """The same without a word on other keys."""
-    return {key: value for key, value in schema.items() if key != "additionalProperties"}
 
 
 def _if(key: str, value: str, then: Schema) -> Schema:

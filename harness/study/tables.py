@@ -9,7 +9,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from harness.errors import HarnessError, printable, shortened
 from mpm_warp.errors import ParameterError
@@ -91,7 +91,7 @@ class Table:
     def positive(self, key: str) -> float:
         """A finite number above 0; the key is there."""
         value = self.values[key]
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e300:
+        if not (is_number(value) and value > 0):
             raise self.refuse(key, "must be a number > 0")
         return float(value)
 
@@ -186,6 +186,11 @@ def _meant(key: str, text: str) -> str:
     if re.fullmatch(r"[A-Za-z][\w .-]*", text):
         return f"a text of more than one word needs two kinds of quotes: '{key}=\"{text}\"'"
     return "a number, a text or a list"
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value of a table is a finite number."""
+    return isinstance(value, (int, float)) and type(value) is not bool and abs(value) < 1e300
 
 
 def shown(value: object) -> str:

@@ -29,6 +29,7 @@ from harness.pictures.interpretation import (
 )
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
+from harness.study.files import read_text
 from mpm_warp.errors import InaccurateRun, SimulationDiverged
 
 COLUMNS = {
@@ -141,12 +142,10 @@ def _table(found: xr.Dataset) -> Iterator[list[str]]:
 
 def read_points(path: Path) -> list[tuple[float, float]]:
     """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa]."""
+    rows = csv.DictReader(read_text(path, "a table of strengths").splitlines())
     try:
-        rows = list(csv.DictReader(path.read_text(encoding="utf-8-sig").splitlines()))
         return [(float(it["depth [m]"]), 1e3 * float(it["strength [kPa]"])) for it in rows]
-    except OSError as error:
-        raise HarnessError(f"{path}: cannot be read: {error.strerror}") from None
-    except (KeyError, TypeError, ValueError):
+    except (csv.Error, KeyError, TypeError, ValueError):
         raise HarnessError(
             f"{path}: must be CSV with the columns depth [m] and strength [kPa]"
         ) from None

@@ -89,12 +89,9 @@ def describe(options: argparse.Namespace) -> int:
         return DONE
     print(*scene_rows(options.subject), sep="\n")
     if options.subject in study_names():
-        tell(f"a study is called {options.subject}, too: harness describe {_file(options.subject)}")
+        file = shlex.quote(str(find_study(options.subject)))
+        tell(f"a study is called {options.subject}, too: harness describe {file}")
     return DONE
-
-
-def _file(study: str) -> str:
-    return shlex.quote(str(find_study(study)))
 
 
 def schema(options: argparse.Namespace) -> int:

@@ -95,7 +95,7 @@ def secret(path: Path) -> None:
         (device, "must be beside the study, or in a folder below"),
         (fifo, "is no ordinary file"),
         (elsewhere, "must be beside the study, or in a folder below"),
-        (large, "has more than 1000000 bytes"),
+        (large, "a profile has at most 1000000"),
         (secret, "must name columns with units"),
     ],
 )
