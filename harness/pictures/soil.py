@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 
 from harness.archive.atomic_files import write_whole
 from harness.pictures.drawing.plot_parts import chosen, series_colour
-
-Floats = NDArray[np.floating]
+from mpm_warp.grid.fitted import Floats, bilinear
 
 
 class NodalValues:
@@ -68,8 +67,7 @@ class NodalValues:
         first = row * self.r.shape[1] + column
         upper = first + self.r.shape[1]
         nodes = np.stack([first, first + 1, upper, upper + 1])
-        weights = [(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta]
-        return nodes, np.stack(weights)
+        return nodes, bilinear(xi, eta)[0]
 
 
 def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Floats]:

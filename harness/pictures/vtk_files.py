@@ -14,7 +14,8 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare, write_whole
 from harness.errors import HarnessError
-from harness.pictures.soil import Floats, NodalValues
+from harness.pictures.soil import NodalValues
+from mpm_warp.grid.fitted import Floats
 
 VECTORS = ("displacement", "velocity")
 PARTS = ("points", "grid", "surface")

@@ -93,7 +93,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         StudyError: it is none of the forms, or not allowed.
     """
     value = table.values[key]
-    if is_number(value):
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
         if not allowed.holds(value, value):
             raise table.refuse(key, f"must be a number {allowed.allowed}")
         return known(float(value))
