@@ -26,6 +26,7 @@ from harness.study.study import Study
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
+from mpm_warp.scenes.sounding.profile import PROFILE, columns_of, units_of
 
 MOST_BUILT = 1000
 """Cases of a study that are made to count them; of more it takes too long to wait for."""
@@ -246,6 +247,11 @@ class Usual:
             None,
         )
 
+    def unit_of_all(self, values: Iterable[float]) -> str | None:
+        """The unit in which all values would be usual; None where one is, or there are none."""
+        units = {self.unit_of(value) for value in values}
+        return units.pop() if len(units) == 1 else None
+
 
 USUAL = {
     "undrained_shear_strength": Usual(1e3, 1e6, PASCAL),
@@ -256,6 +262,11 @@ USUAL = {
     "density": Usual(1000.0, 3000.0, {"t/m3": 1e3, "kN/m3": 1e3 / 9.81}),
 }
 """Clays from very soft to hard, offshore and on land; penetrometers from 0.8 cm2 to 300 cm2."""
+USUAL_BY_DEPTH = {
+    "strength": USUAL["undrained_shear_strength"],
+    "unit_weight": Usual(1e4, 3e4, {"kN/m3": 1e3}),
+}
+"""Columns of a profile."""
 USUAL_STRESS = Usual(1e3, 1e11, PASCAL)
 """Any stress or stiffness, of a law of another package."""
 
@@ -286,13 +297,19 @@ def unusual_values(study: Study) -> list[str]:
         laws = [name for name in part.scene.of_other_laws if part.parameters[name].unit == "Pa"]
         for name, usual in {**dict.fromkeys(laws, USUAL_STRESS), **USUAL}.items():
             values = _given(part, name)
-            units = {usual.unit_of(value) for value in values}
-            if len(units) != 1 or (unit := units.pop()) is None:
-                continue
-            lines.append(
-                f"{name} = {values[0]:g} is in {part.parameters[name].unit}; if {values[0]:g} "
-                f"{unit} is meant, give {values[0] * usual.units[unit]:g}"
-            )
+            if (unit := usual.unit_of_all(values)) is not None:
+                lines.append(
+                    f"{name} = {values[0]:g} is in {part.parameters[name].unit}; if {values[0]:g} "
+                    f"{unit} is meant, give {values[0] * usual.units[unit]:g}"
+                )
+        columns = columns_of(str(part.fixed[PROFILE])) if PROFILE in part.fixed else {}
+        for name, usual in USUAL_BY_DEPTH.items():
+            column = columns.get(name, np.array([])).tolist()
+            if (unit := usual.unit_of_all(column)) is not None:
+                lines.append(
+                    f"{PROFILE}: {name} = {column[0]:g} is in {next(iter(units_of(name)))}; if "
+                    f"{column[0]:g} {unit} is meant, its column is [{unit}]"
+                )
     return list(dict.fromkeys(lines))
 
 

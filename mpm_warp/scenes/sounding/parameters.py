@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import parameter, redefined
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.parameters import parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.law_by_depth import with_strength
-from mpm_warp.scenes.sounding.profile import Profile, columns_of
+from mpm_warp.scenes.sounding.profile import Profile, columns_of, refused
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
@@ -25,6 +26,12 @@ WAY = 30.0
 """Way from the first to the last depth of the curves by default, in cone radii."""
 ROUNDING = 1e-6
 """Share of a sample that counts as rounding of a depth."""
+LIMITED_AS = {
+    "strength": "undrained_shear_strength",
+    "rigidity_index": "rigidity_index",
+    "unit_weight": "unit_weight",
+}
+"""Columns of a profile, and the parameters whose limits hold for them."""
 LAYER = 1.0
 """Thickness of the layer of soil that counts as near the surface, over the cone's radius; when it
 has left the window above, nothing of the surface is in it."""
@@ -274,8 +281,24 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         return self.domain_above + LEAD
 
 
+def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
+    """Check that a profile keeps to the limits of the parameters whose place its columns take."""
+    rows = {parameter: columns[name] for name, parameter in LIMITED_AS.items() if name in columns}
+    if "shear_modulus" in columns and "strength" in columns:
+        rows["rigidity_index"] = columns["shear_modulus"] / columns["strength"]
+    for name, values in rows.items():
+        definition = parameters_of(type(test))[name]
+        for row, value in enumerate(values.tolist(), 1):
+            try:
+                definition.checked(float(f"{value:.12g}"))  # a ratio has rounding
+            except ParameterError as error:
+                raise refused(f"row {row}: {error}, in {definition.unit}") from None
+
+
 def check_sounding(test: SoundingTest) -> None:
     """Raise `ParameterError` for the first depth, stretch, layer or property that does not fit."""
+    if test.profile is not None:
+        _check_limits(test, columns_of(test.profile))
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
         raise ParameterError(
             "to_depth",

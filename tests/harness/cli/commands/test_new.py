@@ -109,6 +109,25 @@ def test_a_value_in_what_looks_like_another_unit_is_told(
     assert capsys.readouterr().err.splitlines() == lines
 
 
+@pytest.mark.parametrize(
+    ("profile", "warning"),
+    [
+        ("strength [Pa]; 0, 25", "strength = 25 is in Pa; if 25 kPa is meant, its column is [kPa]"),
+        (
+            "strength [kPa], unit_weight [N/m3]; 0, 25, 17; 9, 25, 17",
+            "unit_weight = 17 is in N/m3; if 17 kN/m3 is meant, its column is [kN/m3]",
+        ),
+        ("strength [kPa]; 0, 25", ""),
+    ],
+)
+def test_a_column_of_a_profile_in_what_looks_like_another_unit_is_told(
+    profile: str, warning: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["plan", "sounding", "--set", f"profile=depth [m], {profile}"])
+    told = [it for it in capsys.readouterr().err.splitlines() if " is meant" in it]
+    assert told == ([f"harness: profile: {warning}"] if warning else [])
+
+
 THROWN_OFF = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less"
 SANE = "nearly all cases complete from 0.0001 to 0.1"
 

@@ -56,6 +56,12 @@ def test_columns_that_are_left_out_have_their_defaults() -> None:
     assert Profile.read("strength [MPa], depth [mm]; 1, 0").strength == [1e6]
 
 
+LIMITED = (
+    "depth [m], strength [Pa], shear_modulus [Pa], unit_weight [N/m3]; "
+    "0, 2e4, 2e6, 17e3; 9, {}, 2e6, {}"
+)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -240,6 +246,9 @@ def test_uniform_cam_clay_is_that_of_the_cone() -> None:
         ({"material": "modified_cam_clay", "profile": TEXT}, "column strength: .* leave it out"),
         ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
         ({"material": "von_mises", "stress_anisotropy": 0.9}, "must be <= 34641 Pa in compression"),
+        ({"profile": LIMITED.format(2e9, 17e3)}, "row 2: undrained_shear_strength = .*, in Pa"),
+        ({"profile": LIMITED.format(2e4, 17e6)}, "row 2: unit_weight = .* <= 1e.06, in N m-3"),
+        ({"profile": LIMITED.format(9e2, 17e3)}, "row 2: rigidity_index = .* <= 2000, in 1"),
     ],
 )
 def test_ground_that_its_law_does_not_allow_is_told_in_one_line(
