@@ -1,20 +1,25 @@
 """The return of modified Cam clay to its yield surface: implicit, one scalar equation.
 
 After Borja & Lee (1990). Symbols are those of `modified_cam_clay`; x plastic volume strain of a
-step, e its strain, a = v / kappa, b = v / (lambda - kappa).
+step, e its strain, a = v / kappa, b = v / (lambda - kappa), k = 3 / M^2, so that q^2 / M^2 = k J2.
 
     p_c <- p_c exp(b x)
     p   <- p exp(a (e_v - x))
-    s   <- share (s + 2 G dev e),    share = M^2 (2 p - p_c) / (M^2 (2 p - p_c) + 6 G x)
+    s   <- share (s + 2 G dev e),    share = N / D,  N = 2 p - p_c,  D = N + 2 G k x
+    0    = k J2 N^2 + p (p - p_c) D^2
 
 x is where f = 0: between 0, where f > 0, and the x of the critical state, 2 p = p_c, where f < 0,
 on the wet side, on the dry side and at the tip. So the path of p over q at constant volume is exact
 in steps of any size. The strain along it has an error of first order: a long step is taken in
 parts. The flow is along s, whatever M follows.
+
+Where M follows the Lode angle, w = q / M is the greatest root of a cubic equation; tension positive
+in J3, and M in it that in compression, 1 / M + 1 / 3 in extension its inverse:
+
+    w^3 = (1 + T / 3) J2 w + (1 + T / 2) J3,    T = (3 - M) (3 + 2 M) / M^2
 """
 
 import functools
-import math
 from typing import Any
 
 import warp as wp
@@ -29,41 +34,91 @@ from mpm_warp.kernel_types import (
     vec2,
     vec3,
     vec4,
-    vector,
+    vec7,
     zero,
 )
 from mpm_warp.materials.von_mises import j2
 
 PART, MOST_PARTS = 0.1, 40
 """Elastic change of q in one part of a step, over M p_c, and most parts of a step."""
-ITERATIONS = 60
-"""Of Newton's method between bounds that each iteration narrows: 60 halvings would do too."""
+ITERATIONS = 100
+"""Of Newton's method between bounds that each iteration narrows: as many halvings would do too."""
+ROOTS = 40
+"""Iterations for w, more than it takes: 2 where it is near to the surface."""
 WATER = 5
-"""Place of K_w / n among the properties (M, a, b, r, G, K_w / n, least p, A, B)."""
+"""Place of K_w / n among the properties (M, a, b, r, G, K_w / n, least p)."""
 
-vec9 = vector(9)
-three, six = wp.constant(real(3.0)), wp.constant(real(6.0))
-of_angle = wp.constant(real(-1.5 * math.sqrt(3.0)))  # tension is positive in s
+three = wp.constant(real(3.0))
 rounding, tolerance = wp.constant(real(1e-13)), wp.constant(real(1e-10))
-small, longest = wp.constant(real(1e-3)), wp.constant(real(PART))
-near = wp.constant(real(1e-10))  # to the critical state, in the logarithm of 2 p / p_c
+tiny = wp.constant(real(1e-60))  # of J2 [Pa2]: it has no direction
+small = wp.constant(real(1e-3))
+longest, most_parts = wp.constant(real(PART)), wp.constant(real(MOST_PARTS))
+near = wp.constant(real(1e-10))  # to the critical state, over p_c
+last_change = wp.constant(real(1e-5))  # of w, over it; what is left is of the third order
+
+
+@wp.func
+def cubic(s: vec4, J2: real, M: real) -> vec2:
+    """(A, B) of w^3 = A w + B."""
+    T = (three - M) * (three + two * M) / (M * M)
+    J3 = s[3] * (s[0] * s[1] - s[2] * s[2])
+    return vec2((one + third * T) * J2, (one + half * T) * J3)
+
+
+@wp.func
+def k_in_compression(M: real) -> real:
+    """The least k."""
+    return three / (M * M)
+
+
+@wp.func
+def k_in_extension(M: real) -> real:
+    """The greatest k, where M follows the Lode angle."""
+    root = one / M + third
+    return three * root * root
 
 
 @functools.cache
-def make_slope(by_angle: bool) -> Any:
-    """The function (deviator, its J2, properties) -> M in its direction."""
+def make_is_outside(by_angle: bool) -> Any:
+    """The function (s, J2, p, p_c, properties) -> whether f > 0, beyond rounding; finds no root."""
 
     @wp.func
-    def slope(s: vec4, J2: real, properties: vec9) -> real:
+    def is_outside(s: vec4, J2: real, p: real, pc: real, properties: vec7) -> bool:
         M = properties[0]
+        square = p * (pc - p + rounding * pc)  # w^2 on the surface
+        if square < k_in_compression(M) * J2:
+            return True
         if wp.static(by_angle):
-            if zero < J2:
-                J3 = s[3] * (s[0] * s[1] - s[2] * s[2])
-                cosine = wp.clamp(of_angle * J3 / (J2 * wp.sqrt(J2)), -one, one)
-                M = one / (properties[7] * wp.cos(wp.acos(-properties[8] * cosine) / three))
-        return M
+            if square < k_in_extension(M) * J2:
+                w, AB = wp.sqrt(square), cubic(s, J2, M)
+                return w * (square - AB[0]) < AB[1]
+        return False
 
-    return slope
+    return is_outside
+
+
+@functools.cache
+def make_k_along(by_angle: bool) -> Any:
+    """The function (s, J2, guess of w^2, properties) -> k in the direction of s."""
+
+    @wp.func
+    def k_along(s: vec4, J2: real, guess: real, properties: vec7) -> real:
+        M = properties[0]
+        k = k_in_compression(M)
+        if wp.static(by_angle):
+            if tiny < J2:
+                AB = cubic(s, J2, M)
+                w = wp.sqrt(wp.clamp(guess, k * J2, k_in_extension(M) * J2))
+                for _k in range(wp.static(ROOTS)):  # Halley's method
+                    f, df = w * (w * w - AB[0]) - AB[1], three * w * w - AB[0]
+                    change = f * df / (df * df - three * w * f)
+                    w -= change
+                    if wp.abs(change) <= last_change * w:
+                        break
+                k = w * w / J2
+        return k
+
+    return k_along
 
 
 @wp.func
@@ -82,13 +137,13 @@ def growth(x: real) -> real:
 
 
 @wp.func
-def shear_modulus(p: real, properties: vec9) -> real:
+def shear_modulus(p: real, properties: vec7) -> real:
     """G at an effective mean stress."""
     return properties[3] * properties[1] * p + properties[4]
 
 
 @wp.func
-def moduli(stress: vec4, properties: vec9, state: vec3) -> vec2:
+def moduli(stress: vec4, properties: vec7, state: vec3) -> vec2:
     """(G, K) of skeleton and water."""
     p = state[0]
     return vec2(shear_modulus(p, properties), properties[1] * p + properties[wp.static(WATER)])
@@ -97,19 +152,19 @@ def moduli(stress: vec4, properties: vec9, state: vec3) -> vec2:
 @functools.cache
 def make_yield_function(by_angle: bool) -> Any:
     """The function of `Law.yield_function`: distance from the middle of the ellipse, p_c / 2."""
-    slope = make_slope(by_angle)
+    k_along = make_k_along(by_angle)
 
     @wp.func
-    def measure_and_size(stress: vec4, properties: vec9, state: vec3) -> vec2:
-        J2, middle = j2(stress), half * state[1]
-        M, away = slope(deviator(stress), J2, properties), state[0] - middle
-        return vec2(wp.sqrt(three * J2 / (M * M) + away * away), middle)
+    def measure_and_size(stress: vec4, properties: vec7, state: vec3) -> vec2:
+        J2, p, middle = j2(stress), state[0], half * state[1]
+        k = k_along(deviator(stress), J2, p * (state[1] - p), properties)
+        return vec2(wp.sqrt(k * J2 + (p - middle) * (p - middle)), middle)
 
     return measure_and_size
 
 
 @wp.func
-def strength_at_critical_state(stress: vec4, properties: vec9, state: vec3) -> real:
+def strength_at_critical_state(stress: vec4, properties: vec7, state: vec3) -> real:
     """M p / sqrt(3) where shear has led to the critical state."""
     share = properties[1] / (properties[1] + properties[2])  # Lam = a / (a + b)
     last = state[0] * wp.pow(half * state[1] / state[0], share)
@@ -117,54 +172,47 @@ def strength_at_critical_state(stress: vec4, properties: vec9, state: vec3) -> r
 
 
 @wp.func
-def is_outside(p: real, pc: real, J2: real, M: real) -> bool:
-    """Whether f > 0, beyond rounding."""
-    return three * J2 + M * M * p * (p - pc) > rounding * M * M * p * pc
-
-
-@wp.func
-def to_surface(trial: real, size: real, J2: real, G: real, M: real, properties: vec9) -> vec3:
-    """(p, p_c, share of the deviator) at f = 0, by (p, p_c, J2 of the trial, G, M, properties)."""
+def to_surface(trial: real, size: real, square: real, rate: real, properties: vec7) -> vec3:
+    """(p, p_c, share of the deviator) at f = 0, by (p, p_c, w^2 of the trial, 2 G k)."""
     a, b = properties[1], properties[2]
-    MM, square = M * M, three * J2
-    last = wp.log(two * trial / size)  # (a + b) x at the critical state
-    if wp.abs(last) < near:
-        return vec3(trial, two * trial, wp.min(one, M * trial / wp.sqrt(square)))
-    last /= a + b
+    p, pc, N = one * trial, one * size, two * trial - size
+    if wp.abs(N) < near * size:
+        return vec3(trial, two * trial, wp.min(one, trial / wp.sqrt(square)))
     # f > 0 at x = low, f < 0 at x = high; Newton's method from low, halving where it fails.
-    low, high, x = real(0.0), last, real(0.0)
-    p, pc, share = one * trial, one * size, real(1.0)
+    # At first high is at or beyond the critical state, since ln y is between 1 - 1 / y and y - 1.
+    is_wet = zero < N
+    low, high, x = real(0.0), N / (wp.min(two * trial, size) * (a + b)), real(0.0)
+    D = one * N
     for _k in range(wp.static(ITERATIONS)):
         p, pc = trial * growth(-a * x), size * growth(b * x)
-        rate = two * p - pc
-        N = MM * rate
-        D = N + six * G * x
-        share = N / D
-        f = square * share * share + MM * p * (p - pc)
-        if wp.abs(f) <= tolerance * MM * p * pc:
+        N = two * p - pc
+        D = N + rate * x
+        below, DD = p * (p - pc), D * D
+        f = square * N * N + below * DD
+        if wp.abs(f) <= tolerance * p * pc * DD:
             break
-        if f > zero:
+        if f > zero and (zero < N) == is_wet:
             low = x
         else:
             high = x
-        dN = -MM * (two * a * p + b * pc)
-        dshare = (dN - share * (dN + six * G)) / D
-        df = two * square * share * dshare - MM * p * (a * rate + b * pc)
+        dN = -two * a * p - b * pc
+        df = two * (square * N * dN + below * D * (dN + rate)) - p * (a * N + b * pc) * DD
         x -= f / df
-        if (x - low) * (x - high) >= zero:
+        if not ((x - low) * (x - high) < zero):
             x = half * (low + high)
+    share = N / D
     # What is left goes to the size of the surface.
-    return vec3(p, wp.max(pc, p + square * share * share / (MM * p)), share)
+    return vec3(p, wp.max(pc, p + square * share * share / p), share)
 
 
 @functools.cache
 def make_update(by_angle: bool) -> Any:
     """The function of `Law.update`; M follows the Lode angle where `by_angle` says so."""
-    slope = make_slope(by_angle)
+    is_outside, k_along = make_is_outside(by_angle), make_k_along(by_angle)
 
     @wp.func
     def consolidate_and_shear(
-        stress: vec4, strain: vec4, time_step: real, properties: vec9, state: vec3
+        stress: vec4, strain: vec4, time_step: real, properties: vec7, state: vec3
     ):
         e, e_v = deviator(strain), -(strain[0] + strain[1] + strain[3])
         a_e_v, water, floor = properties[1] * e_v, properties[wp.static(WATER)] * e_v, properties[6]
@@ -173,22 +221,22 @@ def make_update(by_angle: bool) -> Any:
         s = before + (two * G) * e
         p = wp.max(p * growth(a_e_v), floor)
         J2 = j2(s)
-        M = slope(s, J2, properties)
-        if is_outside(p, pc, J2, M):
-            length = two * G * wp.sqrt(three * j2(e)) / (M * pc)
-            parts = wp.min(1 + int(length / longest), wp.static(MOST_PARTS))
-            part = one / real(parts)
-            if parts > 1:  # once more, from the start
+        if is_outside(s, J2, p, pc, properties):
+            parts, share, length = 1, real(1.0), longest * properties[0] * pc
+            change = two * two * three * G * G * j2(e)  # of q, elastic, its square
+            if change > length * length:  # once more, from the start
+                parts = 1 + int(wp.min(wp.sqrt(change) / length, most_parts - one))
+                share = one / real(parts)
                 s, p = one * before, one * state[0]
             for _k in range(parts):
                 if parts > 1:
                     G = shear_modulus(p, properties)
-                    s += (two * G * part) * e
-                    p = wp.max(p * growth(part * a_e_v), floor)
+                    s += (two * G * share) * e
+                    p = wp.max(p * growth(share * a_e_v), floor)
                     J2 = j2(s)
-                    M = slope(s, J2, properties)
-                if is_outside(p, pc, J2, M):
-                    returned = to_surface(p, pc, J2, G, M, properties)
+                if parts == 1 or is_outside(s, J2, p, pc, properties):
+                    k = k_along(s, J2, p * (pc - p), properties)
+                    returned = to_surface(p, pc, k * J2, two * G * k, properties)
                     p, pc = wp.max(returned[0], floor), returned[1]
                     s *= returned[2]
         mean = third * (stress[0] + stress[1] + stress[3]) - (p - state[0]) - water

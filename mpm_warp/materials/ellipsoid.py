@@ -23,12 +23,13 @@ from mpm_warp.kernel_types import half, one, real, third, two, vec3, vec4, vecto
 
 vec6 = vector(6)
 three = wp.constant(real(3.0))
+tenth, eighth = wp.constant(real(0.1)), wp.constant(real(0.125))
 root_of_three = wp.constant(real(math.sqrt(3.0)))
 minus_half_over_root = wp.constant(real(-0.5 / math.sqrt(3.0)))
 NEWTON_STEPS = 40
 """More than it takes: 2 to 5 where the semi-axes differ by 2."""
 converged = wp.constant(real(1e-10))
-"""N - 1 at which the return ends; what is left is taken off along the radius."""
+"""N^2 - 1 at which the return ends; what is left is taken off along the radius."""
 
 
 @wp.func
@@ -96,19 +97,28 @@ def size_of_ellipsoid(stress: vec4, shape: vec6) -> real:
 def nearest_from_centre(X: vec3, strength: real, shape: vec6) -> vec3:
     """The point of the ellipsoid nearest to X outside of it, both from the centre."""
     m, share, nearest = real(0.0), vec3(one, one, one), vec3() + X
-    inverse = one / strength  # a division takes longer than all else here
-    N = wp.sqrt(weighted_square(nearest, shape)) * inverse
+    square = strength * strength
+    inverse = one / square  # a division takes longer than all else here
+    excess = weighted_square(nearest, shape) * inverse - one  # N^2 - 1
     for _step in range(wp.static(NEWTON_STEPS)):
-        if N - one <= converged:
+        if excess <= converged:
             break
         normal = normal_at(nearest, shape)
         steepness = wp.dot(wp.cw_mul(share, normal), normal)
-        m += (N - one) * N * N * strength * strength / steepness
+        m += root_less_one(excess) * (one + excess) * square / steepness
         p, q, r = one + m * shape[1], one + m * shape[2], one + m * shape[3]
         share = (one / (p * q * r)) * vec3(q * r, p * r, p * q)
         nearest = wp.cw_mul(share, X)
-        N = wp.sqrt(weighted_square(nearest, shape)) * inverse
-    return (one / N) * nearest
+        excess = weighted_square(nearest, shape) * inverse - one
+    return (one - half * excess) * nearest
+
+
+@wp.func
+def root_less_one(x: real) -> real:
+    """sqrt(1 + x) - 1, and where x is small not more than that."""
+    if x < tenth:
+        return x * (half - eighth * x)
+    return wp.sqrt(one + x) - one
 
 
 @wp.func

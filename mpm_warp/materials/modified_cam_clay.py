@@ -14,8 +14,8 @@ While the volume stays, from a yield y on and until the critical state, where p 
 
     p / p_y = ((M^2 + eta_y^2) / (M^2 + eta^2))^Lam,    eta = q / p
 
-M is the same in all directions, or follows the Lode angle t as the criterion of Matsuoka & Nakai
-(1974) does: 1 / M = A cos(acos(-B cos 3 t) / 3), in extension 6 sin(phi) / (3 + sin(phi)).
+M is the same in all directions, or follows the Lode angle as the criterion of Matsuoka & Nakai
+(1974) does: 6 sin(phi) / (3 - sin(phi)) in compression, 6 sin(phi) / (3 + sin(phi)) in extension.
 """
 
 import math
@@ -126,7 +126,7 @@ class ModifiedCamClay(Material):
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(M, a, b, r, G where it is constant, K_w / n, least p, A, B)."""
+        """(M, a, b, r, G where it is constant, K_w / n, least p)."""
         return (
             self.critical_state_ratio,
             self._a,
@@ -134,7 +134,6 @@ class ModifiedCamClay(Material):
             *self._stiffness,
             self.water_modulus,
             FLOOR * self.mean_effective_stress,
-            *self._shape,
         )
 
     @property
@@ -168,7 +167,7 @@ class ModifiedCamClay(Material):
             return 0.5 * self.critical_state_ratio * self._last_stress
         if test == "triaxial_extension":
             return 0.5 * self._least_slope * self._last_stress
-        return self._slope_at(0.0) * self._last_stress / math.sqrt(3.0)
+        return self._slope_in_shear * self._last_stress / math.sqrt(3.0)
 
     def mean_stress_change(
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
@@ -212,23 +211,14 @@ class ModifiedCamClay(Material):
         return ratio * bulk + constant, bulk
 
     @property
-    def _shape(self) -> tuple[float, float]:
-        """(A, B) of Matsuoka & Nakai for the friction angle that M has in compression."""
-        sine = 3.0 * self.critical_state_ratio / (6.0 + self.critical_state_ratio)
-        k = 9.0 + 8.0 * sine**2 / (1.0 - sine**2)
-        P, Q = (k / 3.0 - 1.0) / (k - 9.0), 2.0 * k / (27.0 * (k - 9.0))
-        return 2.0 * math.sqrt(P / 3.0), 0.5 * Q * (3.0 / P) ** 1.5
-
-    def _slope_at(self, cosine: float) -> float:
-        """M where cos 3 t is `cosine`: 1 in compression, -1 in extension."""
-        if self.critical_state_shape == CIRCLE:
-            return self.critical_state_ratio
-        A, B = self._shape
-        return 1.0 / (A * math.cos(math.acos(-B * cosine) / 3.0))
+    def _slope_in_shear(self) -> float:
+        M = self.critical_state_ratio
+        return math.sqrt(9.0 * M**2 / (9.0 + 3.0 * M + M**2)) if self._by_angle else M
 
     @property
     def _least_slope(self) -> float:
-        return self._slope_at(-1.0)
+        M = self.critical_state_ratio
+        return 3.0 * M / (3.0 + M) if self._by_angle else M
 
     # The law on the device.
 
