@@ -62,8 +62,11 @@ GROUND = {
     "ground_rigidity_index": "rigidity index",
     "ground_adhesion_factor": "adhesion factor",
     "ground_stress_anisotropy": "stress anisotropy Delta",
+    "ground_resistance_ratio": "net resistance of this ground over the measured one",
 }
-"""What a simulation of the ground needs by depth, all at the strain rate of the table."""
+"""What a simulation of the ground needs by depth, all at the strain rate of the table; and which
+resistance is taken for that of the ground, without the errors of test, table and model that the
+draws have. It is the measured one unless sleeve or pore pressure tell of these errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +205,8 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
     wanted = strength * _over_average(layer, inputs)
-    of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held)
+    own = net / errors / by_depth(test.net)
+    of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, own)
     ground = {
         name: np.broadcast_to(it, strength.shape)
         for name, it in zip(GROUND, of_ground, strict=True)

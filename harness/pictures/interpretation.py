@@ -92,6 +92,7 @@ def check_figure(found: xr.Dataset) -> Figure:
         colour = series_colour(0, 2)
         axes.plot(found[simulated] / KILO, depth, color=colour, lw=0.8, label="simulated")
         axes.set_xlabel(label)
+    panels[0].plot(found.expected_resistance / KILO, depth, "k--", lw=0.8, label="expected")
     panels[0].legend(frameon=False, fontsize=7)
     net, error = found.net_resistance, found.total_resistance_error
     panels[0].fill_betweenx(depth, (net - error) / KILO, (net + error) / KILO, color="0.8", lw=0)
@@ -103,7 +104,7 @@ def check_figure(found: xr.Dataset) -> Figure:
     _shade(figure.axes, found)
     _downward(panels[0], [found])
     words = (
-        "Simulated: in the ground of the medians; misfit: over measured, less 1; band: test, 95 %."
+        "Simulated: in the ground of the medians; misfit: over expected, less 1; band: test, 95 %."
     )
     figure.supxlabel(f"{found.attrs['title']}. {words} {SHADES_MEAN}", fontsize=7)
     return figure

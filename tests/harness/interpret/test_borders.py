@@ -184,7 +184,7 @@ def test_the_loop_is_closed_from_the_command_line(
     arguments = ["interpret", str(folder / "site.toml"), "--sharpen", "--check"]
     assert main([*arguments, "--out", str(out)]) == 0
     told = capsys.readouterr()
-    assert told.out.count("simulated over measured net resistance") == 2
+    assert told.out.count("simulated over expected net resistance") == 2
     assert "simulating the sounding, quick: about " in told.err
     found = xr.open_dataset(out / "site_check.nc")
     away = (np.abs(WAY) > 15.0) & np.isfinite(found.misfit.values)

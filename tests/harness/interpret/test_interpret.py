@@ -12,7 +12,7 @@ from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from tests.harness.interpret.conftest import STRENGTH, changed
+from tests.harness.interpret.conftest import STRENGTH, changed, measured_rows
 
 
 @pytest.mark.parametrize(
@@ -216,3 +216,18 @@ def test_a_site_is_interpreted_from_the_command_line(
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
     assert header.endswith(",share of together [1],reason")
     assert row.endswith(",no layer")
+
+
+def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:
+    """Friction of twice the adhesion asks for twice the resistance, as far as the test may be off.
+
+    The resistance of the ground, over its factor, is the strength of the draws.
+    """
+    changes = ("qc = 0", "qc = 300"), ('title = "A site"', 'title = "A"\nuse = ["tip", "sleeve"]')
+    factor = float(cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)[0])
+    (folder / "test.csv").write_text(measured_rows(factor, friction=0.8))
+    found = interpret(load_site(changed(folder, *changes))).sel(depth=slice(2.05, 9.95))
+    ratio = found.ground_resistance_ratio
+    assert float(ratio.min()) > 1.2
+    strength = found.net_resistance * ratio / factor
+    np.testing.assert_allclose(found.strength.sel(percentile=50.0), strength, rtol=0.01)
