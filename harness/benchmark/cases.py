@@ -21,7 +21,6 @@ from harness.archive.conventions import Role, with_role
 from harness.archive.provenance import provenance
 from harness.errors import in_one_line, tell
 from harness.study.files import read_text, read_toml, studies_folder
-from harness.study.schema import DIALECT, LINE, Schema, table_schema
 from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
 from mpm_warp.parameters import nearest_name
@@ -90,13 +89,6 @@ class Submission:
 
 
 ACCURACIES = ("quick", "standard", "fine")
-
-
-def meta_schema() -> Schema:
-    """The JSON schema of `meta.toml`; it ships as schema.json."""
-    texts = {key: LINE | {"description": meaning} for key, meaning in META_KEYS.items()}
-    title = "meta.toml of a submission to the benchmark of cone penetration"
-    return {"$schema": DIALECT, "title": title, **table_schema(texts, required=list(META_KEYS))}
 
 
 def benchmark_folder() -> Path:

@@ -24,6 +24,7 @@ from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError
+from harness.study.scene_part import method_of
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class
 
@@ -67,10 +68,7 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     says that none has errors, and whether any is there. The error is dimensionless.
     """
     known = scene_class(scene)
-    # What refines an exact solution is a parameter of the method too.
-    method = list(
-        dict.fromkeys([*known.method, *(check.resolution for check in known.verifications)])
-    )
+    method = method_of(known)
     results = {file: read_study(file) for file in files if _has(file, scene)}
     kinds = {name: parameters_of(known)[name].kind for name in method}
     found = list[Recommendation]()

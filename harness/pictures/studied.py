@@ -24,6 +24,7 @@ from harness.pictures.drawing.caption import left_out, of_half_widths
 from harness.pictures.drawing.plot_parts import MARKERS, MOST_LABELS, chosen, series_colour
 from harness.pictures.drawing.quantities import Floats, Texts, Values, assigned
 from harness.references.cone_factors import COMPARED
+from harness.study import scene_part
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names
 
@@ -171,7 +172,5 @@ def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:
     """The parameters of a scene's method, as a dataset calls them; what refines it among them."""
     if scene not in scene_names():
         return ()
-    known = scene_class(scene)
-    own = dict.fromkeys([*known.method, *(check.resolution for check in known.verifications)])
     stored = parameter_names(dataset)
-    return tuple(stored.get(name, name) for name in own)
+    return tuple(stored.get(name, name) for name in scene_part.method_of(scene_class(scene)))

@@ -83,9 +83,7 @@ class CaseTable:
 
 def case_table(dataset: xr.Dataset) -> CaseTable:
     """The table of a result's cases."""
-    parameters = {
-        name: stored for name, stored in parameter_names(dataset).items() if stored in dataset
-    }
+    parameters = parameter_names(dataset)
     fixed = [
         (name, words.text(dataset[stored].item()), words.unit(dataset, stored))
         for name, stored in parameters.items()

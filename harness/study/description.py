@@ -9,7 +9,6 @@ import json
 import math
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +20,7 @@ from harness.study.cases import most_cases
 from harness.study.compared import takes_references
 from harness.study.designs import DESIGNS, Range, Variation
 from harness.study.distributions import Input
-from harness.study.scene_part import ScenePart
+from harness.study.scene_part import ScenePart, method_of
 from harness.study.study import Study
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
@@ -133,7 +132,7 @@ def study_text(name: str, scene_name: str) -> str:
     scene = scene_class(scene_name)
     parameters = parameters_of(scene)
     varied, values = _to_vary(scene)
-    method = _method(scene)
+    method = method_of(scene)
     others = {key: it for key, it in parameters.items() if key != varied}
     parts = [
         f"# {scene_name}: {scene.summary}.",
@@ -153,7 +152,7 @@ def study_text(name: str, scene_name: str) -> str:
         "[fixed]",
         *_commented(it for key, it in others.items() if key not in method),
     ]
-    if method & others.keys():
+    if others.keys() & set(method):
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
         parts += _commented(it for key, it in others.items() if key in method)
     if takes_references(scene):
@@ -166,14 +165,9 @@ def study_text(name: str, scene_name: str) -> str:
     return "\n".join([*parts, ""])
 
 
-def _method(scene: type[CatalogueScene]) -> AbstractSet[str]:
-    """Parameters of the method, and what refines an exact solution."""
-    return {*scene.method, *(check.resolution for check in scene.verifications)}
-
-
 def _to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
     """The first parameter that is none of the method, with values that the scene allows."""
-    method, known = _method(scene), parameters_of(scene)
+    method, known = method_of(scene), parameters_of(scene)
     for name, definition in sorted(known.items(), key=lambda it: it[0] in method):
         values = [
             candidate for candidate in _candidates(definition) if _allows(scene, name, candidate)

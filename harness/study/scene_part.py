@@ -34,6 +34,12 @@ SNAPSHOTS = "snapshots"
 Scene = type[CatalogueScene]
 
 
+def method_of(scene: Scene) -> tuple[str, ...]:
+    """The parameters of a scene's method; what refines an exact solution is one of them."""
+    refining = (check.resolution for check in scene.verifications)
+    return tuple(dict.fromkeys([*scene.method, *refining]))
+
+
 @dataclass(frozen=True, kw_only=True)
 class ScenePart:
     """What a study does with one scene; every name and value is valid.

@@ -54,7 +54,6 @@ def _ends(path: Path) -> bytes:
 
 STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
 """Decorator of whatever makes a figure or its image: the style of all pictures."""
-FORMATS = ("png", "pdf", "svg")
 _MADE_BY = {
     "png": {"Software": MAKER},
     "pdf": {"Creator": MAKER, "CreationDate": None},
@@ -75,7 +74,7 @@ INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
 
 @STYLED
 def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
-    """The image of a figure in one of `FORMATS`, the same bytes each time; `dpi` is of a PNG."""
+    """The image of a figure as PNG, PDF or SVG, the same bytes each time; `dpi` is of a PNG."""
     content = io.BytesIO()
     figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
     return content.getvalue()

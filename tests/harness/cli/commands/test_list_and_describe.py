@@ -17,7 +17,8 @@ def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> No
     assert main(["list"]) == 0
     listed = capsys.readouterr().out
     for name in study_names():
-        assert f"{name:24} {load_study(name).title}" in listed
+        assert f"  {name} " in listed
+        assert f" {load_study(name).title}\n" in listed
     for name in scene_names():
         assert f"  {name} " in listed
 
