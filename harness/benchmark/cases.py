@@ -5,8 +5,6 @@ has a row a case: ``case,value,uncertainty,seconds``. What is not known stays em
 program runs each case by its scene, and keeps it as soon as it is done.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import time

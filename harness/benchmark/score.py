@@ -7,8 +7,6 @@ counts from the nearer one. Where no exact value is known, it is the value of on
 its own U: a yardstick, not the truth. d <= 1: the two agree within what they state (ASME V&V 20).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,6 +1,5 @@
 """What the command line takes: its commands and their options."""
 
-import argparse
 import math
 import textwrap
 from importlib import metadata
@@ -104,24 +103,18 @@ def make_parser() -> Parser:
         metavar="STUDY",
         help="name of a study, a TOML file, or a result; without it, or with a scene: all results",
     )
-    status.add_argument(
-        "--traceback",
-        action="store_true",
-        help="print the place in the program where a case failed",
-    )
+    status.flag("--traceback", "print the place in the program where a case failed")
     add("collect", "archive.collect", STUDY, OUT, SET)
     clean = add("clean", "archive.clean", STUDY, OUT, SET)
-    clean.add_argument("--yes", action="store_true", help="remove without asking")
+    clean.flag("--yes", "remove without asking")
     add("rerun", "run.rerun_case", RESULT_OR_CASE, CASE, THREADS, DEVICE)
 
     verify = add("verify", "run.verify_scenes")
     verify.add_argument(
         "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
     )
-    verify.add_argument("--extreme", action="store_true", help="run the extreme cases instead")
-    verify.add_argument(
-        "--out", type=Path, metavar="DIR", help="write dataset, table and picture there"
-    )
+    verify.flag("--extreme", "run the extreme cases instead")
+    verify.path("--out", "DIR", "write dataset, table and picture there")
     add("bench", "run.bench", OUT, SET, DEVICE)
 
     references = add("references", "studies.references")
@@ -129,19 +122,16 @@ def make_parser() -> Parser:
         "id", nargs="?", metavar="ID", help="name of one reference or band; default: all"
     )
     compare = add("compare", "results.compare", RESULT)
-    compare.add_argument(
-        "other", type=Path, nargs="?", metavar="OTHER", help="a result to set beside it"
-    )
+    compare.path("other", "OTHER", "a result to set beside it", nargs="?")
     compare.add_argument(
         "--tolerance",
         type=number("a number >= 0", or_zero=True),
         metavar="X",
         help="largest relative difference allowed between FILE and OTHER; default: 0",
     )
-    compare.add_argument(
+    compare.flag(
         "--standards",
-        action="store_true",
-        help="cone factors on four meshes or more: their error by the least squares of Eca and "
+        "cone factors on four meshes or more: their error by the least squares of Eca and "
         "Hoekstra, beside the uncertainty stated",
     )
     plot = add("plot", "results.plot", RESULT, BESIDE)
@@ -154,11 +144,9 @@ def make_parser() -> Parser:
         help="png, the default, pdf or svg; several are allowed",
     )
     view = add("view", "results.view", RESULT_OR_CASE, CASE, BESIDE)
-    view.add_argument(
-        "--vtk", action="store_true", help="write points, grid and surface for ParaView too"
-    )
+    view.flag("--vtk", "write points, grid and surface for ParaView too")
     report = add("report", "results.report")
-    report.add_argument("file", type=Path, nargs="+", metavar="FILE", help="result of a study")
+    report.path("file", "FILE", "result of a study", nargs="+")
     report.add_argument(
         "-o",
         "--out",
@@ -176,9 +164,7 @@ def make_parser() -> Parser:
         metavar="X",
         help="largest relative error, as 1%% or 0.01",
     )
-    recommend.add_argument(
-        "--results", type=Path, default=Path("results"), metavar="DIR", help="default: results"
-    )
+    recommend.path("--results", "DIR", "default: results", default=Path("results"))
 
     _add_options_of_interpret(add("interpret", "interpret.interpret_site", OUT))
 
@@ -190,26 +176,23 @@ def make_parser() -> Parser:
     completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
 
     for command in commands.choices.values():
-        command.add_argument(
-            "--debug", action="store_true", help="print where an error of the program arises"
-        )
+        command.flag("--debug", "print where an error of the program arises")
     return parser
 
 
-def _add_options_of_new(new: argparse.ArgumentParser) -> None:
+def _add_options_of_new(new: Parser) -> None:
     new.add_argument("name", metavar="NAME", help="of the study; its file is NAME.toml")
-    new.add_argument(
+    new.path(
         "--interpret",
-        type=Path,
-        metavar="TEST",
-        help="write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags",
+        "TEST",
+        "write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags",
     )
     new.add_argument(
         "--scene", default="cone_penetration", metavar="SCENE", help="default: cone_penetration"
     )
 
 
-def _add_options_of_run(run: argparse.ArgumentParser) -> None:
+def _add_options_of_run(run: Parser) -> None:
     where = run.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
@@ -234,13 +217,12 @@ def _add_options_of_run(run: argparse.ArgumentParser) -> None:
         help="keep the soil of each case, for `harness view`, at these penetrations over the cone "
         "radius, as 5,10",
     )
-    run.add_argument(
+    run.flag(
         "--uncertainty",
-        action="store_true",
-        help="measure the uncertainty of each cone or resistance factor by further runs, which "
+        "measure the uncertainty of each cone or resistance factor by further runs, which "
         "take some ten times as long; the same as --set uncertainty=measured",
     )
-    run.add_argument("--fresh", action="store_true", help="run all cases, those that are done too")
+    run.flag("--fresh", "run all cases, those that are done too")
     run.add_argument(
         "--case-timeout",
         type=number("a number > 0"),
@@ -257,20 +239,13 @@ def _add_options_of_run(run: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_options_of_interpret(interpret: argparse.ArgumentParser) -> None:
-    interpret.add_argument(
-        "site", type=Path, nargs="+", metavar="SITE", help="TOML file of a test and its ground"
+def _add_options_of_interpret(interpret: Parser) -> None:
+    interpret.path("site", "SITE", "TOML file of a test and its ground", nargs="+")
+    interpret.path(
+        "--laboratory", "CSV", "strengths to draw beside: columns depth [m] and strength [kPa]"
     )
-    interpret.add_argument(
-        "--laboratory",
-        type=Path,
-        metavar="CSV",
-        help="strengths to draw beside: columns depth [m] and strength [kPa]",
-    )
-    interpret.add_argument(
-        "--sharpen",
-        action="store_true",
-        help="strength by the resistance without what borders of layers do to it",
+    interpret.flag(
+        "--sharpen", "strength by the resistance without what borders of layers do to it"
     )
     interpret.add_argument(
         "--check",
@@ -282,11 +257,9 @@ def _add_options_of_interpret(interpret: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_options_of_benchmark(benchmark: argparse.ArgumentParser) -> None:
+def _add_options_of_benchmark(benchmark: Parser) -> None:
     benchmark.add_argument("action", choices=("run", "score"), metavar="run|score")
-    benchmark.add_argument(
-        "folder", type=Path, nargs="?", metavar="DIR", help="a submission, or a folder of them"
-    )
+    benchmark.path("folder", "DIR", "a submission, or a folder of them", nargs="?")
     benchmark.add_argument(
         "--accuracy",
         choices=("quick", "standard", "fine"),

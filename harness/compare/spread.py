@@ -11,8 +11,6 @@ through the cases, in the logarithm of an input where that is the more symmetric
 in cases kept out, one at a time, and what only several inputs do together, is the share `together`.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping

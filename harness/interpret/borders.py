@@ -16,8 +16,6 @@ positive. In a layer su has the least curvature and Nkt is one number; over a bo
 What is measured is then multiplied by the ratio of the soil's own q to the q so averaged.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace

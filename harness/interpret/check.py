@@ -10,8 +10,6 @@ pore pressure may tell that the measured one has an error: in soft clay a shift 
 quarter of it. How far the two are apart is told beside the misfit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -4,8 +4,6 @@ A row is left out, and told, where the tip stands or goes back a little: at a ch
 cannot be a cone test is refused, with file, line, value and what is allowed.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 All three are made from the definitions in keys.py.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import textwrap

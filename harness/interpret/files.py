@@ -9,8 +9,6 @@ fills missing values by interpolation and leaves units aside, all without a word
 cannot be installed beside pandas 3. A sounding is a small table: the standard library reads it.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -4,8 +4,6 @@
 What reads, writes, describes or checks such a file takes the keys from here.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass

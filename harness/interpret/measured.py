@@ -7,8 +7,6 @@ a is the net area ratio (EN ISO 22476-1; Lunne, Robertson & Powell 1997; Ic: Rob
 stress exponent 1, as in clay), all as commonly quoted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

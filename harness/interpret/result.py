@@ -1,7 +1,5 @@
 """The result of an interpretation: a dataset, and sentences to be quoted."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

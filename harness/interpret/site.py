@@ -15,8 +15,6 @@
 What the keys mean is in keys.py.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

@@ -14,8 +14,6 @@ The share of a cause is what the variance of ln su loses when that input is know
 its means over classes of the input (first-order effect, Saltelli et al. 2008, chapter 4).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -16,8 +16,6 @@ the lines of the two outermost pairs go on to 0 and 100 %.
 SciPy takes half a second to load; what has no distributions does not wait for it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The command that interprets measured cone tests."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 from collections.abc import Iterator
