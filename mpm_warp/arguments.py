@@ -7,9 +7,9 @@ the part too: "contact: nodes". It is a `SceneError`, or of the class that is gi
 import math
 import reprlib
 from collections.abc import Collection, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,8 +84,10 @@ class Checked:
         SceneError: a value is not allowed; the message names class, field, value and range.
     """
 
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
     def __post_init__(self) -> None:
-        for own in fields(self):  # type: ignore[arg-type]
+        for own in fields(self):
             value = getattr(self, own.name)
             if "allowed" in own.metadata and not (value is None and own.default is None):
                 check_number(f"{type(self).__name__}: {own.name}", value, **own.metadata)

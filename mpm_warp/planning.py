@@ -16,8 +16,7 @@ from mpm_warp.parts.interpolation import (
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
-from mpm_warp.step.cell_rates import add_cell_rates
-from mpm_warp.step.cell_stress import add_cell_stress
+from mpm_warp.step.cells import add_cell_rates, add_cell_stress
 from mpm_warp.step.grid_to_particles import add_grid_to_particles
 from mpm_warp.step.momentum import add_momentum
 from mpm_warp.step.particles_to_grid import add_particles_to_grid

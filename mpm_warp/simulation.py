@@ -16,7 +16,7 @@ from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import BetweenSteps, Scene
-from mpm_warp.watch.watch import make_watch
+from mpm_warp.watch import make_watch
 
 STEP_COUNTS = Range(minimum=0, maximum=10**12)
 """Steps that can be asked for at once: the most would take a small run days."""

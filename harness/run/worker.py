@@ -40,8 +40,7 @@ from harness.run.resources import (
     without_idle_time,
 )
 from harness.study.cases import Case
-from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.execution import Batch, Execution
 from mpm_warp.scenes import Progress, scene_class
 from mpm_warp.snapshots import Snapshots
 

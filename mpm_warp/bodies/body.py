@@ -55,8 +55,7 @@ class Load(Checked):
         """Impulse until each time since the start of the run [s], over the final force [s]."""
         rising = np.clip(time - self.start, 0.0, self.rise_time)
         steady = np.maximum(time - self.start - self.rise_time, 0.0)
-        integral: Floats = 0.5 * rising**2 / self.rise_time + steady
-        return integral
+        return 0.5 * rising**2 / self.rise_time + steady
 
 
 def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
@@ -192,8 +191,7 @@ class InterfaceFrame:
 
     def height(self, position: Floats) -> Floats:
         """Distance of points from the interface, outward positive [m], shape [point_count]."""
-        heights: Floats = (position - self._origin) @ self.outward
-        return heights
+        return (position - self._origin) @ self.outward
 
     def body(
         self,

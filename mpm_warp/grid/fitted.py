@@ -35,7 +35,7 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 
-Floats = NDArray[np.floating[Any]]
+Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]
 
 LARGEST_EXPONENT = 700.0
@@ -154,21 +154,18 @@ class Grid:
     def width(self, column: Integers, row: Integers, eta: Floats) -> Floats:
         """Of cells at natural heights [m], shape [...]."""
         span = self.fitted_radius - self._followed(column, row, eta)
-        widths: Floats = span * np.diff(self.columns)[column]
-        return widths
+        return span * np.diff(self.columns)[column]
 
     def _followed(self, column: Integers, row: Integers, eta: Floats) -> Floats:
         """Radius of the surface that cells follow at natural heights, 0 where upright [m]."""
         surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
-        followed: Floats = np.where(self.columns[column] < 1.0, surface, 0.0)
-        return followed
+        return np.where(self.columns[column] < 1.0, surface, 0.0)
 
     def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
         """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
         width = self.width(column, row, eta)
         weight = self.weight(self.place(column, row, xi, eta)[..., 0])
-        volumes: Floats = weight * width * np.diff(self.rows)[row]
-        return volumes
+        return weight * width * np.diff(self.rows)[row]
 
     @cached_property
     def node_positions(self) -> Floats:
@@ -263,8 +260,7 @@ class GroundGrid(Grid):
 
     def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
         """See `Grid`."""
-        below: NDArray[np.bool_] = position[:, 1] < self.ground_level
-        return below
+        return position[:, 1] < self.ground_level
 
 
 def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
@@ -338,5 +334,4 @@ def growing(first: float, length: float, growth: float) -> Floats:
     check_number("growing: length", length, Range(above=first), unit="m")
     check_number("growing: growth", growth, Range(above=1.0))
     count = round(np.log1p(length / first * (growth - 1.0)) / np.log(growth))
-    edges: Floats = first * (growth ** np.arange(count + 1) - 1.0) / (growth - 1.0)
-    return edges
+    return first * (growth ** np.arange(count + 1) - 1.0) / (growth - 1.0)

@@ -68,8 +68,7 @@ class Isotropic(Material):
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
     ) -> Floats:
         """K tr e."""
-        change: Floats = properties[:, BULK_MODULUS] * volume_strain
-        return change
+        return properties[:, BULK_MODULUS] * volume_strain
 
     @property
     def bulk_modulus(self) -> float:

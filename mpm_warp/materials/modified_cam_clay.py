@@ -175,8 +175,7 @@ class ModifiedCamClay(Material):
         """By the skeleton, as its state says, and by the water, as the volume says."""
         assert state is not None
         before, after = state
-        change: Floats = before[:, 0] - after[:, 0] + properties[:, WATER] * volume_strain
-        return change
+        return before[:, 0] - after[:, 0] + properties[:, WATER] * volume_strain
 
     @property
     def size_ratio(self) -> float:

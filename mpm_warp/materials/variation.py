@@ -104,5 +104,4 @@ class Variation(Checked):
 
     def depth_of(self, place: Floats) -> Floats:
         """Depth of places in the ground [m], shape [...]."""
-        depth: Floats = self.origin_depth - place[..., 1]
-        return depth
+        return self.origin_depth - place[..., 1]

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Range, check_number, checked
+from mpm_warp.arguments import Range, check_number
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, zero
 from mpm_warp.parts.boundaries import FarField
@@ -41,32 +41,19 @@ RESTING_COLUMN = "particle.resting_column"
 class CyclicWindow(MovingGrid):
     """The grid moves down through the soil over a stroke, up again, and so on.
 
+    Before each turn the speed falls as it rises after it.
+
     Attributes:
-        speed: greatest speed of the grid [m/s], > 0.
-        ramp_travel: travel over which the speed rises after a turn, and falls before the next,
-            linearly in time [m], > 0.
         stroke: travel of a passage, from turn to turn [m], at least that of two ramps.
     """
 
     not_beside = ((FarField, "hold the nodes around the grid"),)
-    speed: float = checked(POSITIVE, unit="m/s")
-    ramp_travel: float = checked(POSITIVE, unit="m")
     stroke: float
 
     def __post_init__(self) -> None:
         super().__post_init__()
         two_ramps = Range(minimum=2.0 * self.ramp_travel)
         check_number("CyclicWindow: stroke", self.stroke, two_ramps, unit="m")
-
-    @property
-    def first_speed(self) -> float:
-        """The greatest speed [m/s]."""
-        return self.speed
-
-    @property
-    def ramp_time(self) -> float:
-        """Time of a ramp [s]."""
-        return 2.0 * self.ramp_travel / self.speed
 
     @property
     def passage_time(self) -> float:

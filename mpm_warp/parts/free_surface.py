@@ -3,7 +3,7 @@
 The surface of the ground passes a window that goes down through it, and is left behind above. Only
 near it cells are filled in part. In those
 
-- the stress acts as far as the cell is filled (`mpm_warp.step.cell_stress`),
+- the stress acts as far as the cell is filled (`mpm_warp.step.cells`),
 - a material point takes a share a of its velocity from the grid as it is, in every step:
   v_p <- v_p + N (v - u) + a (N u - v_p), the PIC fraction of Zhu & Bridson (2005, ACM Trans. Graph.
   24:965-972). It takes away what the transfers add where points come into empty cells. It acts as a
@@ -71,14 +71,12 @@ class PassingSurface(FreeSurface):
         run.assign("cell.full_mass", self._full_mass(scene, travel))
 
     def _pic_fraction(self, scene: Scene, travel: float) -> Floats:
-        fraction: Floats = np.where(self._is_near(scene, travel), self.pic_fraction, 0.0)
-        return fraction
+        return np.where(self._is_near(scene, travel), self.pic_fraction, 0.0)
 
     def _full_mass(self, scene: Scene, travel: float) -> Floats:
         """Mass from which on a cell acts with all of its stress [kg], per radian, [cell_count]."""
         full = scene.material.density * scene.grid.cell_volumes
-        mass: Floats = np.where(self._is_near(scene, travel), full, DEEP_FILLING * full)
-        return mass
+        return np.where(self._is_near(scene, travel), full, DEEP_FILLING * full)
 
     def _is_near(self, scene: Scene, travel: float) -> Floats:
         """Whether cells reach up into the layer below the surface, or are above it."""

@@ -70,8 +70,7 @@ class TravellingSource(Checked):
             position: (r, z) in the grid [m], not that of the source itself, shape [..., 2].
         """
         x, distance = self._seen_from_source(position)
-        flow: Floats = 0.25 * self.radius**2 * x / distance[..., None] ** 3
-        return flow
+        return 0.25 * self.radius**2 * x / distance[..., None] ** 3
 
     def stress_since(self, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) that soil has got while the body went so far [Pa], [..., 4].
@@ -93,8 +92,7 @@ class TravellingSource(Checked):
         x, distance = self._seen_from_source(position)
         r, z = x[..., 0], x[..., 1]
         gradients = [distance**-3 - 3.0 * r**2 / distance**5, -3.0 * r * z / distance**5]
-        rate: Floats = self._scale * np.stack(gradients, axis=-1)
-        return rate
+        return self._scale * np.stack(gradients, axis=-1)
 
     @property
     def _scale(self) -> float:
@@ -114,8 +112,7 @@ class TravellingSource(Checked):
         q[below] = 1.0 / (distance[below] * (distance[below] - z[below]))
         q[~below] = (1.0 + z[~below] / distance[~below]) / r[~below] ** 2
         lift = z / distance**3
-        stress: Floats = self._scale * np.stack([-(q + lift), lift, r / distance**3, q], axis=-1)
-        return stress
+        return self._scale * np.stack([-(q + lift), lift, r / distance**3, q], axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -171,8 +168,7 @@ class SurroundingGround(Part):
     def side_areas(self) -> Floats:
         """Area of each per radian [m2], shape [side_count]."""
         modulus = self.material.ground_shear_modulus
-        areas: Floats = self._far.spring * self.grid.outer_radius / (2.0 * modulus)
-        return areas
+        return self._far.spring * self.grid.outer_radius / (2.0 * modulus)
 
     @cached_property
     def _ends(self) -> tuple[Integers, Floats]:
@@ -199,16 +195,14 @@ class SurroundingGround(Part):
         """
         own = self._stiffness_ratio(scene, position, travel)[..., None]
         before = scene.stress_at_rest_at(_place(position, travel))
-        stress: Floats = before + own * self.source.stress_since(position, travel)
-        return stress
+        return before + own * self.source.stress_since(position, travel)
 
     def entering_spring(self, scene: Scene, travel: float) -> Floats:
         """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
         lowest = self.side_positions[:1]
         stress = self.stress(scene, lowest, travel)
         spring = self.spring[0] * self._stiffness_ratio(scene, lowest, travel)
-        displacement: Floats = -(self.side_areas[0] * stress[0, [0, 2]]) / spring
-        return displacement
+        return -(self.side_areas[0] * stress[0, [0, 2]]) / spring
 
     def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
         """The layer has the velocity and the stress of the ground."""

@@ -33,20 +33,33 @@ ROUNDING = 1e-6
 REMEDY = "where soil piles up finer cells, more spare slots or less travel"
 
 
+@dataclass(frozen=True, kw_only=True)
 class MovingGrid(Part):
     """A grid that moves through the soil; velocities stay those relative to undisturbed soil.
 
     The array "window.motion" has (time [s], speed of the soil past the grid [m/s], travel [m]).
+
+    Attributes:
+        speed: of the grid when it neither rises nor falls [m/s], > 0.
+        ramp_travel: travel over which the speed rises from rest, linearly in time [m], > 0.
     """
+
+    speed: float = checked(POSITIVE, unit="m/s")
+    ramp_travel: float = checked(POSITIVE, unit="m")
 
     @property
     def first_speed(self) -> float:
         """The greatest speed: that after the first ramp [m/s]."""
-        raise NotImplementedError
+        return self.speed
+
+    @property
+    def ramp_time(self) -> float:
+        """Time of the first ramp [s]."""
+        return 2.0 * self.ramp_travel / self.first_speed
 
     def spare_fraction_in(self, grid: Grid) -> float:
-        """Empty slots at the start, over the number of particles that fill a grid."""
-        raise NotImplementedError
+        """Empty slots at the start, over the number of particles that fill a grid; none here."""
+        return 0.0
 
     def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
         """Put points into the empty slots, before parts add what points carry; none by default."""
@@ -96,18 +109,15 @@ class Window(MovingGrid):
     """The grid moves down through the soil.
 
     Whenever the grid has travelled by the height of a layer of particles, a layer of undisturbed
-    soil enters the lowest row, into the slots of particles that left above the highest.
+    soil enters the lowest row, into the slots of particles that left above the highest. `speed` is
+    that after the approach.
 
     Attributes:
-        speed: final speed of the grid [m/s], > 0.
-        ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
         approach: a hurried start, or none.
         spare_fraction: slots for particles beyond those of the full grid, over their number,
             dimensionless, > 0.
     """
 
-    speed: float = checked(POSITIVE, unit="m/s")
-    ramp_travel: float = checked(POSITIVE, unit="m")
     spare_fraction: float = checked(POSITIVE)
     approach: Approach | None = None
 
@@ -122,11 +132,6 @@ class Window(MovingGrid):
     def first_speed(self) -> float:
         """The speed after the ramp [m/s]."""
         return self.speed if self.approach is None else self.approach.speed
-
-    @property
-    def ramp_time(self) -> float:
-        """Time until the speed after the ramp is reached [s]."""
-        return 2.0 * self.ramp_travel / self.first_speed
 
     def time_to(self, travel: float) -> float:
         """Time to a travel [m], >= 0, where the approach is longer than ramp and slowing [s]."""

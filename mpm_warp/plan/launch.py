@@ -35,8 +35,7 @@ class ShareRow:
 
 def share_bounds(length: int, count: int) -> NDArray[np.integer[Any]]:
     """Where each of `count` shares of `length` items begins, and where the last one ends."""
-    bounds: NDArray[np.integer[Any]] = length * np.arange(count + 1) // count
-    return bounds
+    return length * np.arange(count + 1) // count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -31,7 +31,7 @@ AUDIT_INTERVAL = 16
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers."""
 
-Floats = NDArray[np.floating[Any]]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -185,7 +185,7 @@ class CatalogueScene(ABC):
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """The results of a run, without the parameters.
 
-        A scene overrides it instead of `record` where it does more than run one simulation.
+        A scene overrides it where it does more than run one simulation.
 
         Args:
             progress: is to be called with 0 once all is compiled, and then now and then with the
@@ -202,6 +202,7 @@ class CatalogueScene(ABC):
         """What `compute` gives, with snapshots on the way; of a scene with `snapshots_over`."""
         raise SceneError(f"{self.catalogue_name()}: takes no snapshots")
 
+    @abstractmethod
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Run a simulation of what `build` gives, and record its results.
 
@@ -209,7 +210,6 @@ class CatalogueScene(ABC):
             simulation: at its start.
             progress: is to be called now and then with the fraction done.
         """
-        raise NotImplementedError(f"{type(self).__name__} defines neither record nor compute")
 
 
 @contextmanager

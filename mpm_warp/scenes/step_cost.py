@@ -11,8 +11,7 @@ import warp as wp
 import xarray as xr
 
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.execution import Batch, Execution
 from mpm_warp.materials.elasticity import Isotropic, LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
@@ -138,11 +137,11 @@ class StepCost(CatalogueScene):
         """
         device = "cpu" if execution is None else execution.device
         if self.cases == 1:
-            return self._measured(Execution(device, self.threads), progress)
+            return self.record(self._stirred(Execution(device, self.threads)), progress)
         batch, results = Batch(device, self.threads), list[xr.Dataset]()
 
         def measure() -> None:
-            results.append(self._measured(batch, progress))
+            results.append(self.record(self._stirred(batch), progress))
 
         def accompany() -> None:
             case = self._stirred(batch)
@@ -152,9 +151,8 @@ class StepCost(CatalogueScene):
         batch.run([measure] + [accompany] * (self.cases - 1))
         return results[0]
 
-    def _measured(self, execution: Execution, progress: Progress) -> xr.Dataset:
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """The speed of a case, or of all that go along with it step by step."""
-        simulation = self._stirred(execution)
         # The speed of a machine changes from second to second: so that two speeds can be compared,
         # each sample is followed by one on one thread.
         alone = self._stirred(Execution()) if self.cases == 1 < self.threads else None

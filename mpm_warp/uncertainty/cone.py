@@ -28,8 +28,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
-from mpm_warp.uncertainty.further_runs import ALONE, TestRun
-from mpm_warp.uncertainty.interval import those_that_hold
+from mpm_warp.uncertainty.further_runs import ALONE, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
     LARGEST_CELL,
     LARGEST_INERTIA,

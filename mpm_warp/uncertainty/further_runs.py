@@ -10,7 +10,7 @@ choices then determine the value v without these errors, and the slopes s:
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import Field, dataclass, replace
 from itertools import pairwise
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
@@ -20,7 +20,6 @@ import xarray as xr
 from mpm_warp.errors import InaccurateRun, ParameterError, SimulationDiverged, UnfinishedRun
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled, variable
-from mpm_warp.uncertainty.interval import stated_value
 
 Progress = Callable[[float], None]
 """Is called now and then with the fraction done, 0 to 1."""
@@ -28,10 +27,24 @@ FAILURES = (SimulationDiverged, InaccurateRun, UnfinishedRun)
 """How a run may end without a result."""
 ALONE: Floats = np.ones(1)
 """The weight of a run in its own value."""
+REASON = "why_no_uncertainty"
+"""Name of the text that says why a result has no uncertainty; "" where it has one."""
+
+
+def reason(text: str) -> xr.Variable:
+    """The variable `REASON`: "word: sentence", parted by semicolons; "" where there is none."""
+    return variable(text, unit=None, meaning="why there is no uncertainty", role="reason")
+
+
+def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
+    """The reasons that hold, of some with what says whether they do."""
+    return [text for text, holds in conditions.items() if holds]
 
 
 class Test(Protocol):
     """A frozen dataclass of parameters whose run has a size, and an error that can be measured."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     def run_size(self) -> Any:
         """Of its run; `particle_updates` are material points times steps."""
@@ -89,15 +102,47 @@ class TestRun:
     def stated(
         self, correction: float, parts: Mapping[str, float], reasons: Sequence[str]
     ) -> dict[str, xr.Variable]:
-        """What is said of the value, whichever way its error is known; see `stated_value`."""
-        return stated_value(
-            self.name,
-            self.factor,
-            correction=correction,
-            parts=parts,
-            reasons=reasons,
-            description=self.description,
-        )
+        """What is said of the value, whichever way its error is known.
+
+        Args:
+            correction: what is to be added to it.
+            parts: half widths of 95 % by what they are of; their squares add up.
+            reasons: why nothing is known of the error, each as "word: sentence"; none where it is.
+
+        Returns:
+            The value less its error, the correction; its uncertainty, the parts of it, and the
+            reason for none. Where nothing is known of the error there is no correction, and the
+            uncertainty is not a number.
+        """
+        if reasons:
+            correction, parts = 0.0, dict.fromkeys(parts, math.nan)
+        name, spoken = self.name, self.name.replace("_", " ")
+        return {
+            name: variable(
+                self.factor + correction,
+                meaning=spoken,
+                description=self.description,
+                role="headline",
+            ),
+            f"{name}_uncertainty": variable(
+                math.nan if reasons else math.hypot(*parts.values()),
+                meaning=f"uncertainty of the {spoken}",
+                description="half width, 95 %",
+                role="uncertainty",
+            ),
+            f"{name}_correction": variable(
+                correction,
+                meaning=f"correction of the {spoken}",
+                description="what is known of the error of mesh, speed and window, taken off; "
+                "0 where nothing is",
+            ),
+            REASON: reason("; ".join(reasons)),
+        } | {
+            f"{name}_uncertainty_{part}": variable(
+                half_width, meaning=f"uncertainty of the {spoken}, {part}"
+            )
+            for part, half_width in parts.items()
+        }
 
 
 def further_tests(
@@ -116,7 +161,7 @@ def further_tests(
     tests = {}
     for choice, changed in changes.items():
         try:
-            tests[choice] = replace(test, **changed)  # type: ignore[type-var]
+            tests[choice] = replace(test, **changed)
         except ParameterError as error:
             raise ParameterError(
                 error.key,

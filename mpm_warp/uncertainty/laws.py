@@ -164,13 +164,12 @@ class ErrorLaws:
         """Half width of what is left open because the laws are carried on, shape [...]."""
         below, above = (np.log(it / self.rigidity_index) for it in TESTED_INDICES)
         anisotropy = np.abs(self.stress_anisotropy) - TESTED_ANISOTROPY
-        left: Value = (
+        return (
             ANISOTROPY * np.maximum(0.0, anisotropy)
             + COMPRESSION * max(0.0, TESTED_POISSONS_RATIO - self.poissons_ratio)
             + SOFTER * np.maximum(0.0, below)
             + STIFFER * np.maximum(0.0, -above)
         )
-        return left
 
     @property
     def _nearness(self) -> Value:
@@ -198,8 +197,7 @@ def mesh_error(
     )
     slope = smooth + adhesion_factor * (rough - smooth)
     linear = slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
-    error: Value = linear + WIDE_ERROR * _excess_width(cell_size)
-    return error
+    return linear + WIDE_ERROR * _excess_width(cell_size)
 
 
 def growth_measure(cell_size: float, cell_growth: float) -> float:

@@ -56,8 +56,7 @@ RANGE = 0.3
 
 def share_of_wedge(adhesion_factor: Value) -> Value:
     """Share w at adhesion factors of the shaft, shape [...]."""
-    share: Value = np.minimum(1.0, np.asarray(adhesion_factor) / WHOLE_WEDGE)
-    return share
+    return np.minimum(1.0, np.asarray(adhesion_factor) / WHOLE_WEDGE)
 
 
 def face_error(
@@ -171,10 +170,8 @@ def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Var
 
 def _beyond_range(rigidity_index: Value) -> Value:
     nearest = np.clip(rigidity_index, RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1])
-    beyond: Floats = RANGE * np.abs(np.log(rigidity_index / nearest))
-    return beyond
+    return RANGE * np.abs(np.log(rigidity_index / nearest))
 
 
 def _added(*parts: Value) -> Value:
-    added: Floats = np.sqrt(sum(np.square(it) for it in parts))
-    return added
+    return np.sqrt(sum(np.square(it) for it in parts))

@@ -19,7 +19,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.cone import POINTS
-from mpm_warp.uncertainty.interval import REASON
+from mpm_warp.uncertainty.further_runs import REASON
 from mpm_warp.uncertainty.laws import LARGEST_CELL, TOP, Condition, ErrorLaws
 
 AROUND = 2.0

@@ -57,8 +57,7 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
 def last_part(curve: xr.DataArray) -> Floats:
     """The samples of a curve over its last two radii, or its last half."""
     count = min(STEADY_SAMPLES, len(curve) // 2)
-    last: Floats = curve.values[-count:]
-    return last
+    return curve.values[-count:]
 
 
 def steady_mean(curve: xr.DataArray) -> tuple[float, str]:

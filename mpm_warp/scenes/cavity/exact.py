@@ -119,8 +119,7 @@ class ExactCavity:
             rest = distance**m - 1.0 + expansion ** -float(m)
             strains = np.log(distance**m / rest)
             radial = [self._radial_stress(strain, expansion) for strain in strains.tolist()]
-            mean: Floats = np.array(radial) - self.factor * self._shear_stress(strains, expansion)
-            return mean
+            return np.array(radial) - self.factor * self._shear_stress(strains, expansion)
         local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
         shear = np.minimum(self._index * m * np.log(local), 1.0)
         pressure: Floats = self.pressure(local) - self.factor * self.strength_share * shear

@@ -149,8 +149,7 @@ def without_slowing(values: Floats, slowing: Slowing | None) -> Floats:
         return values
     penetration = (np.arange(len(values)) + 0.5) * SAMPLE_SPACING
     slowed = (penetration > slowing[0]) & (penetration < slowing[1])
-    given: Floats = np.where(slowed, np.nan, values)
-    return given
+    return np.where(slowed, np.nan, values)
 
 
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:

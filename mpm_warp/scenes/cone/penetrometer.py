@@ -63,7 +63,7 @@ class Penetrometer:
         rows_below = max(1, round(depth_below / cell_height))
         rows_above = round(height_above / cell_height)
         row = np.arange(-rows_below, rows_on_face + rows_above + 1)
-        rows = cell_height * row
+        rows = cell_height * row.astype(np.float64)
         surface = self.surface_radius(rows)
         # Exactly on tip and shoulder, whatever rounding made of their rows.
         surface[row <= 0] = 0.0
@@ -224,10 +224,9 @@ class PenetrometerContact(SurfaceContact):
         """Shear stress on the shaft at its nodes, from below, 0 on the face [Pa], [node_count]."""
         shear = nodal[:, 1]
         on_shaft = shear - self.shear_on_face(nodal)
-        stress: Floats = np.divide(
+        return np.divide(
             on_shaft, self.shaft_areas, out=np.zeros_like(shear), where=self.shaft_areas > 0.0
         )
-        return stress
 
     def _shear_limits(self, normal: Floats) -> Floats:
         """Greatest shear force on face and shaft of each node, by its normal one [N], [2, n]."""

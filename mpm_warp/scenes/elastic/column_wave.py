@@ -191,8 +191,7 @@ def _sampled_steps(time_step: float, period_count: int) -> list[int]:
 
 def period_of(phase: Floats, period_count: int) -> Floats:
     """Number of the period that a time over period is in; its end is still in the last."""
-    period: Floats = np.minimum(np.floor(phase), period_count - 1)
-    return period
+    return np.minimum(np.floor(phase), period_count - 1)
 
 
 def front_error(curves: xr.Dataset) -> xr.Variable:

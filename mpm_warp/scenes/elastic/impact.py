@@ -142,8 +142,7 @@ class Impact(CatalogueScene):
 
         def along_bar(name: str) -> Floats:
             rows = simulation.array(f"particle.{name}")[: weights.size, 1].reshape(weights.shape)
-            means: Floats = np.average(rows, axis=1, weights=weights)
-            return means
+            return np.average(rows, axis=1, weights=weights)
 
         def front() -> tuple[float, float]:
             """Time, and height in the unstrained bar at which half of the velocity is gone."""

@@ -86,11 +86,9 @@ class StretchedBar(CatalogueScene):
 
         def growth(since: Floats | float) -> Floats:
             tau = self.retardation_time
-            grown: Floats = since - tau * (1.0 - np.exp(-np.asarray(since) / tau))
-            return grown
+            return since - tau * (1.0 - np.exp(-np.asarray(since) / tau))
 
-        stretch: Floats = self.stretch ** (growth(time) / growth(self.duration))
-        return stretch
+        return self.stretch ** (growth(time) / growth(self.duration))
 
     @property
     def _half_count(self) -> int:
@@ -188,5 +186,4 @@ class StretchedBar(CatalogueScene):
 
 def _middles(count: int) -> Floats:
     """Middles of `count` equal parts of a length 1 about the origin."""
-    middles: Floats = (np.arange(count) + 0.5) / count - 0.5
-    return middles
+    return (np.arange(count) + 0.5) / count - 0.5

@@ -328,8 +328,7 @@ class Degradation:
     def resistance_factor(self, cycle: Floats) -> Floats:
         """N at numbers of cycles, dimensionless, of their shape."""
         lost = (1.0 - self.remoulded_share) * (1.0 - np.exp(-3.0 * cycle / self.cycles))
-        factor: Floats = self.intact * (1.0 - lost)
-        return factor
+        return self.intact * (1.0 - lost)
 
 
 def fitted_degradation(cycle: Floats, resistance: Floats) -> Degradation:

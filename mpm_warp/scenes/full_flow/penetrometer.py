@@ -218,8 +218,7 @@ class ResistanceSamples:
     @property
     def resistance(self) -> Floats:
         """Force over projected area [Pa], shape [sample_count]."""
-        resistance: Floats = np.array(self.forces) / self._area
-        return resistance
+        return np.array(self.forces) / self._area
 
 
 def _fixed(grid: Grid, *, rests_around: bool) -> Fixed:

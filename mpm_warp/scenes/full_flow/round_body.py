@@ -32,8 +32,7 @@ class RoundBody:
     def surface_radius(self, height: Floats) -> Floats:
         """Distance of the surface from the line of travel at heights [m]; 0 where soil is on it."""
         body = np.sqrt(np.clip(self.radius**2 - height**2, 0.0, None))
-        surface: Floats = np.maximum(body, np.where(height > 0.0, self.shaft_radius, 0.0))
-        return surface
+        return np.maximum(body, np.where(height > 0.0, self.shaft_radius, 0.0))
 
     def fitted_grid(self, *, cells_per_radius: int, columns: Floats, extent: int) -> Grid:
         """A grid whose rows meet both poles and whose first column follows the surface.

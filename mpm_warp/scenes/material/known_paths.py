@@ -131,8 +131,7 @@ def shear_stress(clay: UndrainedClay, strain: Floats, rate: Floats) -> Floats:
         k, slope = strength(clay, plastic, rate)
         missing = stiffness * (strain - plastic) - k
         plastic = np.maximum(plastic + missing / (stiffness + slope), 0.0)
-    stress: Floats = np.minimum(stiffness * strain, strength(clay, plastic, rate)[0])
-    return stress
+    return np.minimum(stiffness * strain, strength(clay, plastic, rate)[0])
 
 
 def simple_shear(clay: UndrainedClay, strain: float, rate: float) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from mpm_warp.materials.elasticity import make_stress_update, motion_of
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.watch.watch import ParticleWatch, make_watch
+from mpm_warp.watch import ParticleWatch, make_watch
 
 NOWHERE = np.full(2, np.nan)
 """Of material points that have no position."""

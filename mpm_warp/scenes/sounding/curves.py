@@ -14,7 +14,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
-from mpm_warp.uncertainty import interval
+from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.laws import TOP, ErrorLaws, top_error
 from mpm_warp.uncertainty.pore_pressure import shoulder_error
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
@@ -106,7 +106,7 @@ def sounding_curves(
         contact_share=(given.contact_share.values, "1", "share of cone and shaft in contact"),
     )
     costs = recorded.drop_dims("penetration")
-    return own.merge(costs).assign({interval.REASON: interval.reason(error.reason)})
+    return own.merge(costs).assign({REASON: reason(error.reason)})
 
 
 def error_of_samples(
@@ -143,13 +143,13 @@ def error_of_samples(
         above=sounding.domain_above,
         below=sounding.domain_below,
         extent_ratio=sounding.extent_ratio,
-        way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size)),
+        way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size, dtype=np.float64)),
     )
     surface = {}
     if sounding.starts_at_surface:
         passed = sounding.surface_passed
-        reason = f"surface: it is in the window to a depth of {sounding.start_depth + passed:.4g} m"
-        surface = {reason: laws.way < passed / radius}
+        why = f"surface: it is in the window to a depth of {sounding.start_depth + passed:.4g} m"
+        surface = {why: laws.way < passed / radius}
     return sample_error(
         laws,
         depth=depth,
@@ -318,8 +318,7 @@ def change_of_resistance(factor: Floats, ratio: float) -> Floats:
     smooth = np.convolve(factor, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
     half = SMOOTHED // 2
     smooth[:half], smooth[len(smooth) - half :] = np.nan, np.nan
-    share: Floats = (smooth / undisturbed - 1.0) / (ratio - 1.0)
-    return share
+    return (smooth / undisturbed - 1.0) / (ratio - 1.0)
 
 
 def _first(way: Floats, reached: NDArray[np.bool_]) -> float:

@@ -230,8 +230,7 @@ class Profile:
         if self.stress_anisotropy is None:
             return np.full_like(depth, elsewhere)
         half = np.interp(depth, self.depth, self.stress_anisotropy * self.strength)
-        anisotropy: Floats = half / self.strength_at(depth)
-        return anisotropy
+        return half / self.strength_at(depth)
 
     def greatest_adhesion_factor(self, elsewhere: float) -> float:
         """Greatest adhesion factor of the face; `elsewhere` where it is not of the ground."""
@@ -269,8 +268,7 @@ class Profile:
             whole: Floats = until_row[last] + mean * (inside - self.depth[last]) + beyond + above
             return whole
 
-        between: Floats = until(end) - until(begin)
-        return between
+        return until(end) - until(begin)
 
 
 def _check_rows(name: str, values: Floats, allowed: Range) -> None:

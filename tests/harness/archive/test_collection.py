@@ -1,6 +1,7 @@
 """How the result of a study is laid out: its dims, by design, and what two scenes share."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NoReturn
 
 import numpy as np
@@ -19,7 +20,7 @@ from harness.run.worker import run_case
 from harness.study.study import Study, load_study
 from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty.interval import stated_value
+from mpm_warp.uncertainty import further_runs
 from tests.harness.conftest import DONE, HEAD, HYPERCUBE, keep, prepared, study_in
 
 
@@ -179,9 +180,8 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
     for law in laws:
         parts = {"mesh": 0.1}
         reasons = [] if law == "tresca" else [f"law: nobody has measured {law}"]
-        known = stated_value(
-            "cone_factor", 10.0, correction=0.1, parts=parts, reasons=reasons, description="Nc"
-        )
+        run = SimpleNamespace(name="cone_factor", factor=10.0, description="Nc")
+        known = further_runs.TestRun.stated(run, 0.1, parts, reasons)
         shear = variable(0.0, unit="1", meaning="shear part")
         built = variable(law, unit=None, meaning="law as built", role="built")
         results.append(xr.Dataset(known | {"cone_factor_shear": shear, "built_law": built}))

@@ -10,8 +10,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.execution import Batch, Execution
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.execution.batch import Batch
-from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.execution import Batch, Execution
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 GPU = "cuda:0"

@@ -21,7 +21,7 @@ from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
-from mpm_warp.watch.watch import check_contact
+from mpm_warp.watch import check_contact
 
 NOTICED_WITHIN = 500
 BLOCK = 3
@@ -151,7 +151,7 @@ def test_speeds_that_grow_at_twice_the_stable_step_are_noticed(
     cone: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without the check of the step itself: what it does to the soil is noticed too."""
-    monkeypatch.setattr("mpm_warp.watch.watch.check_time_step", lambda **_: None)
+    monkeypatch.setattr("mpm_warp.watch.check_time_step", lambda **_: None)
     simulation = Simulation(dataclasses.replace(cone, time_step_fraction=2.5))
     with pytest.raises(SimulationDiverged, match=r"velocity of particle \d+ at"):
         simulation.advance(4 * NOTICED_WITHIN)

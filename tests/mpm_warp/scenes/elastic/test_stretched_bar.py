@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mpm_warp.execution.batch import Batch
+from mpm_warp.execution.execution import Batch
 from mpm_warp.plan.time_step import SLACK
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.elastic import stretched_bar

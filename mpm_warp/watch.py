@@ -269,8 +269,7 @@ class SoilWatch(ParticleWatch):
         """Sums over all blocks of 3 x 3 cells, by the row and column in which they begin."""
         mass = mass.reshape(self._scene.grid.row_count, self._scene.grid.column_count)
         in_rows = mass[:-2] + mass[1:-1] + mass[2:]
-        sums: Floats = in_rows[:, :-2] + in_rows[:, 1:-1] + in_rows[:, 2:]
-        return sums
+        return in_rows[:, :-2] + in_rows[:, 1:-1] + in_rows[:, 2:]
 
 
 def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) -> None:
