@@ -76,10 +76,8 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         label = _label(studied, case) if case in labelled else ""
         if label:
             marks.append(CurveEnd(x[last[case]], ends[case], label, INK if is_start else colour))
-    axes.set_xlabel(axis_label(dataset, "penetration"))
-    axes.set_ylabel(OVER_STRENGTH)
-    axes.set_xlim(0, float(x.max()))
-    axes.set_ylim(bottom=0)
+    axes.set(xlabel=axis_label(dataset, "penetration"), ylabel=OVER_STRENGTH)
+    axes.set(xlim=(0, float(x.max())), ylim=(0, None))
     label_ends(axes, marks, size=7)
     if not few and len(kinds) > 1:
         for number, kind in enumerate(kinds):
@@ -162,13 +160,11 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure:
         if has_path:
             _draw(panels[1], curves[EFFECTIVE][it.case], curves[DEVIATOR][it.case], it)
     for place, name in over_strain.items():
-        panels[place].set_xlabel(LABELS[STRAIN])
-        panels[place].set_ylabel(LABELS[name])
+        panels[place].set(xlabel=LABELS[STRAIN], ylabel=LABELS[name])
         panels[place].set_xlim(0.0, _last_strain(strain, stress[shown]))
     panels[0].set_ylim(bottom=0.0)
     if has_path:
-        panels[1].set_xlabel(LABELS[EFFECTIVE])
-        panels[1].set_ylabel(LABELS[DEVIATOR])
+        panels[1].set(xlabel=LABELS[EFFECTIVE], ylabel=LABELS[DEVIATOR])
         if SLOPE in dataset:
             _draw_critical_states(panels[1], over_cases(dataset, SLOPE)[shown])
     legend_above(figure, panels[0])
@@ -193,8 +189,7 @@ def _last_strain(strain: Floats, stress: Floats) -> float:
 
 def _draw_critical_states(axes: Axes, slopes: Floats) -> None:
     high = axes.get_xlim()[1]
-    axes.set_xlim(0.0, high)
-    axes.set_ylim(bottom=0.0)
+    axes.set(xlim=(0.0, high), ylim=(0.0, None))
     for slope in np.unique(slopes[np.isfinite(slopes)]):
         axes.plot([0.0, high], [0.0, slope * high], ls="--", lw=0.8, color="0.4", scaley=False)
 
@@ -229,10 +224,8 @@ def cycles_figure(dataset: xr.Dataset) -> Figure:
     loops, factors = figure.subplots(1, 2, width_ratios=(2, 3))
     for it in series:
         _draw_factor(factors, cases.isel(case=it.case), it)
-    factors.set_xlabel("number of the cycle [-]")
-    factors.set_ylabel(r"resistance factor $q/s_\mathrm{u}$ [-]")
-    factors.set_xlim(left=0.0)
-    factors.set_ylim(bottom=0.0)
+    factors.set(xlabel="number of the cycle [-]", ylabel=r"resistance factor $q/s_\mathrm{u}$ [-]")
+    factors.set(xlim=(0.0, None), ylim=(0.0, None))
     kept = {
         place: known[-1] / known[0]
         for place, row in enumerate(cases[FACTOR].values)

@@ -150,8 +150,7 @@ def convergence_figure(dataset: xr.Dataset) -> Figure:
         axes.errorbar(x, y, width, color=colour, ls=line, marker=MARKERS[rank], label=label)
         mark_failures(axes, x[~np.isfinite(y)])
     if is_error:
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set(xscale="log", yscale="log")
     _dress(axes, dataset, name, is_error)
     axes.set_ylabel(axis_label(dataset, studied.headline))
     legend_above(figure, axes)

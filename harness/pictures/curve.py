@@ -98,8 +98,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
         mark_failures(axes, x[~np.isfinite(y)])
         _draw_exact(axes, studied, ordered, x)
     along.dress(axes, room=10)
-    axes.set_xlabel(axis_label(dataset, name))
-    axes.set_ylabel(axis_label(dataset, studied.headline))
+    axes.set(xlabel=axis_label(dataset, name), ylabel=axis_label(dataset, studied.headline))
     label_ends(axes, ends)
     legend_above(figure, axes)
     write_caption(
@@ -239,8 +238,7 @@ def _draw_contours(figure: Figure, axes: Axes, studied: Studied) -> None:
     if not sound.all():
         axes.plot(x.numbers[~sound], y.numbers[~sound], "x", color=FAILED, clip_on=False)
     axes.grid(visible=False)
-    axes.set_xlabel(axis_label(studied.dataset, x.name))
-    axes.set_ylabel(axis_label(studied.dataset, y.name))
+    axes.set(xlabel=axis_label(studied.dataset, x.name), ylabel=axis_label(studied.dataset, y.name))
     bar = figure.colorbar(filled, cax=axes.inset_axes((0, 1.04, 1, 0.04)), orientation="horizontal")
     bar.ax.xaxis.set_ticks_position("top")
     bar.ax.xaxis.set_label_position("top")

@@ -171,8 +171,7 @@ def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) ->
     low, middle, high = values.T
     axes.fill_betweenx(depth, low, high, color=colour, alpha=0.25, lw=0)
     axes.plot(middle, depth, color=colour, lw=1.0)
-    axes.set_xlabel(label)
-    axes.set_xlim(0.0, 1.1 * float(np.nanmax(high, initial=1e-9)))
+    axes.set(xlabel=label, xlim=(0.0, 1.1 * float(np.nanmax(high, initial=1e-9))))
 
 
 def _shares(axes: Axes, found: xr.Dataset) -> None:
@@ -192,8 +191,7 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
         colour = series_colour(place, len(names))
         axes.fill_betweenx(found.depth, begin, end, color=colour, lw=0, label=name)
         begin = end
-    axes.set_xlim(0.0, 100.0)
-    axes.set_xlabel("share of the error [%]")
+    axes.set(xlim=(0.0, 100.0), xlabel="share of the error [%]")
     if names:
         _legend(axes, 2)
 

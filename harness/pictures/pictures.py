@@ -21,7 +21,14 @@ from harness.pictures.case_curves import (
     shows_element_tests,
     shows_resistance,
 )
-from harness.pictures.cases import cases_figure, scenes_figure, shows_cases, shows_scenes
+from harness.pictures.cases import (
+    cases_figure,
+    scenes_figure,
+    shows_cases,
+    shows_scenes,
+    shows_spread,
+    spread_figure,
+)
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, map_figure, shows_curve, shows_map
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
@@ -32,7 +39,6 @@ from harness.pictures.effects import (
     tornado_figure,
 )
 from harness.pictures.sounding import shows_sounding, sounding_figure
-from harness.pictures.spread import shows_spread, spread_figure
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_figure
 from harness.pictures.work_precision import shows_work_precision, study_figure

@@ -118,8 +118,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure:
         (resistance, "net resistance [kPa]"),
         (factor, "over strength at the tip [-]"),
     ):
-        axes.set_xlabel(label)
-        axes.set_xlim(left=0.0)
+        axes.set(xlabel=label, xlim=(0.0, None))
     strength.set_ylabel("depth of the tip [m]")
     strength.invert_yaxis()
     if count > 1:

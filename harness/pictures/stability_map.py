@@ -119,8 +119,7 @@ def _draw_shares(axes: Axes, shares: Shares) -> None:
         # Three digits, without an exponent where the number is not long.
         texts = [f"{float(f'{edge:.3g}'):g}" for edge in edges]
         axes.set_xticks(np.arange(len(edges)) - 0.5, texts)
-    axes.set_xlim(-0.5, places.size - 0.5)
-    axes.set_ylim(0, 1)
+    axes.set(xlim=(-0.5, places.size - 0.5), ylim=(0, 1))
     axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
 
 

@@ -159,8 +159,7 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     timed = np.isfinite(measured) & np.isfinite(seconds)
     problems = _problems_of(dataset)
     figure, axes = empty_figure()
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     _draw_fronts(axes, dataset, problems, seconds, np.where(timed & (errors > 0.0), errors, np.nan))
     silent = timed & (measured > 0.0) & ~states_its_error(dataset)
     if silent.any():
@@ -228,8 +227,7 @@ def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:
 
 
 def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
-    axes.set_xlabel("run time [s]")
-    axes.set_ylabel(f"{plain(meaning)} [-]")
+    axes.set(xlabel="run time [s]", ylabel=f"{plain(meaning)} [-]")
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         # Over less than two decades there would be a tick or none, over less than one two or three.
         digits = (1, 2, 3, 4, 5, 6, 8) if high < 10.0 * low else (1, 2, 5)
