@@ -1,9 +1,15 @@
 """Depth, qc, fs and u2 of a measured test in SI units, whatever file they come from.
 
-A row is left out, and told, where the tip stands or goes back a little: at a change of rods. What
+A row is left out, and told, where the tip stands or goes back a little: at a change of rods. Where
+the file has the length of the rods, and the inclination of the cone, each step of depth is
+
+    dz = dl / sqrt(1 + tan^2 a + tan^2 b)
+
+with inclinations a and b in two planes, or a alone (EN ISO 22476-1, as commonly quoted). What
 cannot be a cone test is refused, with file, line, value and what is allowed.
 """
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.interpret.files import Heading, TestFile, read_file
-from harness.interpret.keys import TEST_KEYS
+from harness.interpret.keys import AXES, TEST_KEYS
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
@@ -23,8 +29,13 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "qc": ("qc", "cone_resistance", "coneresistance", "tip", "scpt_res"),
     "fs": ("fs", "sleeve_friction", "localfriction", "friction", "scpt_fres"),
     "u2": ("u2", "u", "pore_pressure", "porepressureu2", "scpt_pwp2"),
+    "inclination": ("inclination", "inclinationresultant", "tilt", "scpt_slp1"),
+    "inclination_across": ("inclination_across", "scpt_slp2"),
 }
 """What each column may be called, without regard to capitals."""
+RODS = ("penetration", "penetrationlength", "sondeerlengte")
+"""Of the names of a depth those of a length of rods."""
+OPTIONAL = ("u2", *AXES)
 LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 PRESSURES: Mapping[str, float] = {
     "Pa": 1.0,
@@ -34,7 +45,18 @@ PRESSURES: Mapping[str, float] = {
     "kN/m2": 1e3,
     "MN/m2": 1e6,
 }
+ANGLES: Mapping[str, float] = {
+    "deg": math.pi / 180.0,
+    "degrees": math.pi / 180.0,
+    "graden": math.pi / 180.0,
+    "\N{DEGREE SIGN}": math.pi / 180.0,
+    "rad": 1.0,
+}
 """Units, and what they are in SI units."""
+UNITS = {"depth": LENGTHS} | dict.fromkeys(AXES, ANGLES)
+"""Of columns that hold no pressures."""
+MOST_INCLINED = math.radians(45.0)
+"""No cone is pushed so far; what is more is in another unit."""
 LARGEST: Mapping[str, float] = {"qc": 200e6, "fs": 5e6, "u2": 100e6}
 """What no cone bears, no sleeve, no filter [Pa]."""
 LOWEST_QC = -0.2e6
@@ -73,10 +95,11 @@ def read_columns(test: MeasuredTest) -> Columns:
     if len(file.rows) > MOST_ROWS:
         raise StudyError(f"{path}: has {len(file.rows)} rows; a test has at most {MOST_ROWS}")
     area_ratio, pre_drilled, notes = _of_the_cone(test, file)
+    found = _places(path, file.headings, test.columns)
     values = {
         name: _unit(path, name, file.headings[place], test.units.get(name))
         * _numbers(path, file, place, test.missing)
-        for name, place in _places(path, file.headings, test.columns).items()
+        for name, place in found.items()
     }
     places = np.array([f"{file.row} {number}" for number, _ in file.rows])
     if np.isnan(values["depth"]).any():
@@ -96,6 +119,17 @@ def read_columns(test: MeasuredTest) -> Columns:
             )
         values["u2"] = np.full_like(values["depth"], np.nan)
     _refuse_impossible(path, values, places)
+    angles = [values.pop(name) for name in AXES if name in values]
+    of_rods = file.headings[found["depth"]].name in RODS
+    if of_rods and not angles:
+        notes.append("depth is the length of the rods; the file has no inclination")
+    elif of_rods or AXES[0] in test.columns:
+        length = values["depth"]
+        values["depth"] = _corrected(path, length, angles, places)
+        less = float(length[-1] - values["depth"][-1])
+        notes.append(f"depth corrected by inclination, by {less:.2g} m at the end")
+    elif angles:
+        notes.append("depth is taken as corrected by inclination")
     return Columns(values, area_ratio, pre_drilled, tuple(notes))
 
 
@@ -145,7 +179,7 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
             )
         if places:
             found[name] = places[0]
-        elif name != "u2" or wanted is not None:
+        elif name not in OPTIONAL or wanted is not None:
             near = nearest_name(wanted or name, [it.title for it in headings if it.title])
             raise StudyError(
                 f"{path}: has no column {wanted or name!r}{near}; name it under columns of the "
@@ -156,7 +190,7 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
 
 def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     """What the unit of a column is in SI units."""
-    known, unit = LENGTHS if name == "depth" else PRESSURES, given or heading.unit
+    known, unit = UNITS.get(name, PRESSURES), given or heading.unit
     sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
     if unit.lower() not in sizes:
         told = f"has unit {unit!r}" if unit else "has no unit"
@@ -212,6 +246,26 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
     for top, length in zip(depth[kept][:-1][wide], step[wide], strict=True):
         notes.append(f"no values from {top:g} to {top + length:g} m")
     return kept
+
+
+def _corrected(path: Path, length: Floats, angles: Sequence[Floats], places: np.ndarray) -> Floats:
+    """Depths of lengths of rods, vertical down to the first; angles between known ones."""
+    slope = np.zeros_like(length)
+    for angle in angles:
+        known = np.isfinite(angle)
+        wrong = known & (np.abs(np.nan_to_num(angle)) > MOST_INCLINED)
+        if wrong.any():
+            told = math.degrees(angle[wrong][0])
+            raise StudyError(
+                f"{path}: {places[wrong][0]}: inclination of {told:.3g} degrees, must be "
+                f"<= {math.degrees(MOST_INCLINED):g}; look at its unit"
+            )
+        if known.any():
+            slope += np.tan(np.interp(length, length[known], angle[known])) ** 2
+    cosine = 1.0 / np.sqrt(1.0 + slope)
+    steps = np.diff(length) * 0.5 * (cosine[1:] + cosine[:-1])
+    depth: Floats = length[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    return depth
 
 
 def _refuse_impossible(path: Path, values: Mapping[str, Floats], places: np.ndarray) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from harness.interpret.keys import (
+    AXES,
     COLUMNS,
     LAYER_KEYS,
     RATE,
@@ -160,7 +161,7 @@ def _of_form(form: Form, key: Key) -> list[Schema]:
         Form.BY_DEPTH: [table_schema(by_depth, required=list(by_depth))],
         Form.NUMBERS: [_list(number)],
         Form.WORDS: [_list({"enum": list(key.choices)})],
-        Form.TEXTS: [table_schema(dict.fromkeys(COLUMNS, LINE))],
+        Form.TEXTS: [table_schema(dict.fromkeys((*COLUMNS, *AXES), LINE))],
         Form.ERRORS: [table_schema(errors, required=list(errors))],
         Form.RATE: [{"type": "string", "pattern": f"^{RATE}$"}],
     }[form]

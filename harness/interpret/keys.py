@@ -17,6 +17,8 @@ MEASURES = ("tip", "sleeve", "pore_pressure")
 """What of a test may tell of the soil."""
 COLUMNS = ("depth", "qc", "fs", "u2")
 """What is read of a measured test."""
+AXES = ("inclination", "inclination_across")
+"""What it may have too: the inclination of the cone, or those in two planes at right angles."""
 BY_SLEEVE = "sleeve"
 """Value of the adhesion factor that takes it from the sleeve friction at each depth."""
 MODES = ("isotropic", "simple_shear", "triaxial_compression", "triaxial_extension", "average")
@@ -45,7 +47,7 @@ class Form(Enum):
     BY_DEPTH = "{ depth = [..], value = [..] }"
     NUMBERS = "a list of numbers"
     WORDS = "a list of"
-    TEXTS = "{ depth, qc, fs, u2 }, each a text"
+    TEXTS = "{ depth, qc, fs, u2, inclination, inclination_across }, each a text"
     ERRORS = "{ qc, fs, u2 } [kPa], half widths of 95 %"
     RATE = 'a text as "5 %/h"'
 

@@ -24,6 +24,7 @@ from pathlib import Path
 
 from harness.interpret.keys import (
     ACCURACY,
+    AXES,
     BY_SLEEVE,
     COLUMNS,
     INPUTS,
@@ -248,7 +249,7 @@ def _integer(table: Table, key: str) -> int:
 
 def _texts(table: Table, key: str) -> dict[str, str]:
     own = table.table(key)
-    own.allow(*COLUMNS)
+    own.allow(*COLUMNS, *AXES)
     return {name: own.text(name, "") for name in own.values}
 
 

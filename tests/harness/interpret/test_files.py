@@ -195,6 +195,38 @@ def test_the_length_of_the_rods_is_the_depth_where_there_is_no_other(
     np.testing.assert_allclose(found.values["depth"], [row[0] + 0.01 for row in rows])
 
 
+def test_the_length_of_the_rods_is_corrected_by_inclination(folder: Path) -> None:
+    """At 10 degrees all along, but for a missing value: cos 10 of the way from the first row on."""
+    text = as_gef(rows_of(folder)).replace("Gecorrigeerde diepte, 11", "Helling, 8")
+    text = text.replace("#COLUMNINFO= 3, m,", "#COLUMNINFO= 3, graden,")
+    head, end, data = text.partition("#EOH=\n")
+    lines = [line.split("; ") for line in data.splitlines()]
+    for number, line in enumerate(lines):
+        line[2] = "10.0" if number != 5 else "-999.0"
+    tilted = head + end + "\n".join(map("; ".join, lines)) + "\n"
+    found = columns_of(site_of(folder, "gef", tilted))
+    way = np.array([row[0] for row in rows_of(folder)]) - rows_of(folder)[0][0]
+    expected = rows_of(folder)[0][0] + 0.01 + np.cos(np.radians(10.0)) * way
+    np.testing.assert_allclose(found.values["depth"], expected, rtol=1e-12)
+    assert "depth corrected by inclination, by 0.17 m at the end" in found.notes
+
+
+def test_an_inclination_that_the_site_file_names_corrects_the_depth(folder: Path) -> None:
+    """In two planes: 1 / sqrt(1 + 2 tan^2 5)."""
+    measured = rows_of(folder)
+    lines = as_csv(measured).splitlines()
+    rows = [f"{lines[0]},X [deg],Y [deg]", *(f"{line},5,-5" for line in lines[1:])]
+    named = "columns = { inclination = 'X', inclination_across = 'Y' }\narea_ratio"
+    site = site_of(folder, "csv", "\n".join(rows), ("area_ratio", named))
+    depth = columns_of(site).values["depth"]
+    steps = np.diff(depth) / np.diff([row[0] for row in measured])
+    np.testing.assert_allclose(steps, 1.0 / np.sqrt(1.0 + 2.0 * np.tan(np.radians(5.0)) ** 2))
+    steep = "\n".join(rows).replace(",5,-5", ",50,-5")
+    (folder / "test.csv").write_text(steep)
+    with pytest.raises(StudyError, match="inclination of 50 degrees, must be <= 45; look at its u"):
+        columns_of(site)
+
+
 def test_what_the_two_files_say_otherwise_of_the_cone_is_told(folder: Path) -> None:
     path = site_of(folder, "gef", as_gef(rows_of(folder)), ("area_ratio = 0.8", "area_ratio = 0.6"))
     found = columns_of(path)
