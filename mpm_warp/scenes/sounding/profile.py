@@ -12,6 +12,13 @@ new lines or by semicolons, values by commas:
 
 Two rows of one depth make the border of two layers. A row that begins with # is a remark. Ground of
 a law with parameters of its own may have these as columns too, by their names.
+
+In place of stress_anisotropy a table may have K0 [1], effective horizontal over vertical stress,
+and ground_water [m], the depth of the water table. At each row they give
+
+    Delta = (1 - K0) (sigma_v0 - u0) / (2 su),   u0 = 9.81 kN/m3 below the table
+
+and its effective stress is linear between rows: one of them should be at the water table.
 """
 
 import math
@@ -39,15 +46,21 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
     "adhesion_factor": {"1": 1.0},
     "stress_anisotropy": {"1": 1.0},
+    "K0": {"1": 1.0},
+    "ground_water": {"m": 1.0},
 }
 """Units of each column, and what they are in SI units."""
 OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
 """What a column may be called too."""
-OWN = tuple(name for name in UNITS if name != "rigidity_index")
+OF_EFFECTIVE_STRESS = ("K0", "ground_water")
+"""Columns that give the stress anisotropy together."""
+OWN = tuple(name for name in UNITS if name not in ("rigidity_index", *OF_EFFECTIVE_STRESS))
 """Columns that all ground may have."""
 FILLED_IN: Any = None
 """Default of a column that all ground has."""
 STIFFNESS = ("rigidity_index", "shear_modulus")
+UNIT_WEIGHT, UNIT_WEIGHT_OF_WATER = 17e3, 9.81e3
+"""Of ground where no column has it, and of water [N/m3]."""
 PROFILE = "profile"
 """The parameter of a sounding that holds such a text, and the table of a study that gives it."""
 ALLOWED = {
@@ -55,6 +68,7 @@ ALLOWED = {
     "unit_weight": NOT_NEGATIVE,
     "adhesion_factor": Range(minimum=0.0, maximum=1.0),
     "stress_anisotropy": Range(above=-1.0, below=1.0),
+    "ground_water": NOT_NEGATIVE,
 }
 """What the values of a column must be; the others are positive."""
 
@@ -100,7 +114,7 @@ class Profile:
         if self.shear_modulus is FILLED_IN:
             given["shear_modulus"] = 100.0 * strength
         if self.unit_weight is FILLED_IN:
-            given["unit_weight"] = np.full_like(strength, 17e3)
+            given["unit_weight"] = np.full_like(strength, UNIT_WEIGHT)
         columns = {name: _numbers(name, it) for name, it in given.items() if it is not None}
         for name, values in columns.items():
             object.__setattr__(self, name, values)
@@ -290,7 +304,28 @@ def columns_of(text: str) -> dict[str, Floats]:
     if not lines:
         raise refused("has no rows below its header")
     table = np.array([_row(number, it, factors) for number, it in enumerate(lines, 1)])
-    return dict(zip(factors, (table * list(factors.values())).T, strict=True))
+    columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
+    return _with_anisotropy(columns) if columns.keys() & set(OF_EFFECTIVE_STRESS) else columns
+
+
+def _with_anisotropy(columns: dict[str, Floats]) -> dict[str, Floats]:
+    """Columns with the stress anisotropy in the place of K0 and ground water."""
+    for name in ("strength", *OF_EFFECTIVE_STRESS):
+        if name not in columns:
+            raise refused(f"column {name} is missing; K0 and ground_water go together")
+    if "stress_anisotropy" in columns:
+        raise refused("has K0 and stress_anisotropy; keep one of them")
+    columns = {"unit_weight": np.full_like(columns["depth"], UNIT_WEIGHT)} | columns
+    for name in ("depth", "strength", "unit_weight", *OF_EFFECTIVE_STRESS):
+        _check_rows(name, columns[name], ALLOWED.get(name, POSITIVE))
+    depth, weight = columns["depth"], columns["unit_weight"]
+    between = np.diff(depth) * 0.5 * (weight[1:] + weight[:-1])
+    stress = weight[0] * depth[0] + np.concatenate([[0.0], np.cumsum(between)])
+    pressure = UNIT_WEIGHT_OF_WATER * np.maximum(0.0, depth - columns["ground_water"])
+    anisotropy = (1.0 - columns["K0"]) * (stress - pressure) / (2.0 * columns["strength"])
+    _check_rows("stress_anisotropy by K0", anisotropy, ALLOWED["stress_anisotropy"])
+    rest = {name: it for name, it in columns.items() if name not in OF_EFFECTIVE_STRESS}
+    return rest | {"stress_anisotropy": anisotropy}
 
 
 def units_of(name: str) -> Mapping[str, float]:
@@ -329,7 +364,7 @@ def _header(line: str) -> dict[str, float]:
     """The columns of a header, and what their units are in SI units."""
     factors: dict[str, float] = {}
     for cell in line.split(","):
-        match = re.fullmatch(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
+        match = re.fullmatch(r"\s*([A-Za-z_]\w*)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
         if match is None:
             raise refused("header: must name columns with units, as in 'depth [m], strength [kPa]'")
         name, unit = match.groups()

@@ -83,6 +83,11 @@ LIMITED = (
             "depth [m], strength [Pa], rigidity_index [1], shear_modulus [Pa]; 0, 1, 1, 1",
             "has rigidity_index and shear_modulus; keep one of them",
         ),
+        ("depth [m], strength [kPa], K0 [1]; 0, 1, 1", "column ground_water is missing"),
+        (
+            "depth [m], strength [kPa], K0 [1], ground_water [m]; 9, 10, 0.4, 0",
+            "stress_anisotropy by K0 in row 1 is 1.9413, must be > -1 and < 1",
+        ),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(text: str, message: str) -> None:
@@ -90,6 +95,17 @@ def test_what_is_wrong_is_told_in_one_line(text: str, message: str) -> None:
         Profile.read(text)
     assert "\n" not in str(refusal.value)
     assert str(refusal.value).startswith("profile: ")
+
+
+def test_k0_and_ground_water_give_the_stress_anisotropy() -> None:
+    """The worked example of the guide: 5 m deep, K0 0.6, 16.5 kN/m3, water at 1 m, su 25 kPa."""
+    head = "depth [m], strength [kPa], unit_weight [kN/m3], K0 [1], ground_water [m]"
+    ground = Profile.read(
+        f"{head}; 0, 25, 16.5, 0.6, 1; 0.5, 25, 16.5, 0.6, 1; 5, 25, 16.5, 0.6, 1"
+    )
+    expected = 0.4 * np.array([0.0, 0.5 * 16.5, 5 * 16.5 - 4 * 9.81]) / 50.0
+    np.testing.assert_allclose(ground.stress_anisotropy, expected)
+    assert Profile.read(ground.text).stress_anisotropy.tolist() == expected.tolist()
 
 
 def test_arrays_of_different_lengths_are_refused(profile: Profile) -> None:
