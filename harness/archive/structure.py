@@ -5,14 +5,17 @@ files of other programs. They need the outline of a result, not its numbers: so 
 is known without reading them.
 """
 
+import json
 import math
+import re
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from harness.archive.conventions import COMPLETED, PER_CASE, Role, parameter_of
+from harness.archive.conventions import COMPLETED, PER_CASE, TOLERANCES, Role, parameter_of
 from harness.archive.netcdf_content import NUMBERS, TEXT, Form, Outline
 from harness.archive.provenance import OF_CASE
+from harness.study.files import STUDY_NAME
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
@@ -35,6 +38,8 @@ def malformed(result: Outline) -> str | None:
 def _faults(result: Outline) -> Iterator[str]:
     forms = result.forms
     over = forms["status"].dims if "status" in forms else ()
+    if "study" in result.attributes:
+        yield from _faulty_study(result, over)
     if "status" in forms and 0 in forms["status"].shape:
         yield "there is no case"
     scenes = str(result.attributes.get("scene", "")).split()
@@ -59,6 +64,27 @@ def _faults(result: Outline) -> Iterator[str]:
             yield f"{dim} has a value twice"
     if result.attributes.get("status") == COMPLETED:
         yield from _faulty_headline(result)
+
+
+def _faulty_study(result: Outline, over: tuple[str, ...]) -> Iterator[str]:
+    """A collected dataset has what every one has, whoever has written it."""
+    said, forms = result.attributes, result.forms
+    try:
+        tolerances = json.loads(str(said.get(TOLERANCES, "{}")))
+    except ValueError:
+        tolerances = None
+    sound = {
+        # As a study's own file is called: pictures are called by it, and go to no other folder.
+        "study": isinstance(said["study"], str) and re.fullmatch(STUDY_NAME, said["study"]),
+        "scene": isinstance(said.get("scene"), str),
+        "scene_version": isinstance(said.get("scene_version"), int | np.integer),
+        TOLERANCES: isinstance(tolerances, dict)
+        and all(isinstance(it, int | float) for it in tolerances.values()),
+        **{name: name in forms and forms[name].dims == over for name in PER_CASE},
+    }
+    for name, is_sound in sound.items():
+        if not is_sound:
+            yield f"{name} is missing or malformed; collect it again"
 
 
 def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) -> Iterator[str]:

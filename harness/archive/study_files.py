@@ -1,7 +1,5 @@
 """The results of a study's cases in one dataset, ``OUT/<study>.nc``: gathered, written and read."""
 
-import json
-import re
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 
@@ -18,8 +16,6 @@ from harness.archive.conventions import (
     DISTRIBUTION,
     FORMAT_VERSION,
     MISSING,
-    PER_CASE,
-    TOLERANCES,
     Role,
     parameter_attributes,
     spoken,
@@ -280,45 +276,4 @@ def read_result(path: Path) -> xr.Dataset:
         # Of the many files of cases a list would say nothing.
         listed = known_names(beside) if len(beside) <= MOST_NAMED else ""
         raise ArchiveError(f"{path}: no such file{did_you_mean(path.name, beside) or listed}")
-    dataset = read_netcdf(path)
-    if "study" in dataset.attrs:
-        _check_study(path, dataset)
-    return dataset
-
-
-def _check_study(path: Path, dataset: xr.Dataset) -> None:
-    """Check that a collected dataset has what every one has, whoever has written it."""
-    said = dataset.attrs
-    holds = {
-        # As a study's own file is called: pictures are called by it, and go to no other folder.
-        "study": isinstance(said["study"], str) and re.fullmatch(r"\w[\w.-]*", said["study"]),
-        "scene": isinstance(said.get("scene"), str),
-        "scene_version": isinstance(said.get("scene_version"), int | np.integer),
-        TOLERANCES: _are_tolerances(str(said.get(TOLERANCES, "{}"))),
-        **{name: _is_text_of_cases(dataset, name) for name in PER_CASE},
-    }
-    for name, is_sound in holds.items():
-        if not is_sound:
-            raise ArchiveError(
-                f"{path}: is no whole result of a study: {name} is missing or malformed; "
-                "collect it again"
-            )
-
-
-def _are_tolerances(text: str) -> bool:
-    try:
-        tolerances = json.loads(text)
-    except ValueError:
-        return False
-    return isinstance(tolerances, dict) and all(
-        isinstance(limit, int | float) for limit in tolerances.values()
-    )
-
-
-def _is_text_of_cases(dataset: xr.Dataset, name: str) -> bool:
-    """Whether a variable has a text for each case."""
-    if name not in dataset or "status" not in dataset:
-        return False
-    variable = dataset[name]
-    texts = all(isinstance(value, str) for value in variable.values.flat)
-    return texts and variable.dims == dataset["status"].dims
+    return read_netcdf(path)

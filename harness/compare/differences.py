@@ -37,17 +37,13 @@ from harness.archive.conventions import (
     with_role,
 )
 from harness.archive.provenance import OF_CASE
-from harness.errors import HarnessError
+from harness.compare.compared import NothingToCompareError
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 Identity = tuple[str, frozenset[tuple[str, object]]]
 """Scene and parameters of a case."""
-
-
-class NotComparableError(HarnessError):
-    """Two results have no case or no number in common; the message is one line."""
 
 
 @dataclass(frozen=True)
@@ -75,13 +71,13 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         line each.
 
     Raises:
-        NotComparableError: they have no case in common, or nothing there that can be compared.
+        NothingToCompareError: they have no case in common, or nothing there that can be compared.
     """
     shared = parameter_names(first).keys() & parameter_names(second).keys()
     ours, theirs = _identities(first, shared), _identities(second, shared)
     common = [identity for identity in ours if identity in theirs]
     if not common:
-        raise NotComparableError("nothing to compare: no case has the same parameters in both")
+        raise NothingToCompareError("nothing to compare: no case has the same parameters in both")
     labels = labels_of(first), labels_of(second)
     lonely = [
         f"only in the {which}: {text[place]}"
@@ -113,7 +109,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         worst = int(np.argmax(sizes))
         found.append(Difference(name, float(sizes[worst]), labels[0][here[worst]]))
     if not is_compared and not lonely:
-        raise NotComparableError("nothing to compare: no case has a scalar result in either")
+        raise NothingToCompareError("nothing to compare: no case has a scalar result in either")
     return found, lonely
 
 

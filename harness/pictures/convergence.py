@@ -30,38 +30,24 @@ ORDERS = np.linspace(0.3, 3.0, 271)
 """Orders that can be observed: beyond, the values are not yet on their way to a limit."""
 
 
-def _inverse(value: Floats) -> Floats:
-    return 1.0 / value
-
-
-def _itself(value: Floats) -> Floats:
-    return value
-
-
-def _compressibility(value: Floats) -> Floats:
-    return 1.0 - 2.0 * value
-
-
-REFINED_BY: dict[str, tuple[str, Callable[[Floats], Floats]]] = {
-    "cells_per_radius": ("cell width over radius $h/R$", _inverse),
-    "cells_per_length": ("cell width over length $h/L$", _inverse),
-    "cell_count": ("cell width, 1 / cell count", _inverse),
-    "cell_growth": ("cell growth", _itself),
-    "speed_ratio": (r"speed $v/v_\mathrm{s}$", _itself),
-    "time_step_fraction": (r"time step $Δt/Δt_\mathrm{c}$", _itself),
-    "domain_radius": ("cone radius over radius of the grid", _inverse),
-    "domain_above": ("cone radius over extent above", _inverse),
-    "domain_below": ("cone radius over extent below", _inverse),
-    "poissons_ratio_bound": (r"$1 - 2ν_\mathrm{max}$", _compressibility),
+Refinement = tuple[Callable[[Floats], Floats], str]
+"""What goes to zero, as a function of a parameter, and what that is called where it is zero."""
+INVERSE: Refinement = (lambda value: 1.0 / value, "∞")
+ITSELF: Refinement = (lambda value: value, "0")
+COMPRESSIBILITY: Refinement = (lambda value: 1.0 - 2.0 * value, "0.5")
+REFINED_BY: dict[str, tuple[str, Refinement]] = {
+    "cells_per_radius": ("cell width over radius $h/R$", INVERSE),
+    "cells_per_length": ("cell width over length $h/L$", INVERSE),
+    "cell_count": ("cell width, 1 / cell count", INVERSE),
+    "cell_growth": ("cell growth", ITSELF),
+    "speed_ratio": (r"speed $v/v_\mathrm{s}$", ITSELF),
+    "time_step_fraction": (r"time step $Δt/Δt_\mathrm{c}$", ITSELF),
+    "domain_radius": ("cone radius over radius of the grid", INVERSE),
+    "domain_above": ("cone radius over extent above", INVERSE),
+    "domain_below": ("cone radius over extent below", INVERSE),
+    "poissons_ratio_bound": (r"$1 - 2ν_\mathrm{max}$", COMPRESSIBILITY),
 }
 """By parameter of a method: what goes to zero with refinement, in words, and as a function."""
-
-LIMITS: dict[Callable[[Floats], Floats], str] = {
-    _inverse: "∞",
-    _itself: "0",
-    _compressibility: "0.5",
-}
-"""What the parameter is called where the refinement has no end."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +122,7 @@ def convergence_figure(dataset: xr.Dataset) -> Figure:
     name = _refined(studied)
     assert name is not None, "the dataset has no refinement"
     other = [it for it in studied.varied if it != name]
-    h = REFINED_BY[name][1](studied.varied[name].numbers)
+    h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR
     figure, axes = empty_figure()
     groups = studied.groups(other)
@@ -191,7 +177,7 @@ def _draw_limit(axes: Axes, h: Floats, values: Floats, colour: str) -> str:
 
 def _dress(axes: Axes, dataset: xr.Dataset, name: str, is_error: bool) -> None:
     """Ticks at what was computed, called by the parameter's values."""
-    meaning, refinement = REFINED_BY[name]
+    meaning, (refinement, limit) = REFINED_BY[name]
     values = np.unique(over_cases(dataset, name).astype(float))
     places = refinement(values)
     if not is_error:
@@ -200,7 +186,7 @@ def _dress(axes: Axes, dataset: xr.Dataset, name: str, is_error: bool) -> None:
     ends = ascending if is_error else np.array([0.0, *ascending])
     shown = apart(ends, "log" if is_error else "linear", room=12)
     texts = {float(place): number(value) for place, value in zip(places, values, strict=True)}
-    texts[0.0] = LIMITS[refinement]
+    texts[0.0] = limit
     axes.xaxis.set_major_locator(FixedLocator(shown))
     axes.xaxis.set_major_formatter(FixedFormatter([texts[place] for place in shown]))
     axes.xaxis.set_minor_locator(NullLocator())

@@ -141,7 +141,7 @@ def test_a_result_that_is_not_whole_is_refused_in_one_line(
     write_netcdf(damaged if isinstance(damaged, xr.Dataset) else whole, result)
     line = refusal([command, str(result)])
     told = f"harness: {result}: is no whole result"
-    of_study = f"{told} of a study: {name} is missing or malformed; collect it again"
+    of_study = f"{told}: {name} is missing or malformed; collect it again"
     # Without a status that is one, what a study's variables have to be is not known.
     assert line == of_study or (name == "status" and line.startswith(f"{told}: "))
 

@@ -10,7 +10,8 @@ import xarray as xr
 
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.compare.differences import NotComparableError, differences, differing, unshared
+from harness.compare.compared import NothingToCompareError
+from harness.compare.differences import differences, differing, unshared
 from mpm_warp.parameters import parameter
 from tests.harness.conftest import Refusal
 
@@ -63,7 +64,7 @@ def test_what_was_not_compared_is_not_passed(
     assert refusal(["compare", str(path), str(path)]) == told
     one, other = two(*FACTORS)
     nothing = {"cone_factor": np.nan * one["cone_factor"], "error": np.nan * one["error"]}
-    with pytest.raises(NotComparableError):
+    with pytest.raises(NothingToCompareError):
         differences(one.assign(nothing), other.assign(nothing))
 
 
@@ -74,7 +75,7 @@ def test_cases_of_one_result_alone_are_told(two: Callable[..., list[xr.Dataset]]
 
 
 def test_results_of_other_parameters_are_not_compared(two: Callable[..., list[xr.Dataset]]) -> None:
-    with pytest.raises(NotComparableError):
+    with pytest.raises(NothingToCompareError):
         differences(*two(*FACTORS, settings=("density=1800",)))
 
 
@@ -131,7 +132,7 @@ def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(
     two: Callable[..., list[xr.Dataset]],
 ) -> None:
     one, other = two(*FACTORS, settings=("friction_coefficient=0.1",))
-    with pytest.raises(NotComparableError):
+    with pytest.raises(NothingToCompareError):
         differences(without(one, "friction_coefficient"), other)
 
 
@@ -150,7 +151,7 @@ def test_a_parameter_that_is_no_more_is_named(two: Callable[..., list[xr.Dataset
     older = one.assign(viscosity=((), 1.0, {"role": "parameter"}))
     assert differences(older, other) == differences(one, other)
     assert unshared(older, other) == ["only the first has viscosity: compared where at the default"]
-    with pytest.raises(NotComparableError):
+    with pytest.raises(NothingToCompareError):
         differences(older, other.assign(viscosity=older["viscosity"] + 1.0))
 
 
