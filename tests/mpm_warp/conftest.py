@@ -4,12 +4,15 @@ import dataclasses
 import subprocess
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
@@ -20,6 +23,36 @@ from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.mpm_warp.edges import axis_and_ends
+
+SMALL_WINDOW: dict[str, Any] = {"domain_radius": 8, "domain_above": 3, "domain_below": 3}
+"""Costs next to nothing; a resistance in it is no good cone factor."""
+MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
+    "uncertainty": "measured",
+    "cells_per_radius": 2.31,
+    "domain_below": 4,
+    "penetration": 1,
+    "steady_tolerance": 0,
+}
+"""A short cone test to which its further runs belong."""
+
+
+def changing_clay(criterion: type[PerfectlyPlastic] = Tresca, **given: Any) -> EinavRandolph:
+    """Clay whose strength nothing changes but what is given."""
+    unchanging = {
+        "rate_factor": 0.0,
+        "reference_strain_rate": 1.0,
+        "remoulded_strength_ratio": 1.0,
+        "ductility": 1.0,
+    }
+    return EinavRandolph(criterion=criterion, **{**unchanging, **given})
+
+
+def greatest_shear(stress: Floats) -> Floats:
+    """Half the difference of the extreme principal stresses, of (rr, zz, rz, tt), shape [n]."""
+    centre = 0.5 * (stress[:, 0] + stress[:, 1])
+    radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
+    extremes = np.stack([centre - radius, centre + radius, stress[:, 3]])
+    return np.asarray(0.5 * np.ptp(extremes, axis=0))
 
 
 @pytest.fixture
@@ -102,13 +135,7 @@ def cone(fitted: Grid) -> Scene:
 def short_test() -> ConePenetration:
     """A cone test of next to no cost, in a small window: its curves are no good cone factors."""
     return ConePenetration(
-        adhesion_factor=0.5,
-        cells_per_radius=1.5,
-        domain_radius=8,
-        domain_above=3,
-        domain_below=3,
-        penetration=2,
-        steady_tolerance=0,
+        **SMALL_WINDOW, adhesion_factor=0.5, cells_per_radius=1.5, penetration=2, steady_tolerance=0
     )
 
 

@@ -20,14 +20,17 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid, GroundGrid, graded
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.surrounding_ground import TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.material.strain_paths import StrainPaths
@@ -54,6 +57,18 @@ CONTACT: Values = {
     "adhesion_forces": ONES,
     "friction": 0.1,
     "in_situ_stress": 1e3,
+}
+CHANGING = CLAY | {
+    "criterion": Tresca,
+    "rate_factor": 0.1,
+    "reference_strain_rate": 1.0,
+    "remoulded_strength_ratio": 0.25,
+    "ductility": 2.0,
+}
+VARIED: Values = {
+    "depth": np.array([0.0, 2.0, 2.0, 5.0]),
+    "strength_ratio": np.array([1.0, 2.0, 0.5, 0.5]),
+    "stiffness_ratio": np.array([0.25, 0.25, 1.0, 1.0]),
 }
 FAR: Values = {"nodes": SIDE, "spring": ONES, "dashpot": np.ones((4, 2))}
 APPROACH: Values = {"speed": 3.0, "travel": 2.0, "slowing_travel": 1.0}
@@ -150,6 +165,22 @@ MADE = [
     made(Tresca, CLAY, strength=NUMBERS, density=[-1.0]),
     made(VonMises, CLAY, strength=[0.0, INF]),
     made(
+        EinavRandolph,
+        CHANGING,
+        rate_factor=[-0.1],
+        reference_strain_rate=[0.0],
+        remoulded_strength_ratio=[0.0, 1.1],
+        ductility=[0.0, 0.001],  # too brittle
+    ),
+    made(
+        Variation,
+        VARIED,
+        depth=[np.array([0.0, 2.0, 1.0, 5.0])],
+        strength_ratio=[np.array([1.0, 0.0, 1.0, 1.0])],
+        stiffness_ratio=[np.full(4, 1.5), np.ones(3)],
+        origin_depth=[NAN],
+    ),
+    made(
         SurfaceContact,
         CONTACT,
         normals=[2.0 * DOWN, 0.0 * DOWN, DOWN[:3], changed(DOWN, (1, 1), NAN)],
@@ -210,6 +241,12 @@ MADE = [
         retardation_time=[0.0, NAN],
         loads=[(Load(**LOAD | {"forces": np.ones((3, 2))}),), Load(**LOAD)],
     ),
+    made(
+        TravellingSource,
+        {"radius": 1.0, "height": 0.0, "shear_modulus": 1.0},
+        radius=[-1.0],
+        shear_modulus=[-1.0],
+    ),
     made(Load, LOAD, forces=[ONES], start=[-1.0, NAN], rise_time=[0.0, INF]),
     made(BodyContact, {}, friction=[-1.0, NAN], adhesion=[INF]),
     made(
@@ -219,6 +256,7 @@ MADE = [
         cell_size=NUMBERS,
         cell_counts=[(8, 2), (8.0, 8), 8],
     ),
+    made(UniformGrid, CELLS | {"axisymmetric": True}, lower=[(-1.0, 0.0)]),
     made(
         BodyScene,
         BODIES,

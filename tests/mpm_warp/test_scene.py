@@ -1,13 +1,15 @@
-"""A scene: what it refuses, and the order of its parts."""
+"""A scene: what it refuses, the order of its parts, and a boundary that only this file knows."""
 
 import dataclasses
 
 import numpy as np
 import pytest
+import warp as wp
 
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Grid
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.kernel_types import one, real, vec4
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.energy import EnergyBalance
 from mpm_warp.parts.forces import Gravity
@@ -15,8 +17,10 @@ from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.window import MovingGrid, Window
-from mpm_warp.planning import has_mass_matrix_correction
+from mpm_warp.plan.plan import Plan, Run
+from mpm_warp.planning import has_mass_matrix_correction, make_plan
 from mpm_warp.scene import Part, Scene
+from mpm_warp.simulation import Simulation
 
 WALL = MovingWall(speed=1.0, ramp_travel=1.0)
 WINDOW = Window(speed=1.0, ramp_travel=1.0, spare_fraction=0.1)
@@ -85,3 +89,78 @@ def test_velocities_are_corrected_where_cells_are_full_of_several_particles(
 ) -> None:
     scene = dataclasses.replace(floating, particles_per_side=particles_per_side, parts=surface)
     assert has_mass_matrix_correction(scene) is corrected
+
+
+TRAVEL = 1.5
+
+
+@dataclasses.dataclass(frozen=True)
+class ViscousSide(Part):
+    """Dashpots along the outer side, stiffer with depth: v <- v / (1 + dt c (1 + travel)).
+
+    Attributes:
+        rate: c [1/s], >= 0.
+    """
+
+    rate: float
+
+    def add_boundary(self, plan: Plan, scene: Scene) -> None:
+        grid = scene.grid
+        nodes = grid.node(grid.column_count, np.arange(grid.row_count + 1))
+        plan.add_array("side.nodes", "int", nodes, (grid.node_count,))
+        plan.add_array("side.rate", "real", np.full(len(nodes), self.rate))
+        plan.add_launch(viscous_side, len(nodes))
+
+    def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
+        run.assign("side.rate", self.rate * (1.0 + travel))
+
+
+@wp.kernel(module="tests.viscous_side", enable_backward=False)
+def viscous_side(
+    offset: int,
+    side_nodes: wp.array(dtype=int),
+    side_rate: wp.array(dtype=real),
+    time_step: real,
+    node_velocities: wp.array(dtype=vec4),
+):
+    k = offset + wp.tid()
+    v = node_velocities[side_nodes[k]]
+    slowed = one + time_step * side_rate[k]
+    node_velocities[side_nodes[k]] = vec4(v[0] / slowed, v[1] / slowed, v[2], v[3])
+
+
+@pytest.fixture
+def open_side(cone: Scene) -> Scene:
+    """The cone without a far field: nothing is at the side."""
+    return cone.without(FarField)
+
+
+def after(scene: Scene) -> tuple[Simulation, Floats]:
+    simulation = Simulation(scene)
+    simulation.travel_to(TRAVEL)
+    simulation.check()
+    return simulation, simulation.array("particle.stress").copy()
+
+
+def test_it_adds_its_own_arrays_and_one_launch_in_its_place(open_side: Scene) -> None:
+    """Before the contact, though it is the last of the parts; all else is what it was."""
+    before, plan = make_plan(open_side), make_plan(open_side.with_parts(ViscousSide(1.0)))
+    assert set(plan.arrays) - set(before.arrays) == {"side.nodes", "side.rate"}
+    names, added = ([it.name for it in each.step] for each in (before, plan))
+    place = names.index("surface_contact")
+    assert added == [*names[:place], "viscous_side", *names[place:]]
+    assert len(plan.audited_step) == len(before.audited_step) + 1
+    assert plan.between_steps.keys() == before.between_steps.keys()
+
+
+def test_it_acts_and_follows_the_window(open_side: Scene) -> None:
+    """With dashpots of no strength not a bit of the result is another."""
+    _, expected = after(open_side)
+    _, without_effect = after(open_side.with_parts(ViscousSide(0.0)))
+    np.testing.assert_array_equal(without_effect, expected)
+    simulation, slowed = after(open_side.with_parts(ViscousSide(1e4)))
+    assert np.abs(slowed - expected).max() > 1.0
+    rate = simulation.array("side.rate")
+    assert np.all(rate == rate[0])
+    layer = float(np.diff(open_side.grid.rows)[0]) / open_side.particles_per_side
+    assert TRAVEL - layer <= rate[0] / 1e4 - 1.0 <= TRAVEL + layer

@@ -1,8 +1,12 @@
-"""The time loop: time, steps and looks of the watch, on scenes of a few cells."""
+"""The time loop, and from a run to its dataset."""
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from mpm_warp.errors import SimulationDiverged, WindowOverfull
+from mpm_warp.results import variable
+from mpm_warp.sampling import ContactForces, even_steps, follow
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 
@@ -64,3 +68,132 @@ def test_arrays_are_seen_and_given_values_by_name(floating: Scene) -> None:
     np.testing.assert_array_equal(simulation.array("particle.stress"), 3.0)
     with pytest.raises(KeyError):
         simulation.array("particle.colour")
+
+
+class Steps:
+    """Takes down the steps taken by then."""
+
+    def __init__(self, simulation: Simulation, name: str = "steps") -> None:
+        self._simulation = simulation
+        self._name = name
+        self.taken: list[int] = []
+
+    def sample(self) -> None:
+        self.taken.append(self._simulation.step_count)
+
+    def dataset(self) -> xr.Dataset:
+        meaning = "steps taken"
+        return xr.Dataset(
+            {self._name: variable(self.taken, unit="1", meaning=meaning, dims=("sample",))}
+        )
+
+
+def test_every_sampler_takes_a_sample_at_every_moment(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    samplers = [Steps(simulation, name) for name in ("first", "second")]
+    told = list[float]()
+    result = follow(simulation, [5, 7, 7, 20], simulation.advance_to_step, samplers, told.append)
+    assert told == [0.25, 0.5, 0.75, 1.0]
+    assert result.first.values.tolist() == result.second.values.tolist() == [5, 7, 7, 20]
+    assert result.first.attrs == {"units": "1", "long_name": "steps taken"}
+
+
+def test_the_dataset_holds_what_the_run_has_cost(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    result = follow(simulation, [5, 20], simulation.advance_to_step, [])
+    assert int(result.step_count) == 20
+    assert int(result.particle_count) == simulation.plan.particle_count
+    assert int(result.particle_updates) == 20 * simulation.plan.particle_count
+    assert float(result.time_step) == simulation.plan.time_step
+    assert float(result.run_time) > 0.0
+    assert float(result.setup_time) == simulation.setup_time
+    assert float(result.compile_time) == simulation.compile_time
+
+
+def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None:
+    simulation, told = Simulation(floating), list[float]()
+    sampler = Steps(simulation)
+    follow(
+        simulation,
+        [5, 10, 15, 20],
+        simulation.advance_to_step,
+        [sampler],
+        told.append,
+        is_over=lambda: simulation.step_count >= 10,
+    )
+    assert sampler.taken == [5, 10]
+    assert told == [0.25, 0.5, 1.0]
+
+
+def test_a_run_that_diverges_leaves_its_curves_up_to_there(floating: Scene) -> None:
+    simulation, told = Simulation(floating), list[float]()
+
+    def reach(step: float) -> None:
+        simulation.advance_to_step(int(step))
+        if step > 12:
+            simulation.array("particle.stress")[3] = np.nan
+            simulation.check()
+
+    with pytest.raises(SimulationDiverged, match="stress of particle 3") as end:
+        follow(simulation, [5, 10, 15, 20], reach, [Steps(simulation)], told.append)
+    assert end.value.curves is not None
+    assert end.value.curves.steps.values.tolist() == [5, 10]
+    assert told == [0.25, 0.5]
+
+
+def test_a_run_is_looked_at_before_its_results_are_given(floating: Scene) -> None:
+    """What goes wrong after the last look of the watch."""
+    simulation, told = Simulation(floating), list[float]()
+
+    def reach(step: float) -> None:
+        simulation.advance_to_step(int(step))
+        simulation.array("particle.mass")[3] = np.nan if step == 20 else 1.0
+
+    with pytest.raises(SimulationDiverged, match="mass of particle 3") as end:
+        follow(simulation, [5, 20], reach, [Steps(simulation)], told.append)
+    assert end.value.curves is not None
+    assert end.value.curves.steps.values.tolist() == [5, 20]
+    assert 1.0 not in told
+
+
+def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves(cone: Scene) -> None:
+    simulation = Simulation(cone)
+    spare = simulation.array("particle.cell")[:, 0] < 0
+    for name in ("cell", "position", "mass"):  # as if every slot were taken
+        values = simulation.array(f"particle.{name}")
+        values[spare] = values[~spare][: spare.sum()]
+    sampler = Steps(simulation)
+    with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
+        follow(simulation, np.linspace(0.01, 5.0, 500).tolist(), simulation.travel_to, [sampler])
+    assert end.value.status == "diverged"
+    assert "more spare slots" in simulation.plan.remedy
+    assert str(end.value).endswith(simulation.plan.remedy)
+    assert "\n" not in str(end.value)
+    assert end.value.curves is not None
+    assert end.value.curves.sizes["sample"] == len(sampler.taken) > 0
+
+
+def test_contact_forces_are_means_since_they_were_last_taken(cone: Scene) -> None:
+    """Impulses of all steps in between over their time."""
+    simulation, other = Simulation(cone), Simulation(cone)
+    forces = ContactForces(simulation)
+    for steps in (100, 30):
+        simulation.advance(steps)
+        impulse = np.zeros_like(other.array("contact.impulse"))
+        for _ in range(steps):
+            other.assign("contact.impulse", 0.0)
+            other.advance(1)
+            impulse += other.array("contact.impulse")
+        expected = impulse / (steps * simulation.plan.time_step)
+        scale = np.abs(expected).max()
+        assert scale > 0.0
+        np.testing.assert_allclose(forces.take(), expected, rtol=1e-9, atol=1e-12 * scale)
+    assert not simulation.array("contact.impulse").any()
+
+
+@pytest.mark.parametrize(
+    ("step_count", "count", "expected"),
+    [(100, 4, [25, 50, 75, 100]), (10, 4, [2, 5, 8, 10]), (3, 20, [1, 2, 3]), (1, 20, [1])],
+)
+def test_even_steps_end_with_the_last_one(step_count: int, count: int, expected: list[int]) -> None:
+    assert even_steps(step_count, count) == expected

@@ -139,12 +139,6 @@ def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> No
     np.testing.assert_array_equal(resistance.values, np.array(expected))
 
 
-def test_a_study_of_which_nothing_completed_still_says_so(folder: Path, small: Study) -> None:
-    dataset = archive.collect(small, folder)
-    assert set(dataset.status.values) == {"missing"}
-    assert dataset.sizes == {"adhesion_factor": 3}
-
-
 def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
     case = small.cases[0]
     complete(folder, [case])

@@ -20,14 +20,6 @@ write_whole(b"later", Path(sys.argv[1]))
 """
 
 
-def test_a_file_is_replaced_and_nothing_else_is_left(tmp_path: Path) -> None:
-    path = tmp_path / "picture.png"
-    for content in (b"earlier", b"later"):
-        write_whole(content, path)
-        assert path.read_bytes() == content
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_to_be_removed(
     tmp_path: Path,
 ) -> None:
@@ -38,12 +30,6 @@ def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_to_be_rem
     assert path.read_bytes() == b"earlier"
     (half_written,) = abandoned(tmp_path)
     assert set(tmp_path.iterdir()) == {path, half_written}
-
-
-def test_a_folder_that_is_not_there_is_told_in_one_line(tmp_path: Path) -> None:
-    path = tmp_path / "nowhere" / "picture.png"
-    with pytest.raises(ArchiveError, match=f"{path}: cannot be written: No such file or directory"):
-        write_whole(b"", path)
 
 
 def test_no_name_that_is_guessed_leads_a_file_elsewhere(

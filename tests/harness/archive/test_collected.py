@@ -128,7 +128,7 @@ def test_a_folder_without_results_is_not_made(
         (lambda it: it.assign_attrs(tolerances='{"error": "1"}'), "tolerances"),
     ],
 )
-@pytest.mark.parametrize("command", ["compare", "plot", "report", "rerun"])
+@pytest.mark.parametrize("command", ["report", "rerun"])
 def test_a_result_that_is_not_whole_is_refused_in_one_line(
     command: str,
     damage: Callable[[xr.Dataset], object],

@@ -77,20 +77,10 @@ def test_results_of_one_name_over_other_dims_are_told_apart(
     made = study_in(tmp_path, 'title = "t"\nscene = ["strip_footing", "material_point"]\n')
     write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, *results)))
     for case, result in zip(made.cases, results, strict=True):
-        _, before = read_for_rerun(tmp_path / "s.nc", case.key)
+        found, before = read_for_rerun(tmp_path / "s.nc", case.key)
+        assert (found.scene, found.parameters) == (case.scene, case.parameters)
         again = result.assign_attrs(status=COMPLETED)
         assert verdict(before, again) == (True, "bit-identical")
-
-
-def test_a_case_of_several_scenes_is_found_again(tmp_path: Path) -> None:
-    text = 'title = "t"\nscene = ["strip_footing", "material_point"]\n'
-    dataset = collected(tmp_path, text)
-    assert dataset["scene"].values.tolist() == ["strip_footing", "material_point"]
-    write_study(tmp_path / "s.nc", dataset)
-    for case in study_in(tmp_path, text).cases:
-        found, _ = read_for_rerun(tmp_path / "s.nc", case.key)
-        assert found.scene == case.scene
-        assert found.parameters == case.parameters
 
 
 def results_of(scale: float) -> xr.Dataset:
@@ -105,18 +95,6 @@ def results_of(scale: float) -> xr.Dataset:
 def one(small_file: Path) -> Study:
     """A study that varies the penetration, which is the name of an axis too, and has one case."""
     return load_study(str(small_file), ["adhesion_factor=0", "penetration=[1]"])
-
-
-def test_curves_of_the_only_case_are_collected_where_it_diverged(
-    one: Study, tmp_path: Path
-) -> None:
-    folder = prepared(one, tmp_path)
-    write_case(folder, one.cases[0], results_of(2.0), "diverged", "why")
-    dataset = collect(one, folder)
-    assert dataset.penetration_resistance.values.tolist() == [[2.0, 2.0, 2.0]]
-    assert "cone_factor" not in dataset
-    assert dataset.status.values.tolist() == ["diverged"]
-    assert "penetration_resistance" not in without_incomplete_curves(dataset)
 
 
 @pytest.mark.parametrize("status", ["completed", "diverged", "failed", None])

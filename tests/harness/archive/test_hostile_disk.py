@@ -5,18 +5,14 @@ import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime, tzinfo
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from harness.archive import case_files, provenance, study_files
+from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
-from harness.compare.differences import differing
-from harness.run import run_study
-from harness.run.worker import run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import Written
@@ -138,53 +134,6 @@ def test_a_folder_that_is_read_only_is_one_line(
     folder.chmod(0o755)
     assert (code, told) == (2, [f"harness: {folder}: cannot be written to: Permission denied"])
     assert len(completed(out, small)) == 1
-
-
-def test_a_clock_set_back_changes_nothing_but_the_times_that_are_kept(
-    small_file: Path,
-    tmp_path: Path,
-    small: Study,
-    written: Written,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Files of the future are as good as any; a run before its own results keeps them."""
-
-    class Past(datetime):
-        @classmethod
-        def now(cls, tz: tzinfo | None = None) -> "Past":
-            return cls(1970, 1, 2, tzinfo=tz)
-
-    def run_here(cases: Sequence[Case], folder: Path, *_: object, **__: object) -> None:
-        for case in cases:
-            run_case(case, folder)  # a worker would have a clock of its own
-
-    out = tmp_path / "out"
-    run = arguments(small_file, out)
-    assert main([*run, "--set", "adhesion_factor=[0]"]) == 0
-    folder = case_files.case_folder(out, small)
-    (kept,) = folder.iterdir()
-    future = datetime(2100, 1, 1, tzinfo=UTC).timestamp()
-    os.utime(kept, (future, future))
-    before = written(small, out)
-    monkeypatch.setattr(provenance, "datetime", Past)
-    monkeypatch.setattr(run_study, "run_cases", run_here)
-    capsys.readouterr()
-    assert main(run) == 0
-    assert "3 cases, 1 done already" in capsys.readouterr().err
-    assert before.items() <= written(small, out).items()
-    monkeypatch.undo()
-
-    results = [case_files.read_case(folder, case) for case in small.cases]
-    times = [result.attrs["time_written"] for result in results if result is not None]
-    assert times[0] > times[1]
-    assert times[1:] == ["1970-01-02T00:00:00+00:00"] * 2
-    assert main(arguments(small_file, tmp_path / "undisturbed")) == 0
-    collected = [
-        study_files.read_study(tmp_path / it / "small.nc") for it in ("out", "undisturbed")
-    ]
-    assert collected[0].time_written.values.tolist() == times
-    assert differing(*collected) == []
 
 
 def test_two_runs_in_one_folder_do_not_harm_each_other(small_file: Path, tmp_path: Path) -> None:

@@ -1,11 +1,10 @@
-"""The way to a command: each can be loaded, alone; and results that are none."""
+"""The way to a command, its help, and the version."""
 
 import argparse
 import importlib
 import shlex
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -14,15 +13,46 @@ from harness.cli.help import HELP
 from harness.cli.main import main
 from harness.cli.options import make_parser
 from harness.cli.process import DEFECT
-from tests.harness.conftest import Refusal
+
+EXAMPLES = [example for told in HELP.values() for example in told.examples]
 
 
-@pytest.mark.parametrize("command", ["compare", "plot"])
-def test_a_result_that_is_none_is_one_line(
-    command: str, small_file: Path, refusal: Refusal
+def test_every_command_has_help_and_an_example() -> None:
+    for name, told in HELP.items():
+        assert told.description.endswith(".")
+        assert told.examples or name == "completion"
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_examples_are_command_lines_of_commands_that_can_be_loaded(example: str) -> None:
+    options = make_parser().parse_args(shlex.split(example))
+    assert options.command == example.split(maxsplit=1)[0]
+    module, function = options.function.split(".")
+    assert callable(getattr(importlib.import_module(f"harness.cli.commands.{module}"), function))
+
+
+@pytest.mark.parametrize("arguments", [["help", "run"], ["run", "--help"]])
+def test_help_of_a_command_says_what_it_does(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "cannot be read" in refusal([command, str(small_file)])
-    assert "no such file" in refusal([command, str(small_file.with_suffix(".nc"))])
+    with pytest.raises(SystemExit, match="0"):
+        main(arguments)
+    out = capsys.readouterr().out
+    assert "Run the cases of a study" in out
+    assert "harness run adhesion_factor" in out
+
+
+def test_help_of_everything_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["help"])
+    out = capsys.readouterr().out
+    assert all(f"\n    {name}" in out for name in HELP)
+
+
+def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["--version"])
+    assert capsys.readouterr().out.startswith("harness")
 
 
 def test_help_loads_nothing_that_computes() -> None:
@@ -34,17 +64,6 @@ def test_help_loads_nothing_that_computes() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert result.stderr.strip() == "set()"
-
-
-EXAMPLES = [told.examples[0] for told in HELP.values() if told.examples]
-
-
-def test_every_command_that_has_help_can_be_loaded() -> None:
-    for example in EXAMPLES:
-        module, function = make_parser().parse_args(shlex.split(example)).function.split(".")
-        assert callable(
-            getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
-        )
 
 
 def broken(options: argparse.Namespace) -> int:

@@ -1,21 +1,22 @@
-"""Deviations from the literature, and the table that a terminal shows."""
+"""Cone factors beside the literature and bands of experience; the table of a terminal."""
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from harness.archive.conventions import Role, with_role
 from harness.compare.compared import (
     NothingToCompareError,
     conditions_of,
     exact_shear,
-    stored_references,
+    with_experience,
     with_references,
 )
+from harness.compare.differences import differences
 from harness.compare.result_table import cone_factor_table
-from harness.references.registry import cone_factor_reference
+from harness.references.registry import cone_factor_reference, experience_entry
 
 THREE = tuple(map(cone_factor_reference, ("lu_2004", "teh_houlsby_1991", "yu_2000")))
 
@@ -79,25 +80,12 @@ def test_attributes_of_a_parameter_do_not_leak_into_what_is_worked_out_from_it()
             assert "description" not in compared[f"{kind}_{name}"].attrs
 
 
-def test_references_survive_a_file(tmp_path: Path) -> None:
-    dataset = with_references(result(adhesion_factor=[0.0, 1.0]), THREE)
-    dataset.to_netcdf(tmp_path / "study.nc")
-    read = xr.load_dataset(tmp_path / "study.nc")
-    xr.testing.assert_identical(read, dataset)
-    assert stored_references(read) == THREE
-
-
 def test_a_failed_case_has_a_reference_and_no_deviation() -> None:
     dataset = result(adhesion_factor=[0.0, 1.0])
     dataset["cone_factor"][1] = np.nan
     compared = with_references(dataset, [cone_factor_reference("yu_2000")])
     assert np.isfinite(compared["reference_yu_2000"]).all()
     assert compared["deviation_yu_2000"].isnull().values.tolist() == [False, True]
-
-
-def test_no_reference_changes_nothing() -> None:
-    dataset = result().drop_vars("cone_factor")
-    assert with_references(dataset, []).identical(dataset)
 
 
 def test_shaft_adhesion_is_the_faces_where_it_is_not_given() -> None:
@@ -141,10 +129,6 @@ def test_table_has_one_row_a_case_with_all_of_it() -> None:
     assert len(widths) == 1
     assert "no confidence interval" in text
     assert "as commonly quoted; the original was not read" in text
-
-
-def test_table_without_varied_parameters() -> None:
-    assert len(rows(cone_factor_table(with_references(result(), THREE)))) == 1
 
 
 def test_table_of_two_varied_parameters_names_every_combination() -> None:
@@ -216,3 +200,46 @@ def test_table_shows_what_is_known_of_the_error_beside_the_cone_factor() -> None
     known, unknown = rows(cone_factor_table(dataset))
     assert known.startswith("0 11.00 +- 0.08 ")
     assert unknown.startswith("1 11.0 ")
+
+
+TWO = ("karlsrud_2005", "mayne_peuchen_2018")
+
+
+def test_a_band_has_two_ends_and_says_what_it_is(two_soils: xr.Dataset) -> None:
+    dataset = with_experience(two_soils, TWO)
+    band = dataset["experience_karlsrud_2005"]
+    entry = experience_entry("karlsrud_2005")
+    assert band.dims == ("bound",)
+    assert band.sel(bound="least") == entry.bounds[0]
+    assert band.sel(bound="greatest") == entry.bounds[1]
+    assert band.attrs["role"] == "experience"
+    assert band.attrs["factor"] == "Nkt = (qt - sigma_v0) / su"
+    assert "triaxial compression" in band.attrs["strength"]
+    assert "second hand" in band.attrs["how_known"]
+    assert "OCR 1.2 to 6.3" in band.attrs["validity"]
+
+
+def test_a_band_is_no_reference_and_nothing_deviates_from_it(two_soils: xr.Dataset) -> None:
+    added = with_experience(two_soils, TWO)
+    assert with_role(added, Role.EXPERIENCE) == [f"experience_{name}" for name in TWO]
+    assert not with_role(added, Role.REFERENCE, Role.DEVIATION)
+    assert set(added.data_vars) - set(two_soils.data_vars) == set(with_role(added, "experience"))
+
+
+def test_the_table_has_one_line_for_all_bands(two_soils: xr.Dataset) -> None:
+    before = cone_factor_table(two_soils)
+    after = cone_factor_table(with_experience(two_soils, TWO))
+    assert after.startswith(before)
+    (line,) = after.removeprefix(before).strip().splitlines()
+    assert line == (
+        "experience, bands and no references: karlsrud_2005 Nkt 6.2 to 18.1, mayne_peuchen_2018 "
+        "Nkt 10.1 to 13.7; su: peak in triaxial compression, consolidated anisotropically"
+    )
+
+
+def test_bands_are_no_results_that_are_compared(two: Callable[..., list[xr.Dataset]]) -> None:
+    first, second = two(10.0, 11.0, 12.0)
+    found, lonely = differences(with_experience(first, TWO), second)
+    assert not lonely
+    assert all(it.size == 0.0 for it in found)
+    assert not any("experience" in it.name for it in found)

@@ -1,4 +1,4 @@
-"""Settings that are recommended: out of which files and cases, and what is said where none are."""
+"""The error against the case known best, and settings that are recommended by errors."""
 
 from pathlib import Path
 
@@ -6,15 +6,91 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, FORMAT_VERSION
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.cli.parser import share
+from harness.compare.compared import NothingToCompareError
 from harness.compare.costs import DERIVED, recommend
+from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.errors import HarnessError
+from harness.study.compared import ERROR_FINEST
 from tests.harness.conftest import Refusal
+
+
+def test_error_is_against_the_costliest_case_of_the_same_soil(two_soils: xr.Dataset) -> None:
+    error = two_soils[ERROR_FINEST]
+    np.testing.assert_allclose(error.sel(rigidity_index=50.0), [0.1, 0.02, np.nan], rtol=1e-12)
+    # Where the finest case has failed, the next one is the reference.
+    stiff = error.sel(rigidity_index=100.0)
+    np.testing.assert_allclose(stiff, [11.0 / 10.1 - 1.0, np.nan, np.nan], rtol=1e-12)
+
+
+def test_where_nothing_is_to_be_compared_there_is_no_error(two_soils: xr.Dataset) -> None:
+    """Beside an exact one, of one case of each soil, without parameters of the method."""
+    bare, method = two_soils.drop_vars(ERROR_FINEST), ["cells_per_radius"]
+    assert ERROR_FINEST not in with_finest_error(bare.assign(error=0.5), method)
+    assert ERROR_FINEST not in with_finest_error(bare.isel(cells_per_radius=[1]), method)
+    assert ERROR_FINEST not in with_finest_error(bare, [])
+
+
+def stating(dataset: xr.Dataset, half_width: list[float], settled: list[float]) -> xr.Dataset:
+    """The soil whose cases are all complete, with what they state of themselves."""
+    soil = dataset.drop_vars(ERROR_FINEST).sel(rigidity_index=[50.0])
+    return soil.assign(
+        cone_factor_uncertainty=("cells_per_radius", half_width, {"role": "uncertainty"}),
+        cone_factor_settled=("cells_per_radius", settled, {"role": "settled"}),
+    )
+
+
+def test_the_case_that_is_known_best_is_the_reference_and_its_uncertainty_the_floor(
+    two_soils: xr.Dataset,
+) -> None:
+    dataset = stating(two_soils, [np.nan, 0.09, 0.3], [1.0, 1.0, 1.0])
+    told = with_finest_error(dataset, ["cells_per_radius"])
+    error, floor = told[ERROR_FINEST].values[0], told[FLOOR].values[0]
+    np.testing.assert_allclose(error, [9.9 / 9.18 - 1.0, np.nan, 1.0 - 9.0 / 9.18], rtol=1e-12)
+    np.testing.assert_allclose(floor, [0.09 / 9.18, np.nan, 0.09 / 9.18], rtol=1e-12)
+
+
+def test_a_case_that_has_not_settled_has_no_error_and_is_no_reference(
+    two_soils: xr.Dataset,
+) -> None:
+    dataset = stating(two_soils, [np.nan] * 3, [1.0, 1.0, 0.0])
+    error = with_finest_error(dataset, ["cells_per_radius"])[ERROR_FINEST].values[0]
+    np.testing.assert_allclose(error, [9.9 / 9.18 - 1.0, np.nan, np.nan], rtol=1e-12)
+
+
+def kept(dataset: xr.Dataset, cells: float, factor: float, half_width: float) -> xr.Dataset:
+    """The result of a study of one case of the first soil, on another mesh."""
+    one = dataset.drop_vars(ERROR_FINEST).isel(rigidity_index=[0], cells_per_radius=[0])
+    one = one.assign_coords(cells_per_radius=("cells_per_radius", [cells], {"role": "parameter"}))
+    one["cone_factor"][:] = factor
+    width = ("cells_per_radius", [half_width], {"role": "uncertainty"})
+    return one.assign(cone_factor_uncertainty=width).assign_attrs(study="kept")
+
+
+def test_a_kept_reference_stands_for_the_true_value_of_its_soil(two_soils: xr.Dataset) -> None:
+    """The soil that it is not of keeps the best known case of its own."""
+    bare = two_soils.drop_vars(ERROR_FINEST)
+    told = with_finest_error(bare, ["cells_per_radius"], kept(two_soils, 8.0, 9.2, 0.05))
+    error, floor = told[ERROR_FINEST], told[FLOOR]
+    own = bare.cone_factor.sel(rigidity_index=50.0).values
+    np.testing.assert_allclose(error.sel(rigidity_index=50.0), abs(own / 9.2 - 1.0), rtol=1e-12)
+    np.testing.assert_allclose(floor.sel(rigidity_index=50.0), 0.05 / 9.2, rtol=1e-12)
+    np.testing.assert_array_equal(
+        error.sel(rigidity_index=100.0), two_soils[ERROR_FINEST].sel(rigidity_index=100.0)
+    )
+    assert "study kept" in error.attrs["description"]
+
+
+def test_a_kept_reference_of_another_soil_is_none(two_soils: xr.Dataset) -> None:
+    other = kept(two_soils, 8.0, 9.2, 0.05).assign(adhesion_factor=0.7)
+    other["adhesion_factor"].attrs["role"] = "parameter"
+    with pytest.raises(NothingToCompareError, match="in the method alone"):
+        with_finest_error(two_soils.drop_vars(ERROR_FINEST), ["cells_per_radius"], other)
+
 
 CELLS = [5.0, 10.0, np.nan, np.nan]
 
@@ -108,12 +184,6 @@ def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:
     found = recommend("thick_cylinder", 0.02, sorted(tmp_path.glob("*.nc")))
     assert found is not None
     assert found.file == file
-
-
-def test_a_damaged_file_is_told_of(tmp_path: Path) -> None:
-    (tmp_path / "made.nc").write_bytes(b"noise")
-    with pytest.raises(ArchiveError, match=r"made\.nc: cannot be read"):
-        recommend("thick_cylinder", 0.02, [tmp_path / "made.nc"])
 
 
 def test_values_that_the_scene_derives_are_alike(tmp_path: Path) -> None:

@@ -1,13 +1,21 @@
-"""The table that a study ends with: cone factors, or what else a scene is run for."""
+"""The table that a study ends with; ratios and differences below it; errors by least squares."""
+
+import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.conventions import uncertainty_of, varied_names
+from harness.archive.conventions import FORMAT_VERSION, uncertainty_of, varied_names
+from harness.archive.study_files import write_study
+from harness.cli.main import main
 from harness.compare.compared import NothingToCompareError
+from harness.compare.differences import difference, ratio, slope
+from harness.compare.least_squares import fit, least_squares_table
 from harness.compare.result_table import result_table
 from mpm_warp.results import labelled
+from mpm_warp.uncertainty.laws import mesh_error
 
 
 def footings(status: list[str]) -> xr.Dataset:
@@ -107,3 +115,149 @@ def test_why_there_is_no_uncertainty_stands_below_the_table() -> None:
         told = both.assign(why_no_uncertainty=("adhesion_factor", reasons, {"role": "reason"}))
         assert line in result_table(told).splitlines()
     assert "no uncertainty" not in result_table(both)
+
+
+STUDIES = Path(__file__).parents[3] / "studies"
+
+
+def test_half_widths_are_those_of_samples() -> None:
+    """Normal numbers of these means; a half width of 95 % is twice the standard deviation."""
+    places = np.array([0.0, 1.0, 3.0])
+    values = np.array([[11.4, 0.11], [10.8, 0.08], [9.9, 0.10]])
+    drawn = np.random.default_rng(1).normal(values[:, 0], values[:, 1] / 2.0, (40_000, 3))
+    for found, samples in (
+        (difference((11.4, 0.11), (10.8, 0.08)), drawn[:, 0] - drawn[:, 1]),
+        (ratio((11.4, 0.11), (10.8, 0.08)), drawn[:, 0] / drawn[:, 1]),
+        (slope(places, values), np.polyfit(places, drawn.T, 1)[0]),
+    ):
+        # Samples tell a standard deviation to 0.35 %, a mean to half a percent of it.
+        assert found[0] == pytest.approx(samples.mean(), abs=0.02 * found[1])
+        assert found[1] == pytest.approx(2.0 * samples.std(), rel=0.02)
+
+
+def test_differences_and_ratios_of_random_cases_are_inside() -> None:
+    default, held_out = (
+        np.genfromtxt(STUDIES / f"{name}.csv", delimiter=",", names=True)
+        for name in ("held_out_default", "held_out")
+    )
+    known = list(zip(default["cone_factor"], default["cone_factor_uncertainty"], strict=True))
+    fine = held_out["cone_factor_simulated"]
+    pairs = [(i, j) for i in range(len(known)) for j in range(i)]
+    found = []
+    for i, j in pairs:
+        for (value, half), truth in (
+            (difference(known[i], known[j]), fine[i] - fine[j]),
+            (ratio(known[i], known[j]), fine[i] / fine[j]),
+        ):
+            found.append(abs(value - truth) / half)
+    assert len(pairs) == 276
+    assert max(found) <= 1.0
+    assert np.mean(np.array(found) <= 0.8) == pytest.approx(0.98, abs=0.006)
+    errors = fine - np.array(known)[:, 0]
+    # Of two cases: their mean square in common over the whole mean square.
+    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.03, abs=0.005)
+
+
+def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
+    lines = result_table(cone_and_bar()).splitlines()
+    said = "cone penetration over t bar penetration, adhesion_factor=0.5: 1.051 +- 0.012"
+    assert said in lines
+    assert not any("adhesion_factor=0.0:" in it for it in lines)  # no cone there
+    assert not any(" over t bar" in it for it in result_table(footings(["completed"] * 2)))
+
+
+def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
+    half_width = ([0.02, 0.03], "1", "uncertainty of the limit load")
+    known = footings(["completed", "completed"]).assign(
+        labelled(
+            dims=("adhesion_factor",), role="uncertainty", bearing_capacity_uncertainty=half_width
+        )
+    )
+    said = (
+        "adhesion_factor from 0 to 1: difference 0.35 +- 0.04, ratio 1.061 +- 0.006, "
+        "slope of the straight line 0.35 +- 0.04"
+    )
+    assert said in result_table(known).splitlines()
+    assert "difference" not in result_table(footings(["completed", "completed"]))
+    meshes = known.rename(adhesion_factor="cells_per_radius").assign_attrs(scene="cone_penetration")
+    assert "difference" not in result_table(meshes)
+
+
+SIZES = [0.8, 0.4, 0.2, 0.1]
+MESH_ERROR = Path(__file__).parents[3] / "studies" / "mesh_error.csv"
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 1.5, 2.0])
+def test_a_power_of_the_width_is_found_and_its_half_width_is_a_quarter_more(order: float) -> None:
+    found = fit(SIZES, [10.0 + 0.3 * size**order for size in SIZES])
+    assert found.is_taken
+    assert found.order == pytest.approx(order, abs=1e-9)
+    assert found.limit == pytest.approx(10.0, abs=1e-9)
+    expected = [1.25 * 0.3 * size**order for size in SIZES]
+    np.testing.assert_allclose(found.half_widths, expected, atol=1e-9)
+
+
+def test_of_another_order_the_first_or_second_is_taken_and_doubted() -> None:
+    found = fit(SIZES, [10.0 + size**4 for size in SIZES])
+    assert not found.is_taken
+    assert found.order == pytest.approx(4.0)
+    assert (found.half_widths > 1.25 * np.array(SIZES) ** 4).all()
+
+
+def test_values_that_scatter_have_a_larger_half_width() -> None:
+    values = np.array([10.0 + 0.3 * size for size in SIZES])
+    scatter = np.array([0.0, 0.1, -0.1, 0.1])
+    assert (fit(SIZES, values + scatter).half_widths > fit(SIZES, values).half_widths).all()
+
+
+def cases() -> xr.Dataset:
+    """The cases of `mesh_error`, their cone factors corrected for the mesh."""
+    table = np.genfromtxt(MESH_ERROR, delimiter=",", names=True)
+    names = ("rigidity_index", "adhesion_factor", "cells_per_radius")
+    rows = np.round(table["cells_per_radius"] * math.sqrt(3.0))
+    errors = [
+        mesh_error(
+            rigidity_index=case["rigidity_index"],
+            adhesion_factor=case["adhesion_factor"],
+            cell_size=math.sqrt(3.0) / row,
+            cell_growth=0.4,
+        )
+        for case, row in zip(table, rows, strict=True)
+    ]
+    simulated = table["cone_factor_simulated"]
+    return xr.Dataset(
+        {
+            "cone_factor_simulated": ("case", simulated),
+            "cone_factor": ("case", simulated - errors),
+            "status": ("case", ["completed"] * len(table)),
+            "message": ("case", [""] * len(table)),
+            "case_key": ("case", [str(it) for it in range(len(table))]),
+        },
+        coords={"case": np.arange(len(table))} | {name: ("case", table[name]) for name in names},
+    )
+
+
+def test_on_the_meshes_of_the_project_it_has_the_same_limits_and_takes_no_order() -> None:
+    """What a reviewer would find: the limits agree, but no power of the width fits."""
+    lines = least_squares_table(cases()).splitlines()[3:47]
+    words = [line.split() for line in lines]
+    limits = np.array([float(it[6]) for it in words])
+    corrected = np.array([float(it[-1]) for it in words])
+    is_default = np.array([float(it[2]) for it in words]) == 2.89
+    assert np.abs(limits - corrected)[is_default].max() < 0.075
+    assert all("not taken" in line for line in lines)
+
+
+def test_three_meshes_are_too_few() -> None:
+    few = cases().isel(case=slice(3))
+    with pytest.raises(NothingToCompareError, match="no cone factor on 4 values of cells_per_rad"):
+        least_squares_table(few)
+
+
+def test_the_table_from_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    attributes = {"study": "s", "scene": "cone_penetration", "scene_version": 1}
+    write_study(tmp_path / "s.nc", cases().assign_attrs(attributes, format_version=FORMAT_VERSION))
+    assert main(["compare", str(tmp_path / "s.nc"), "--standards"]) == 0
+    assert "least squares: Eca & Hoekstra" in capsys.readouterr().out

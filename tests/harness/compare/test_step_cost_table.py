@@ -25,11 +25,11 @@ def table(rows: Sequence[str], title: str) -> dict[str, str]:
     return dict(cells)
 
 
-@pytest.fixture
-def result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    assert main(["bench", *QUICK, "--out", str(tmp_path / "one")]) == 0
-    capsys.readouterr()
-    return tmp_path / "one" / "bench.nc"
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("one")
+    assert main(["bench", *QUICK, "--out", str(folder)]) == 0
+    return folder / "bench.nc"
 
 
 def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: Path) -> None:

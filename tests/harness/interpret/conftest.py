@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.interpret.factors import cone_factor
+from mpm_warp.grid.fitted import Floats
 
 DEPTH = np.arange(1.0, 12.0, 0.1)
 STRENGTH = (8.0 + 1.5 * DEPTH) * 1e3
@@ -34,13 +35,11 @@ accuracy = { qc = 0, fs = 0, u2 = 0 }
 """
 
 
-def measured_rows(factor: float, friction: float = 0.4) -> str:
-    """A test in that ground whose qnet is `factor` su."""
-    water = 9.81 * np.maximum(0.0, DEPTH - 1.0)
-    net = factor * STRENGTH / 1e3
-    u2 = water + 0.5 * net
-    qc = net + 17.0 * DEPTH - 0.2 * u2
-    rows = zip(DEPTH, qc / 1e3, friction * STRENGTH / 1e3, u2, strict=True)
+def measured_rows(depth: Floats, net: Floats, friction: Floats) -> str:
+    """A test in ground as the site file has it, by its net resistance and sleeve friction [Pa]."""
+    u2 = 9.81e3 * np.maximum(0.0, depth - 1.0) + 0.5 * net
+    qc = net + 17e3 * depth - 0.2 * u2
+    rows = zip(depth, qc / 1e6, friction / 1e3, u2 / 1e3, strict=True)
     lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
     return "\n".join(["depth [m],qc [MPa],fs [kPa],u2 [kPa]", *lines]) + "\n"
 
@@ -49,7 +48,7 @@ def measured_rows(factor: float, friction: float = 0.4) -> str:
 def folder(tmp_path: Path) -> Path:
     """A folder with a measured test whose factor is that of the table, and its site file."""
     factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
-    (tmp_path / "test.csv").write_text(measured_rows(factor))
+    (tmp_path / "test.csv").write_text(measured_rows(DEPTH, factor * STRENGTH, 0.4 * STRENGTH))
     (tmp_path / "site.toml").write_text(SITE + LAYER)
     return tmp_path
 

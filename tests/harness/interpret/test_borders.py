@@ -21,6 +21,7 @@ from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.sounding.sounding import Sounding
+from tests.harness.interpret.conftest import LAYER, SITE, measured_rows
 
 RADIUS = 0.01785
 BORDER = 5.0
@@ -116,37 +117,12 @@ def folder(tmp_path: Path) -> Path:
     factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
     net, _ = felt(2.0, 1.0)
     net *= factor * 20e3 / NET["above"]
-    u2 = 9.81e3 * (DEPTH - 1.0) + 0.5 * net
-    qc = net + 17e3 * DEPTH - 0.2 * u2
-    rows = zip(DEPTH, qc, 0.04 * net, u2, strict=True)
-    lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
-    (tmp_path / "test.csv").write_text("\n".join(["depth [m],qc [Pa],fs [Pa],u2 [Pa]", *lines]))
-    layer = """rigidity_index = 120
-adhesion_factor = 0.4
-stress_anisotropy = 0.2
-rate_factor = 0
-sensitivity = 1
-ductility = 20
-laboratory_rate = 1e-6
-model_error = 0
-"""
-    (tmp_path / "site.toml").write_text(
-        f"""title = "Two layers"
-[test]
-file = "test.csv"
-area_ratio = 0.8
-water_level = 1.0
-unit_weight = 17
-accuracy = {{ qc = 0, fs = 0, u2 = 0 }}
-[[layer]]
-from = 3.0
-to = {BORDER}
-{layer}
-[[layer]]
-from = {BORDER}
-to = 7.0
-{layer}"""
-    )
+    (tmp_path / "test.csv").write_text(measured_rows(DEPTH, net, 0.04 * net))
+    layers = [
+        LAYER.replace("from = 2", f"from = {top}").replace("to = 10", f"to = {bottom}")
+        for top, bottom in ((3.0, BORDER), (BORDER, 7.0))
+    ]
+    (tmp_path / "site.toml").write_text("".join([SITE, *layers]))
     return tmp_path
 
 

@@ -1,15 +1,22 @@
-"""The picture of one parameter: what is drawn, on which axes, under which labels."""
+"""The picture of one parameter: what is drawn, on which axes, under which labels; bands."""
+
+from typing import cast
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
+from harness.compare.compared import with_experience
 from harness.pictures.case_curves import resistance_figure
 from harness.pictures.curve import curve_figure
+from harness.pictures.drawing.literature import draw_experience
+from harness.pictures.drawing.plot_parts import empty_figure
 
 from .conftest import MADE, REFERENCES, one_at_a_time, result
 
@@ -182,3 +189,22 @@ def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> Non
     colours = [line.get_color() for line in figure.axes[0].lines[:count]]
     assert colours == colours[:2] * (count // 2)
     assert colours[0] != colours[1]
+
+
+IDS = ("karlsrud_2005", "karlsrud_2005_pore_pressure", "mayne_peuchen_2018")
+
+
+def test_bands_of_the_cone_factor_are_hatched_and_named(two_soils: xr.Dataset) -> None:
+    figure, axes = empty_figure()
+    draw_experience(axes, with_experience(two_soils, IDS))
+    figure.draw_without_rendering()
+    wide, narrow = cast("list[Rectangle]", list(axes.patches))
+    bounds = wide.get_y(), wide.get_y() + wide.get_height()
+    assert bounds == pytest.approx((6.17, 18.07), abs=0.005)
+    assert wide.get_hatch() != narrow.get_hatch()
+    assert wide.get_facecolor()[3] == 0.0
+    assert not axes.lines
+    assert axes.get_legend_handles_labels()[1] == [
+        "experience, Karlsrud et al. 2005: Nkt 6.2 to 18.1",
+        "experience, Mayne & Peuchen 2018: Nkt 10.1 to 13.7",
+    ]

@@ -1,8 +1,6 @@
 """All pictures: which is meant for which study, what a page has room for, and the files."""
 
 import dataclasses
-import errno
-import os
 import re
 from collections.abc import Iterator
 from itertools import combinations
@@ -18,7 +16,6 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from harness.archive.atomic_files import ArchiveError
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import fixed
@@ -160,14 +157,6 @@ def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:
     assert np.diff(luminance).min() > 0.5 * np.ptp(luminance) / 8
 
 
-def test_pictures_are_written_under_the_name_of_the_study(tmp_path: Path) -> None:
-    folder = tmp_path / "pictures"
-    paths, _ = draw(result({"adhesion_factor": [0.0, 1.0]}), folder)
-    assert [path.name for path in paths] == ["demo_curve.png", "demo_resistance.png"]
-    assert sorted(folder.iterdir()) == sorted(paths)
-    assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
-
-
 def test_formats_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "demo.nc"
     write_study(file, result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance"))
@@ -191,23 +180,6 @@ def test_what_another_program_wrote_is_not_overwritten(tmp_path: Path) -> None:
         draw(dataset, tmp_path)
     assert foreign.read_bytes() == b"a photograph"
     assert list(tmp_path.iterdir()) == [foreign]
-
-
-def test_a_picture_that_cannot_be_finished_leaves_the_earlier_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    dataset = result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance")
-    (earlier,), _ = draw(dataset, tmp_path)
-    before = earlier.read_bytes()
-
-    def disk_full(descriptor: int) -> None:
-        raise OSError(errno.ENOSPC, "no space left")
-
-    monkeypatch.setattr(os, "fsync", disk_full)
-    with pytest.raises(ArchiveError, match="cannot be written: no space left"):
-        draw(dataset, tmp_path)
-    assert earlier.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [earlier]
 
 
 def test_nothing_to_draw_is_told_in_one_line(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli.main import main
-from tests.harness.interpret.conftest import LAYER, SITE, changed, measured_rows
+from tests.harness.interpret.conftest import DEPTH, LAYER, SITE, STRENGTH, changed, measured_rows
 
 ASSUMED = """
 [[layer]]
@@ -22,7 +22,7 @@ rigidity_index = { low = 50, high = 300 }
 def pages(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, list[str]]:
     """Text of the page of one test, and of two; and the files that are written of the two."""
     folder = tmp_path_factory.mktemp("page")
-    (folder / "test.csv").write_text(measured_rows(11.5))
+    (folder / "test.csv").write_text(measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH))
     (folder / "a.v1.toml").write_text(SITE + LAYER)
     (folder / "b.toml").write_text(SITE.replace("A site", "B site") + LAYER + ASSUMED)
     changed(folder, ("\n5,", "\n5,,,\n5.05,"), file="test.csv")

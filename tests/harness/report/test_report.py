@@ -1,6 +1,8 @@
-"""The page that reports results: what is in it."""
+"""The page that reports results: what is in it, and the commands that write it."""
 
 import re
+import subprocess
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -131,3 +133,25 @@ def test_every_kind_of_result_has_a_page(two_soils: xr.Dataset, tmp_path: Path) 
     exact["error"] = exact["run_time"] * 0.01
     write_report([two_soils, exact], tmp_path / "page.html")
     assert Elements((tmp_path / "page.html").read_text()).open == []
+
+
+README = Path(__file__).parents[3] / "harness" / "README.md"
+
+
+@pytest.mark.parametrize("section", ["Pictures", "The report"])
+def test_its_commands_run(section: str, results: list[xr.Dataset], tmp_path: Path) -> None:
+    (text,) = re.findall(rf"^## {section}\n(.*?)^## ", README.read_text(), re.MULTILINE | re.DOTALL)
+    (commands,) = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    (tmp_path / "results").mkdir()
+    for name, dataset in zip(("adhesion_factor", "rigidity_index"), results, strict=True):
+        write_study(tmp_path / "results" / f"{name}.nc", dataset.assign_attrs(study=name))
+    program = f'set -e; harness() {{ "{sys.executable}" -m harness "$@"; }}\n{commands}'
+    done = subprocess.run(
+        ["bash", "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    for line in done.stdout.splitlines():
+        assert (tmp_path / line).stat().st_size > 0
+    names = {Path(line).name for line in done.stdout.splitlines()}
+    expected = {f"adhesion_factor_curve.{form}" for form in ("png", "pdf", "svg")}
+    assert names == (expected if section == "Pictures" else {"report.html"})

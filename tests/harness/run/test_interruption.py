@@ -102,7 +102,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
     assert dataset.cone_factor.notnull().values.tolist() == [True, False]
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.02, 0.1])
+@pytest.mark.parametrize("delay", [0.0, 0.1])
 def test_an_interrupt_while_workers_start_is_as_quiet(
     small_file: Path, tmp_path: Path, delay: float, wait_for_end: WaitForEnd
 ) -> None:

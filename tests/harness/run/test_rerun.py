@@ -1,8 +1,10 @@
 """A case again from its file alone."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -15,19 +17,28 @@ from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
 from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
 from harness.study.study import Study, load_study
-from tests.harness.conftest import Refusal, keep
+from tests.harness.conftest import SMALL, Refusal, keep, study_in
 
 pytestmark = pytest.mark.slow
 
 SETTINGS = ["material=['von_mises']", "rigidity_index=[50, 100]", "adhesion_factor=0.5"]
 
 
-@pytest.fixture
-def done(small_file: Path, tmp_path: Path) -> Study:
-    """A study with parameters of every type, one of them derived, that has run in `tmp_path`."""
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which a study has run with parameters of every type, one of them derived."""
+    folder = tmp_path_factory.mktemp("ran")
+    file = study_in(folder, dedent(SMALL), name="small").source
     settings = [part for setting in SETTINGS for part in ("--set", setting)]
-    assert main(["run", str(small_file), *settings, "--out", str(tmp_path)]) == 0
-    return load_study(str(small_file), SETTINGS)
+    assert main(["run", str(file), *settings, "--out", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture
+def done(ran: Path, tmp_path: Path) -> Study:
+    """That study, its results in `tmp_path`."""
+    shutil.copytree(ran, tmp_path, dirs_exist_ok=True)
+    return load_study(str(tmp_path / "small.toml"), SETTINGS)
 
 
 def test_a_case_file_gives_the_same_bits_again(

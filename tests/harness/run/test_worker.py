@@ -1,5 +1,7 @@
-"""A case in a worker: how it ends where its scene raises an exception."""
+"""A case in a worker: what it costs, and how it ends where its scene raises an exception."""
 
+import dataclasses
+import io
 import math
 import re
 from pathlib import Path
@@ -11,13 +13,115 @@ import xarray as xr
 
 from harness.archive import case_files
 from harness.cli.main import main
-from harness.run.worker import run_case
+from harness.run import resources
+from harness.run.pool import run_cases
+from harness.run.resources import Measurement, RunOptions, with_samples
+from harness.run.run_study import Display
+from harness.run.worker import compute, run_case
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.errors import SceneError, SimulationDiverged
+from mpm_warp.parameters import Value
+from mpm_warp.planning import make_plan
 from mpm_warp.results import variable
+from mpm_warp.scenes import scene_class
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.elastic.columns import GravityColumn
 
 pytestmark = pytest.mark.slow
+
+MIB = 2**20
+
+
+def case_of(scene: str, **parameters: Value) -> Case:
+    values = dataclasses.asdict(scene_class(scene)(**parameters))
+    version = scene_class(scene).version
+    return Case(scene=scene, scene_version=version, parameters=values, label=scene)
+
+
+CHEAP: dict[str, dict[str, Value]] = {
+    "material_point": {"step_count": 10},
+    "gravity_column": {"cell_count": 4},
+    "elastic_column_wave": {"cell_count": 10},
+}
+
+
+@pytest.mark.parametrize("scene", CHEAP)
+def test_every_case_tells_its_times_apart_its_work_and_its_memory(scene: str) -> None:
+    dataset = compute(case_of(scene, **CHEAP[scene])).dataset
+    for name in ("run_time", "setup_time", "compile_time", "case_time"):
+        assert dataset[name].attrs["units"] == "s"
+        assert dataset[name] > 0
+    apart = dataset.run_time + dataset.setup_time + dataset.compile_time
+    assert apart < dataset.case_time
+    assert dataset.particle_updates == dataset.particle_count * dataset.step_count
+    assert dataset.peak_memory.attrs["units"] == "byte"
+    assert "since it ran the case" in dataset.peak_memory.attrs["description"]
+
+
+def test_the_peak_of_memory_is_that_of_the_case_alone() -> None:
+    """A hundred MiB in between shows; a hundred before does not."""
+    before = Measurement()
+    memory = np.ones(100 * MIB, np.uint8)
+    between = int(before.variables()["peak_memory"])
+    del memory
+    after = int(Measurement().variables()["peak_memory"])
+    assert between - after > 90 * MIB
+
+
+def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(resources, "_RESET", tmp_path / "none" / "clear_refs")
+    peak = Measurement().variables()["peak_memory"]
+    assert peak.attrs["description"].endswith("since it was started, maybe for earlier cases")
+    assert int(peak) > 10 * MIB
+
+
+def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
+    """A worker that kept the arrays of each case would grow by their size each time."""
+    case_count, warm = 60, 10
+    scene = GravityColumn(cell_count=200).build()
+    assert scene is not None
+    arrays = sum(array.byte_count for array in make_plan(scene).arrays.values())
+    cases = [
+        case_of("gravity_column", cell_count=200, settlement_ratio=1e-4 + 1e-7 * number)
+        for number in range(case_count)
+    ]
+    run_cases(cases, tmp_path, 1, Display(case_count, io.StringIO()))
+    results = [case_files.read_case(tmp_path, case) for case in cases]
+    peaks = [int(result.peak_memory) for result in results if result is not None]
+    assert max(peaks) - peaks[warm] < 0.25 * (case_count - warm) * arrays
+
+
+def test_warm_run_times_are_all_kept() -> None:
+    first = xr.Dataset({"run_time": ((), 9.0), "compile_time": ((), 8.0), "error": ((), 0.1)})
+    timed = with_samples(first, [3.0, 1.0, 2.0, 5.0])
+    assert timed.run_time_sample.values.tolist() == [3, 1, 2, 5]
+    assert timed.repeat.values.tolist() == [1, 2, 3, 4]
+    assert (timed.run_time, timed.run_time_minimum) == (2.5, 1)
+    assert (timed.compile_time, timed.error) == (8, 0.1)
+    assert all("long_name" in variable.attrs for variable in timed.drop_vars(first).values())
+
+
+def test_a_repeat_that_gives_other_numbers_fails_the_case(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = GravityColumn.run
+    results: list[xr.Dataset] = []
+
+    def drifting(scene: GravityColumn, *given: object) -> xr.Dataset:
+        result = run(scene)
+        numbers = [name for name, values in result.items() if values.dtype.kind == "f"]
+        results.append(result.assign(result[numbers] + len(results) * 1e-15))
+        return results[-1]
+
+    monkeypatch.setattr(GravityColumn, "run", drifting)
+    outcome = run_case(
+        case_of("gravity_column", cell_count=4), tmp_path, options=RunOptions(repeats=2)
+    )
+    assert outcome.status == "failed"
+    assert "run 2 gave another " in outcome.message
 
 
 class Cavitated(Exception):

@@ -115,6 +115,10 @@ OF_A_CONE = [
         "cone_facto = 0.1: is neither a reference nor a result; did you mean 'cone_factor'?",
     ),
     ("[compare]\ntolerance = { eror = 0.1 }", "did you mean 'error'?"),
+    ("[compare]\ntolerance = 0.1", "must be a table"),
+    ("[compare]\ntolerance = { lu_2004 = 0.1 }", "is not among the references"),
+    ("[compare]\ntolerance = { error = 0 }", "must be a number > 0"),
+    ('[compare]\ntolerance = { error = "1" }', "must be a number > 0"),
     (
         '[compare]\nreferences = ["lu_2004"]\ntolerance = { lu_2005 = 0.1 }',
         "neither a reference nor a result; did you mean 'lu_2004'?",

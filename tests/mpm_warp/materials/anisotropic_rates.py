@@ -9,6 +9,7 @@ yield function, N its gradient, xi plastic shear strain, k = su_C R(xi).
 with h from df/dt = 0, df/dk dk/dxi dxi/dt being its part of softening.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from scipy.integrate import solve_ivp
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.anisotropic import Anisotropic
+from tests.mpm_warp.materials.cam_clay_rates import Reached
 
 SMALL = 1e-6
 """Step of central differences of f, over the strength: errors of 1e-10 of its gradient."""
@@ -117,7 +119,6 @@ def stress_along(
     rr, zz, rz, tt = start
     first = np.array([[rr, 0.0, rz], [0.0, tt, 0.0], [rz, 0.0, zz]])
     state: NDArray[np.float64] = np.concatenate([first.ravel(), [0.0, 0.0, 1.0, 0.0]])
-    outside.terminal, outside.direction = True, 1.0  # type: ignore[attr-defined]
     tight: dict[str, Any] = {
         "rtol": 1e-10,
         "atol": 1e-11 * clay.strength,
@@ -126,7 +127,7 @@ def stress_along(
     }
     reached, states = 0.0, np.tile(state, (len(times), 1))
     if outside(0.0, state) < -1e-12:
-        path = solve_ivp(elastic_rates, (0.0, 1.0), state, events=outside, **tight)
+        path = solve_ivp(elastic_rates, (0.0, 1.0), state, events=Reached(outside), **tight)
         reached, state = float(path.t[-1]), path.y[:, -1]
         states = path.sol(np.minimum(times, reached)).T
     if reached < 1.0:
@@ -136,7 +137,7 @@ def stress_along(
     return np.asarray(states[:, [0, 8, 2, 4]])
 
 
-def _gradient(function, stress: Floats, strength: float) -> Floats:  # type: ignore[no-untyped-def]
+def _gradient(function: Callable[[Floats], float], stress: Floats, strength: float) -> Floats:
     """df/ds of a symmetric stress [3, 3]; f is quadratic, so central differences are exact."""
     found = np.zeros((3, 3))
     for i in range(3):

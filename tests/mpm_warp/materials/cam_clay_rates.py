@@ -11,6 +11,7 @@ size of the yield surface, e rate of strain (its volume stays), L rate of the pl
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -19,6 +20,18 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 
 Path = Callable[[float], Floats]
+
+
+@dataclass
+class Reached:
+    """The event that a function of time and state rises to zero, at which scipy stops."""
+
+    function: Callable[[float, Floats], float]
+    terminal: bool = True
+    direction: float = 1.0
+
+    def __call__(self, time: float, state: Floats) -> float:
+        return self.function(time, state)
 
 
 def integrated(
@@ -56,10 +69,10 @@ def integrated(
     start = clay.mean_effective_stress
     state = np.array([*deviator, start, start * clay.isotropic_overconsolidation_ratio])
     options = {"method": "LSODA", "rtol": 1e-10, "atol": 1e-9 * start, "dense_output": True}
-    surface.terminal, surface.direction = True, 1.0  # type: ignore[attr-defined]
     begin, first = 0.0, None
     if surface(0.0, state) < -1e-9 * start**2:
-        first = scipy.integrate.solve_ivp(elastic, (0.0, strain), state, events=surface, **options)
+        yields = Reached(surface)
+        first = scipy.integrate.solve_ivp(elastic, (0.0, strain), state, events=yields, **options)
         begin, state = float(first.t[-1]), first.y[:, -1]
     then = scipy.integrate.solve_ivp(plastic, (begin, max(strain, begin + 1e-9)), state, **options)
 

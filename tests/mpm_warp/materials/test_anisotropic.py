@@ -19,6 +19,7 @@ from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.cavity.exact import cavity_pressure
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import changing_clay
 from tests.mpm_warp.materials.anisotropic_rates import Softening, stress_after, stress_along
 
 ELASTIC = {"shear_modulus": 200.0, "poissons_ratio": 0.3, "density": 4.0}
@@ -29,6 +30,12 @@ STRENGTHS = {
     "strength_horizontal": 1.4,
 }
 CLAY = Anisotropic(**ELASTIC, **STRENGTHS)
+MEASURED = {
+    "strength_compression": 20e3,
+    "strength_extension": 9e3,
+    "strength_simple_shear": 15e3,
+    "strength_horizontal": 13e3,
+}
 SMALL = 0.01
 """Strain of yield, about."""
 PATHS = {
@@ -61,6 +68,12 @@ def after(material: Material, gradients: list[Floats], steps: int, start: Floats
     return simulation
 
 
+def changing(**given: float) -> EinavRandolph:
+    """That clay, where its strengths change."""
+    whole = {"strength": CLAY.strength, "shape": CLAY.shape}
+    return changing_clay(Anisotropic, **ELASTIC, **whole, **given)
+
+
 def small(name: str) -> tuple[float, ...]:
     return tuple(SMALL * rate for rate in PATHS[name])
 
@@ -82,38 +95,20 @@ def test_stress_on_strain_paths_is_that_of_the_rate_equations(start: tuple[float
 
 def test_stress_of_clay_that_softens_and_has_a_rate_effect_is_that_of_the_rate_equations() -> None:
     soft = Softening(remoulded=0.25, ductility=0.2)
-    changing = EinavRandolph(
-        **ELASTIC,
-        strength=CLAY.strength,
-        criterion=Anisotropic,
-        shape=CLAY.shape,
-        rate_factor=0.0,
-        reference_strain_rate=1.0,
-        remoulded_strength_ratio=soft.remoulded,
-        ductility=soft.ductility,
-    )
+    softens = changing(remoulded_strength_ratio=soft.remoulded, ductility=soft.ductility)
     names = ("compression", "extension", "simple shear", "pressuremeter", "mixed, turned one way")
     exact = np.array([stress_after(CLAY, small(name), softening=soft) for name in names])
-    simulation = after(changing, [np.array(small(name)) for name in names], 100_000, np.zeros(4))
+    simulation = after(softens, [np.array(small(name)) for name in names], 100_000, np.zeros(4))
     error = np.abs(simulation.array("particle.stress") - exact) / CLAY.strength
     np.testing.assert_array_less(error, 1e-6)
 
 
 def test_softening_in_large_steps_is_that_of_the_plastic_strain() -> None:
     """In steps of 2 % of shear strain, of which Newton's second error is 1e-7 at most."""
-    changing = EinavRandolph(
-        **ELASTIC,
-        strength=CLAY.strength,
-        criterion=Anisotropic,
-        shape=CLAY.shape,
-        rate_factor=0.0,
-        reference_strain_rate=1.0,
-        remoulded_strength_ratio=0.25,
-        ductility=2.0,
-    )
+    softens = changing(remoulded_strength_ratio=0.25, ductility=2.0)
     for sign, su in ((1.0, 2.0), (-1.0, 1.0)):
         path = sign * np.array([0.5, 0.0, 0.0, -1.0, 0.5]) / math.sqrt(3.0)
-        rr, zz, _, _ = after(changing, [path], 50, np.zeros(4)).array("particle.stress")[0]
+        rr, zz, _, _ = after(softens, [path], 50, np.zeros(4)).array("particle.stress")[0]
         half = 0.5 * abs(zz - rr)
         # A second at shear strain rate 1: sqrt(J2) / G of it is elastic.
         plastic = 1.0 - 2.0 / math.sqrt(3.0) * half / 200.0
@@ -122,20 +117,11 @@ def test_softening_in_large_steps_is_that_of_the_plastic_strain() -> None:
 
 
 def test_rate_raises_all_strengths_alike() -> None:
-    changing = EinavRandolph(
-        **ELASTIC,
-        strength=CLAY.strength,
-        criterion=Anisotropic,
-        shape=CLAY.shape,
-        rate_factor=0.1,
-        reference_strain_rate=0.01,
-        remoulded_strength_ratio=1.0,
-        ductility=1.0,
-    )
+    hurried = changing(rate_factor=0.1, reference_strain_rate=0.01)
     # Uniaxial strain rate a: shear strain rate sqrt(3) a, three log cycles above the reference.
     rate = 10.0 / math.sqrt(3.0)
     paths = [np.array([0.5, 0, 0, -1, 0.5]) * it * rate for it in (1.0, -1.0)]
-    stress = after(changing, paths, 100, np.zeros(4)).array("particle.stress")
+    stress = after(hurried, paths, 100, np.zeros(4)).array("particle.stress")
     np.testing.assert_allclose(0.5 * np.ptp(stress[:, [0, 1]], axis=1), [2.6, 1.3], rtol=1e-12)
 
 
@@ -168,26 +154,14 @@ def test_equal_strengths_are_those_of_von_mises() -> None:
     ],
 )
 def test_strengths_come_out_of_element_tests(test: str, strength: float) -> None:
-    result = scene("element_test")(
-        test=test,
-        material="anisotropic",
-        strength_compression=20e3,
-        strength_extension=9e3,
-        strength_simple_shear=15e3,
-        strength_horizontal=13e3,
-    ).run()
+    result = scene("element_test")(test=test, material="anisotropic", **MEASURED).run()
     assert float(result.strength) == pytest.approx(strength, rel=1e-4)
     assert float(result.strength_exact) == pytest.approx(strength, rel=1e-12)
 
 
 def test_plane_strain_is_as_strong_as_the_law_says() -> None:
-    result = scene("element_test")(
-        test="plane_strain",
-        material="anisotropic",
-        strength_compression=20e3,
-        strength_extension=9e3,
-        strength_simple_shear=15e3,
-    ).run()
+    given = {**MEASURED, "strength_horizontal": None}
+    result = scene("element_test")(test="plane_strain", material="anisotropic", **given).run()
     assert float(result.error) < 1e-4
     assert float(result.undrained_shear_strength) == 20e3
 
@@ -228,24 +202,11 @@ def test_ground_that_varies_has_the_shape_of_its_place() -> None:
 @pytest.mark.slow
 def test_cylindrical_cavity_has_the_pressure_of_the_horizontal_strength() -> None:
     """Of the integral of the law along the exact strain path, at the finest of its grids."""
+    strengths = {name: 10.0 * su for name, su in STRENGTHS.items()} | {"strength_horizontal": 13.0}
     result = scene("cavity_cylinder")(
-        material="anisotropic",
-        rigidity_index=50,
-        strength_compression=20.0,
-        strength_extension=10.0,
-        strength_simple_shear=15.0,
-        strength_horizontal=13.0,
-        cells_per_radius=8,
+        material="anisotropic", rigidity_index=50, cells_per_radius=8, **strengths
     ).run()
-    clay = Anisotropic(
-        shear_modulus=50.0 * 20.0,
-        poissons_ratio=0.4999,
-        density=1.0,
-        strength_compression=20.0,
-        strength_extension=10.0,
-        strength_simple_shear=15.0,
-        strength_horizontal=13.0,
-    )
+    clay = Anisotropic(shear_modulus=1000.0, poissons_ratio=0.4999, density=1.0, **strengths)
     strains = np.geomspace(1e-9, 4.0, 4000)
     path = (-0.5 * strains[-1], 0.0, 0.0, 0.0, 0.5 * strains[-1])
     stress = stress_along(clay, path, strains / strains[-1])

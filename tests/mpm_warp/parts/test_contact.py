@@ -1,19 +1,88 @@
-"""Contact with a rigid body: areas, where soil may part from it, nodes that the axis holds."""
+"""Contact with a rigid body: its law, areas, where soil parts from it, adhesion beside soil."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
+import warp as wp
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact, contact_law, nodal_areas
 from mpm_warp.parts.window import Window
+from mpm_warp.plan.plan import AUDIT_INTERVAL
+from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import changing_clay
+
+ROUNDING = 1e-14
+NORMAL = np.array([-0.6, 0.8])
+TANGENT = np.array([0.8, 0.6])
+MASS = 2.0
+
+
+@wp.kernel(enable_backward=False)
+def apply_contact_law(
+    mass: wp.float64,
+    jump: wp.array(dtype=wp.vec2d),
+    normal: wp.array(dtype=wp.vec2d),
+    pressing: wp.float64,
+    friction: wp.float64,
+    adhesion: wp.float64,
+    pressure: wp.float64,
+    impulse: wp.array(dtype=wp.vec3d),
+):
+    k = wp.tid()
+    impulse[k] = contact_law(mass, jump[k], normal[k], pressing, friction, adhesion, pressure)
+
+
+ROUGH = {"friction": 0.3, "adhesion": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("normal_speed", "slip", "given", "normal", "tangential"),
+    [
+        # An approach without friction stops the normal motion alone.
+        (0.5, 3.0, {}, MASS * 0.5, 0.0),
+        # Bodies that part exchange nothing, not even adhesion.
+        (-0.5, 3.0, {"friction": 0.5, "adhesion": 100.0}, 0.0, 0.0),
+        # Sticking cancels the slip.
+        (0.5, 0.1, {"friction": 0.3}, MASS * 0.5, MASS * 0.1),
+        # Sliding transmits friction and adhesion against the slip.
+        (0.5, 3.0, ROUGH, MASS * 0.5, 0.3 * MASS * 0.5 + 0.2),
+        (0.5, -3.0, ROUGH, MASS * 0.5, -0.3 * MASS * 0.5 - 0.2),
+        # Adhesion does not depend on the normal impulse.
+        (1e-6, 1e3, {"adhesion": 0.2}, MASS * 1e-6, 0.2),
+        (1e6, 1e3, {"adhesion": 0.2}, MASS * 1e6, 0.2),
+        # Excess tension up to the in-situ pressure is carried; friction feels the total.
+        (-0.5, 3.0, {"friction": 0.3, "pressure": 1.5}, -MASS * 0.5, 0.3 * (1.5 - 1.0)),
+        # Beyond it the bodies part, and no total traction is left.
+        (-1.0, 3.0, {**ROUGH, "pressure": 1.5}, -1.5, 0.0),
+        # A node that parts in a pressed neighbourhood feels friction and adhesion alone.
+        (-0.5, 3.0, {**ROUGH, "pressing": 2.0}, 0.0, 0.3 * 2.0 + 0.2),
+    ],
+)
+def test_the_impulse_is_that_of_each_branch(
+    normal_speed: float, slip: float, given: dict[str, float], normal: float, tangential: float
+) -> None:
+    """What presses the bodies is the node's own impulse where no other is given."""
+    pressure = given.get("pressure", 0.0)
+    pressing = given.get("pressing", MASS * normal_speed + pressure)
+    jump = wp.array([normal_speed * NORMAL + slip * TANGENT], dtype=wp.vec2d, device="cpu")
+    unit = wp.array([NORMAL], dtype=wp.vec2d, device="cpu")
+    impulse = wp.zeros(1, dtype=wp.vec3d, device="cpu")
+    limits = [given.get("friction", 0.0), given.get("adhesion", 0.0), pressure]
+    wp.launch(apply_contact_law, 1, [MASS, jump, unit, pressing, *limits, impulse], device="cpu")
+    expected = [normal, *(tangential * TANGENT)]
+    rounding = ROUNDING * np.hypot(MASS * normal_speed, MASS * slip)
+    np.testing.assert_allclose(impulse.numpy()[0], expected, rtol=ROUNDING, atol=rounding)
+
 
 PRESSURE = 1e3
 
@@ -100,18 +169,6 @@ def test_friction_is_that_of_the_total_stress(cone: Scene, surface: SurfaceConta
     assert np.abs(normal[-2:]).max() < 1e-9 * in_situ[-2:].min()
 
 
-def test_the_share_in_touch_is_of_the_area_that_something_presses(
-    surface: SurfaceContact,
-) -> None:
-    """Where the simulated stress pulls by as much as the ground presses, nothing does."""
-    in_situ = surface.in_situ_stress * surface.normal_areas
-    assert surface.share_in_touch(np.zeros(len(in_situ))) == 1.0
-    assert surface.share_in_touch(-in_situ) == 0.0
-    parted = np.where(np.arange(len(in_situ)) < 3, -in_situ, 0.0)
-    left = surface.normal_areas[3:].sum() / surface.normal_areas.sum()
-    assert surface.share_in_touch(parted) == pytest.approx(left, rel=1e-12)
-
-
 def impulse_at_the_tip(cone: Scene, share: float, *, held: bool) -> tuple[float, float]:
     """Normal impulse of one step under a uniform pressure, and time step, with so much soil left.
 
@@ -145,3 +202,69 @@ def test_where_nothing_is_held_little_soil_gives_little_force(cone: Scene) -> No
     full, _ = impulse_at_the_tip(cone, 1.0, held=False)
     assert full == impulse_at_the_tip(cone, 1.0, held=True)[0]
     assert impulse_at_the_tip(cone, 0.1, held=False)[0] < 0.3 * full
+
+
+DELTA = 0.25
+
+
+@pytest.fixture
+def softening(cone: Scene) -> Scene:
+    """The scene with clay that softens."""
+    soft = {"remoulded_strength_ratio": DELTA, "ductility": 10.0}
+    return dataclasses.replace(cone, material=changing_clay(**vars(cone.material), **soft))
+
+
+def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening: Scene) -> None:
+    """By mass; the points of one row of cells are remoulded, so nodes above and below mix."""
+    simulation = Simulation(softening)
+    row = softening.grid.row_count - 2
+    cell = simulation.array("particle.cell")
+    simulation.array("particle.state")[(cell[:, 0] == 0) & (cell[:, 1] == row)] = 1.0
+    simulation.advance(AUDIT_INTERVAL)
+    mass = simulation.array("particle.mass")
+    in_row = [mass[(cell[:, 0] == 0) & (cell[:, 1] == it)].sum() for it in range(row + 2)]
+    share = np.ones(len(softening[SurfaceContact].nodes))
+    # Nodes are numbered upward; the last is the upper end of the last row of cells.
+    share[-3] = (in_row[row - 1] + DELTA * in_row[row]) / (in_row[row - 1] + in_row[row])
+    share[-2] = (DELTA * in_row[row] + in_row[row + 1]) / (in_row[row] + in_row[row + 1])
+    expected = share * softening[SurfaceContact].adhesion_forces
+    np.testing.assert_allclose(simulation.array("contact.adhesion"), expected, rtol=1e-12)
+
+
+def test_adhesion_beside_intact_soil_is_what_was_given(softening: Scene) -> None:
+    simulation = Simulation(softening)
+    simulation.advance(AUDIT_INTERVAL)
+    adhesion = simulation.array("contact.adhesion")
+    np.testing.assert_allclose(adhesion, softening[SurfaceContact].adhesion_forces, rtol=1e-14)
+
+
+def test_soil_whose_strength_stays_needs_nothing_of_it(cone: Scene) -> None:
+    plan = make_plan(cone)
+    assert not {"contact.first_adhesion", "contact.strength_sum"} & set(plan.arrays)
+    assert "sum_of_strength" not in {launch.name for launch in plan.launches}
+
+
+def test_a_surface_elsewhere_than_along_the_first_column_is_refused(softening: Scene) -> None:
+    nodes = softening[SurfaceContact].nodes.copy()
+    nodes[3] += 1
+    elsewhere = dataclasses.replace(softening[SurfaceContact], nodes=nodes)
+    with pytest.raises(SceneError, match=r"nodes\[3\] is not in the first column"):
+        softening.with_parts(elsewhere)
+
+
+def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Scene) -> None:
+    """Twice as strong below the tip: after a way of two cone heights all of the face has it."""
+    two = Variation(
+        depth=np.zeros(2), strength_ratio=np.array([1.0, 2.0]), stiffness_ratio=np.ones(2)
+    )
+    soil = dataclasses.replace(cone.material, variation=two)
+    simulation = Simulation(dataclasses.replace(cone.without(FarField), material=soil))
+    contact = cone[SurfaceContact]
+    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
+    # The tip, at the very border, belongs to what is below it.
+    np.testing.assert_allclose(ratio, [2.0] + [1.0] * (len(ratio) - 1))
+    height = math.sqrt(3.0)
+    simulation.travel_to(2.0 * height)
+    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
+    on_face = cone.grid.rows[cone.grid.rows >= 0.0] < height
+    np.testing.assert_allclose(ratio[on_face], 2.0)

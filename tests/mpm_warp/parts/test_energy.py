@@ -36,12 +36,6 @@ def test_energy_audit_is_a_sample_of_what_the_transfers_do(cone: Scene) -> None:
     assert sampled < 0.0
 
 
-def test_audit_costs_nothing_where_it_is_not_asked_for(cone: Scene) -> None:
-    plan = make_plan(cone.without(EnergyAudit))
-    assert plan.audited_step == []
-    assert "transfer.energy" not in plan.arrays
-
-
 def test_an_audited_step_is_a_step_with_two_launches_more(cone: Scene) -> None:
     """The energy left before it, and that which has arrived when nodes know their velocity."""
     plan = make_plan(cone)

@@ -8,8 +8,6 @@ import pytest
 import warp as wp
 
 from mpm_warp import ConePenetration
-from mpm_warp.errors import WindowOverfull
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, vec2, vec4
 from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.materials.material import PROPERTIES
@@ -20,6 +18,7 @@ from mpm_warp.parts.window import Approach, Window
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import greatest_shear
 from tests.mpm_warp.edges import axis_and_ends
 
 
@@ -157,20 +156,6 @@ def test_the_window_stays_as_full_as_it_was(cone: Scene) -> None:
     assert abs(mass - material.density * grid.cell_volumes.sum()) < layer
 
 
-def test_soil_that_finds_no_slot_ends_the_run(cone: Scene) -> None:
-    simulation = Simulation(cone)
-    spare = simulation.array("particle.cell")[:, 0] < 0
-    for name in ("cell", "position", "mass"):  # as if every slot were taken
-        values = simulation.array(f"particle.{name}")
-        values[spare] = values[~spare][: spare.sum()]
-    with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
-        simulation.advance(10_000)
-    assert end.value.status == "diverged"
-    assert "\n" not in str(end.value)
-    assert str(end.value).endswith(simulation.plan.remedy)
-    assert "more spare slots" in simulation.plan.remedy
-
-
 def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
     """Strength that grows linearly: at rest each point has that of where it is in the ground."""
     rows = empty.grid.rows
@@ -199,19 +184,7 @@ def test_soil_enters_within_its_yield_surface() -> None:
     while np.array_equal(simulation.array("layer.slots"), before):
         simulation.advance(1)
     strength = test.undrained_shear_strength
-    assert shear_stress(simulation.array("layer.stress")).max() > 2.0 * strength
+    assert greatest_shear(simulation.array("layer.stress")).max() > 2.0 * strength
     entered = simulation.array("layer.slots")
-    assert shear_stress(simulation.array("particle.stress")[entered]).max() <= strength * (
-        1 + 1e-12
-    )
-
-
-def shear_stress(stress: Floats) -> Floats:
-    """Half the difference of the extreme principal stresses, of (rr, zz, rz, tt), shape [n]."""
-    centre, radius = (
-        0.5 * (stress[:, 0] + stress[:, 1]),
-        np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2]),
-    )
-    highest = np.maximum(centre + radius, stress[:, 3])
-    shear: Floats = 0.5 * (highest - np.minimum(centre - radius, stress[:, 3]))
-    return shear
+    carried = greatest_shear(simulation.array("particle.stress")[entered])
+    assert carried.max() <= strength * (1 + 1e-12)

@@ -237,10 +237,3 @@ def test_the_traction_grows_as_the_stress_does(place: Floats) -> None:
 
 def test_soil_that_nothing_has_passed_has_no_stress() -> None:
     np.testing.assert_array_equal(SOURCE.stress_since(PLACES, 0.0), 0.0)
-
-
-@pytest.mark.parametrize("name", ["radius", "shear_modulus"])
-def test_what_must_be_positive(name: str) -> None:
-    values = {"radius": 1.0, "height": 0.0, "shear_modulus": 1.0} | {name: -1.0}
-    with pytest.raises(SceneError, match=f"TravellingSource: {name} = -1"):
-        TravellingSource(**values)

@@ -111,13 +111,6 @@ def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_tak
     assert plan.step == []
 
 
-def test_launches_are_added_at_the_end(plan: Plan) -> None:
-    values = plan.add_zeros("cell.volume", "real", 5)
-    plan.add_launch(clear, 5, values=values)
-    plan.add_launch(scale, 5, factor=2.0)
-    assert [launch.name for launch in plan.step] == ["clear", "scale"]
-
-
 def test_records_stand_in_the_audited_step_where_they_are_asked_for(plan: Plan) -> None:
     values = plan.add_zeros("cell.volume", "real", 5)
     plan.add_launch(clear, 5, values=values)

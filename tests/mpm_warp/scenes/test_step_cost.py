@@ -13,18 +13,6 @@ def test_less_physics_has_fewer_stages() -> None:
     assert stages["plastic"] == stages["elastic"]
 
 
-def test_the_time_of_each_stage_is_measured() -> None:
-    result = StepCost(physics="elastic", size=600, samples=1, sample_time=0.01).run()
-    assert list(result.stage.values) == [it.name for it in StepCost(physics="elastic").plan().step]
-    assert (result.stage_time > 0).all()
-
-
-def test_threads_are_compared_with_one() -> None:
-    result = StepCost(physics="elastic", size=600, threads=2, samples=1, sample_time=0.01).run()
-    assert float(result.thread_gain) > 0
-    assert "stage_time" not in result
-
-
 def test_cases_that_are_computed_together_are_measured_together() -> None:
     result = StepCost(size=600, cases=3, samples=2, sample_time=0.01).run()
     assert float(result.update_rate) > 0

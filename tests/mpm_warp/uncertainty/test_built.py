@@ -29,6 +29,7 @@ from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.built import why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
+from tests.mpm_warp.conftest import MEASURABLE
 
 GUIDE = Path(__file__).parents[3] / "studies" / "guide.md"
 FACTOR = 10.0
@@ -212,16 +213,7 @@ def test_what_only_records_changes_nothing() -> None:
 @pytest.mark.slow
 def test_a_run_says_what_was_built_and_measures_nothing_where_it_cannot() -> None:
     """Small and short; the further runs would cost ten times as much, and are not made."""
-    test = ConeInOwnClay(
-        uncertainty="measured",
-        cells_per_radius=2.31,
-        domain_radius=8,
-        domain_above=3,
-        domain_below=4,
-        penetration=1,
-        steady_tolerance=0,
-    )
-    result = test.run()
+    result = ConeInOwnClay(**MEASURABLE).run()
     own = f"{__name__}.OwnClay"
     assert str(result.built_law.values) == own
     assert str(result.material.values) == own

@@ -13,6 +13,7 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty.cone import DIFFERENCES, NOISE
 from mpm_warp.uncertainty.further_runs import with_measured_error
+from tests.mpm_warp.conftest import MEASURABLE
 
 pytestmark = pytest.mark.slow
 
@@ -158,15 +159,7 @@ def test_the_further_runs_are_checked_before_anything_runs() -> None:
 
 def test_a_case_is_run_with_its_further_runs() -> None:
     """Small and short: the cone does not pass all soil, so that nothing is said to be known."""
-    test = ConePenetration(
-        uncertainty="measured",
-        cells_per_radius=2.31,
-        domain_radius=8,
-        domain_above=3,
-        domain_below=4,
-        penetration=1,
-        steady_tolerance=0,
-    )
+    test = ConePenetration(**MEASURABLE)
     alone = dataclasses.replace(test, uncertainty="known").run()
     results = test.run()
     assert float(results.cone_factor_simulated) == float(alone.cone_factor_simulated)

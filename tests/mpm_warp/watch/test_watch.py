@@ -5,6 +5,7 @@ On small scenes, and (slow) on every scene of the catalogue.
 
 import dataclasses
 import functools
+import itertools
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.simulation import CHECK_INTERVAL, Simulation
+from mpm_warp.simulation import Simulation
 from mpm_warp.watch import check_contact
 
 NOTICED_WITHIN = 500
@@ -82,7 +83,10 @@ def small(request: pytest.FixtureRequest) -> Scene:
 @pytest.fixture(params=[*SMALL, *(pytest.param(it, marks=pytest.mark.slow) for it in SOIL_SCENES)])
 def scene(request: pytest.FixtureRequest) -> Scene:
     """Soil in a grid: a small scene, or one of the catalogue."""
-    name = request.param
+    return scene_of(request.param, request)
+
+
+def scene_of(name: str, request: pytest.FixtureRequest) -> Scene:
     value: Scene = request.getfixturevalue(name) if name in SMALL else composition(name)
     return value
 
@@ -100,15 +104,21 @@ def plant(simulation: Simulation, array: str, particle: int, value: float) -> No
     values.reshape(len(values), -1)[particle, 0] = value
 
 
-def test_watch_looks_often_enough() -> None:
-    assert CHECK_INTERVAL <= NOTICED_WITHIN
+IN_TURN = [(name, *fault) for name, fault in zip(SOIL_SCENES, itertools.cycle(FAULTS))]
+"""On the scenes of the catalogue one fault each: the watch is the same."""
 
 
-@pytest.mark.parametrize(("array", "value", "named"), FAULTS)
+@pytest.mark.parametrize(
+    ("name", "array", "value", "named"),
+    [
+        *((name, *fault) for name in SMALL for fault in FAULTS),
+        *(pytest.param(*it, marks=pytest.mark.slow) for it in IN_TURN),
+    ],
+)
 def test_planted_fault_is_noticed_and_its_particle_named(
-    scene: Scene, array: str, value: float, named: str
+    name: str, array: str, value: float, named: str, request: pytest.FixtureRequest
 ) -> None:
-    simulation = started(scene)
+    simulation = started(scene_of(name, request))
     particle = simulation.plan.particle_count // 2
     plant(simulation, array, particle, value)
     with pytest.raises(SimulationDiverged) as noticed:

@@ -66,15 +66,6 @@ def test_an_error_is_a_share(text: str, share: float) -> None:
     assert make_parser().parse_args(["recommend", "s", "--error", text]).error == share
 
 
-@pytest.mark.parametrize("option", ["--workers=2", "--batch=2"])
-def test_what_is_timed_runs_alone(
-    option: str, small_file: Path, tmp_path: Path, refusal: Refusal
-) -> None:
-    small_file.write_text(small_file.read_text() + "[timing]\nrepeats = 1\n")
-    line = refusal(["run", str(small_file), option, f"--out={tmp_path}"])
-    assert line.endswith(f"cases are timed one at a time, without {option.partition('=')[0]}")
-
-
 def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:
     """The result holds the command line; every case would be computed, and none be kept."""
     line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])

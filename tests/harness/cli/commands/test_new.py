@@ -80,14 +80,6 @@ def test_a_study_is_described_and_planned(capsys: pytest.CaptureFixture[str]) ->
     assert total.startswith("2 cases, ")
 
 
-def test_a_plan_takes_settings(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["plan", "elastic_column_wave", "--set", "cell_count=4"]) == 0
-    coarse = capsys.readouterr().out
-    assert "kernels of a step" in coarse
-    assert main(["plan", "elastic_column_wave", "--set", "cell_count=8"]) == 0
-    assert capsys.readouterr().out != coarse
-
-
 @pytest.mark.parametrize(
     ("setting", "warning"),
     [

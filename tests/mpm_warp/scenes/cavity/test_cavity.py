@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.boundaries import RadialMotion
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.simulation import Simulation
@@ -30,24 +29,6 @@ def test_closed_form_has_its_tabulated_values(
 ) -> None:
     computed = CavityCylinder(rigidity_index=rigidity_index).exact.pressure(RADII)
     np.testing.assert_allclose(computed, pressures, atol=5e-4)  # given to three decimals
-
-
-def test_the_grid_that_followed_the_wall_is_the_grid_around_it() -> None:
-    """Integrals and volumes brought up to date on the device are those of a new grid."""
-    scene = CavityCylinder(cells_per_radius=2, rigidity_index=10.0).build()
-    simulation = Simulation(scene)
-    simulation.advance(2000)
-    radius = simulation.array("wall.motion")[:, 2]
-    assert radius[0] > 1.0
-    grid = Grid(
-        columns=scene.grid.columns,
-        rows=scene.grid.rows,
-        surface_radius=radius.copy(),
-        fitted_radius=scene.grid.outer_radius,
-    )
-    integrals = simulation.array("cell.integrals")
-    np.testing.assert_allclose(integrals, grid.gradient_integrals, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(simulation.array("cell.volume"), grid.cell_volumes, rtol=1e-9)
 
 
 CELLS = 4

@@ -11,26 +11,15 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cavity.exact import cavity_pressure, strain_rate
 from mpm_warp.scenes.material.known_paths import shear_stress
+from tests.mpm_warp.conftest import changing_clay
 
 CYLINDER, SPHERE = (2, 1.0), (3, 4 / 3)
-PERFECT = Tresca(shear_modulus=100.0, poissons_ratio=0.49, density=1.0, strength=1.0)
+ELASTIC = {"shear_modulus": 100.0, "poissons_ratio": 0.49, "density": 1.0, "strength": 1.0}
+PERFECT = Tresca(**ELASTIC)
 
 
 def clay(**changed: float) -> EinavRandolph:
-    unchanged = {
-        "rate_factor": 0.0,
-        "reference_strain_rate": 1.0,
-        "remoulded_strength_ratio": 1.0,
-        "ductility": 1.0,
-    }
-    return EinavRandolph(
-        shear_modulus=100.0,
-        poissons_ratio=0.49,
-        density=1.0,
-        strength=1.0,
-        criterion=Tresca,
-        **{**unchanged, **changed},
-    )
+    return changing_clay(**ELASTIC, **changed)
 
 
 @pytest.mark.parametrize(

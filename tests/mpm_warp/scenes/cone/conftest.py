@@ -5,7 +5,18 @@ import math
 import pytest
 
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+
+LONGER = ConePenetration(
+    cells_per_radius=2,
+    penetration=3,
+    domain_radius=20,
+    domain_above=6,
+    domain_below=6,
+    steady_tolerance=0,
+)
+"""A cone test that slips everywhere in the end."""
 
 
 @pytest.fixture

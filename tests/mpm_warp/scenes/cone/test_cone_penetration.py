@@ -7,26 +7,23 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp import Snapshots
 from mpm_warp.errors import InaccurateRun
+from mpm_warp.parts.window import Approach, Window
 from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import cone_penetration
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import SMALL_WINDOW
+from tests.mpm_warp.scenes.cone.conftest import LONGER as SHORT
 
 pytestmark = pytest.mark.slow
 
 ROUNDING = 1e-9
 """What sums over samples and nodes are exact to, generously."""
-SHORT = ConePenetration(
-    cells_per_radius=2,
-    penetration=3,
-    domain_radius=20,
-    domain_above=6,
-    domain_below=6,
-    steady_tolerance=0,
-)
 
 
 def run(**changes: float | str) -> xr.Dataset:
@@ -119,13 +116,7 @@ def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
 
 def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     hasty = ConePenetration(
-        cells_per_radius=1.5,
-        penetration=1,
-        domain_radius=8,
-        domain_above=3,
-        domain_below=3,
-        speed_ratio=0.5,
-        approach=0,
+        **SMALL_WINDOW, cells_per_radius=1.5, penetration=1, speed_ratio=0.5, approach=0
     )
     with pytest.raises(InaccurateRun, match=r"took \d+\.\d% of the penetrometer's work") as end:
         hasty.run()
@@ -194,3 +185,90 @@ def test_cone_factor_does_not_depend_on_units(
     rounding = steps * float(np.finfo(float).eps) * pressure / scene.undrained_shear_strength
     scaled = float(dataclasses.replace(scene, **other).run().cone_factor)
     assert scaled == pytest.approx(expected, abs=rounding)
+
+
+def test_a_run_takes_the_steps_that_its_plan_says() -> None:
+    """But for two: in a step the speed is that at its begin.
+
+    That costs half a step where the speed rises, gains 0.5 ln 4 where it falls to a quarter; and
+    either number is a whole one.
+    """
+    cone = ConePenetration(
+        cells_per_radius=1.5,
+        domain_radius=10,
+        domain_above=5,
+        domain_below=5,
+        penetration=12,
+        steady_tolerance=0,
+    )
+    result = cone.run()
+    assert abs(int(result.step_count) - int(result.step_count_bound)) <= 2
+    assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)
+
+
+@pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
+def test_a_hurried_approach_ends_at_the_same_cone_factor(adhesion_factor: float) -> None:
+    """After the same way; both are steady to 0.3 %, so they may differ by twice as much."""
+    cone = ConePenetration(
+        cells_per_radius=2, adhesion_factor=adhesion_factor, penetration=20, steady_tolerance=0
+    )
+    slow = float(dataclasses.replace(cone, approach=0.0).run().cone_factor)
+    assert float(cone.run().cone_factor) == pytest.approx(slow, rel=0.006)
+
+
+def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
+    def approach(**changes: float) -> Approach | None:
+        return ConePenetration(**changes).build()[Window].approach
+
+    assert approach() is not None
+    assert approach(penetration=7) is None  # its last five radii are at the final speed
+    assert approach(approach=0) is None
+    assert approach(speed_ratio=0.2, approach_speed_ratio=0.1) is None
+
+
+def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
+    """Two radii until the end of the approach, and half a radius after it."""
+    cone = ConePenetration(
+        cells_per_radius=1,
+        domain_radius=10,
+        domain_above=3,
+        domain_below=3,
+        approach=5,
+        penetration=12,
+        steady_tolerance=0,
+    )
+    result = cone.run()
+    slowed = (result.penetration > 3.0) & (result.penetration < 5.5)
+    for curve in ("penetration_resistance", "excess_pore_pressure_face"):
+        assert (result[curve].isnull() == slowed).all()
+
+
+WITHIN = 0.05
+"""Error that is allowed of a displacement behind the cone."""
+BEHIND = 1.0
+"""Depth below the top of the window in which soil is taken, over the cone's radius."""
+
+
+def test_soil_has_made_room_for_the_shaft_like_soil_around_a_cylinder() -> None:
+    """Near the shaft, far behind the tip; no soil moves further than around an endless cylinder."""
+    test = ConePenetration(accuracy="quick", penetration=22, steady_tolerance=0)
+    snapshots = Snapshots([22])
+    test.run(snapshots=snapshots)
+    fields = snapshots.dataset().isel(penetration=-1)
+    r, z, moved = (
+        fields[name].values / test.cone_radius for name in ("point_r", "point_z", "displacement_r")
+    )
+    high = z > np.nanmax(z) - BEHIND
+    beside = high & (r > 1.6) & (r < 2.4)
+    of_cylinder = r - np.sqrt(np.maximum(r * r - 1.0, 0.0))
+    assert beside.sum() >= 5
+    assert abs(np.mean(moved[beside] / of_cylinder[beside]) - 1.0) < WITHIN
+    assert np.all(moved[high & (r > 1.6)] < of_cylinder[high & (r > 1.6)])
+
+
+def test_load_of_a_cone_from_first_touch() -> None:
+    """The depth is known to a cell at worst, of the cells that the cone is in on average."""
+    cells = 10
+    scene = ConeSelfSimilar(cells_per_radius=cells)
+    mean_depth = 0.4 * cells * math.sqrt(3.0)
+    assert float(scene.run().error) <= 2.0 / mean_depth

@@ -18,12 +18,12 @@ from mpm_warp.scenes.cone.soundness import (
     check_bound,
     check_levelled,
 )
+from tests.mpm_warp.conftest import SMALL_WINDOW
+from tests.mpm_warp.scenes.cone.conftest import LONGER
 
 pytestmark = pytest.mark.slow
 
-SHORT = ConePenetration(
-    cells_per_radius=1, penetration=2, domain_radius=8, domain_above=3, domain_below=3
-)
+SHORT = ConePenetration(**SMALL_WINDOW, cells_per_radius=1, penetration=2)
 
 
 def test_a_run_that_was_to_be_steady_and_still_rises_is_unfinished_and_keeps_its_numbers() -> None:
@@ -91,16 +91,8 @@ def test_a_cone_too_fast_for_its_soil_has_no_cone_factor() -> None:
 
 
 def run(adhesion_factor: float, energy_audit: str) -> xr.Dataset:
-    return ConePenetration(
-        cells_per_radius=2,
-        penetration=3,
-        domain_radius=20,
-        domain_above=6,
-        domain_below=6,
-        steady_tolerance=0,
-        adhesion_factor=adhesion_factor,
-        energy_audit=energy_audit,
-    ).run()
+    given: dict[str, Any] = {"adhesion_factor": adhesion_factor, "energy_audit": energy_audit}
+    return dataclasses.replace(LONGER, **given).run()
 
 
 @pytest.fixture(scope="module")

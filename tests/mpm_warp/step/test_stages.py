@@ -1,0 +1,277 @@
+"""The stages of a step: points, what they give to nodes and cells, momentum, and what they take."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+
+from mpm_warp.grid.fitted import Grid, GroundGrid
+from mpm_warp.materials.elasticity import Isotropic
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parts.free_surface import FreeSurface
+from mpm_warp.parts.window import Window
+from mpm_warp.plan.launch import share_bounds
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Scene
+from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import greatest_shear
+
+
+def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) -> None:
+    """The empty ones at its end, outside every cell and without mass."""
+    plan = make_plan(cone)
+    cell, mass = (plan.arrays[f"particle.{name}"].initial for name in ("cell", "mass"))
+    assert cell is not None
+    assert mass is not None
+    empty = cell[:, 0] < 0
+    assert empty.sum() == round(cone[Window].spare_fraction * plan.particle_count)
+    np.testing.assert_array_equal(cell[empty], -1)
+    np.testing.assert_array_equal(mass[empty], 0.0)
+    bounds = share_bounds(len(cell), plan.share_count)
+    taken = [np.count_nonzero(~empty[a:b]) for a, b in itertools.pairwise(bounds)]
+    assert np.ptp(taken) <= 1
+    for first, count in zip(bounds, taken, strict=False):
+        assert not empty[first : first + count].any()
+
+
+def test_a_scene_without_a_window_has_no_slot_to_spare(floating: Scene) -> None:
+    plan = make_plan(dataclasses.replace(floating, particles_per_side=3))
+    assert plan.particle_count == 9 * floating.grid.cell_count
+    assert plan.arrays["particle.mass"].shape == (plan.particle_count,)
+
+
+def test_a_linear_velocity_arrives_at_the_nodes_amid_a_regular_lattice(floating: Scene) -> None:
+    """v = a + b z on rows of one height: what the particles on either side add cancels."""
+    regular = dataclasses.replace(floating.grid, rows=np.array([0.0, 0.5, 1.0, 1.5]))
+    simulation = Simulation(dataclasses.replace(floating, grid=regular))
+    velocity = simulation.array("particle.velocity")
+    velocity[:, 1] = 2.0 + 3.0 * simulation.array("particle.position")[:, 1]
+    simulation.advance(1)
+    before = simulation.array("node.velocities")[:, 3].reshape(4, -1)
+    np.testing.assert_allclose(before[1:-1], [[3.5] * 5, [5.0] * 5], rtol=1e-12)
+
+
+def test_nodes_have_the_mass_of_the_soil_around_them(floating: Scene) -> None:
+    """The integral of their shape functions: exact, as the centroids of upright cells are."""
+    simulation = Simulation(floating)
+    simulation.advance(1)
+    grid = floating.grid
+    mass = np.zeros(grid.node_count)
+    np.add.at(mass, grid.cell_nodes, nodal_volumes_of_cells(floating))
+    expected = floating.material.density * mass
+    np.testing.assert_allclose(simulation.array("node.mass"), expected, rtol=1e-12)
+
+
+def nodal_volumes_of_cells(scene: Scene) -> np.ndarray:
+    """Integrals of N r over rectilinear cells for their nodes, [cell_count, 4]."""
+    grid = scene.grid
+    radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
+    inner, outer = radius[:, 0], radius[:, 1]
+    to_inner = (outer - inner) * (inner / 3.0 + outer / 6.0)
+    to_outer = (outer - inner) * (inner / 6.0 + outer / 3.0)
+    half = 0.5 * (height[:, 2] - height[:, 0])
+    return np.stack([to_inner, to_outer, to_inner, to_outer], axis=-1) * half[:, None]
+
+
+def test_the_stress_of_a_cell_is_the_mean_of_its_particles_by_mass(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    random = np.random.default_rng(6)
+    stress, mass = simulation.array("particle.stress"), simulation.array("particle.mass")
+    stress[:] = random.normal(size=stress.shape)
+    mass[:] *= random.uniform(0.5, 2.0, size=mass.shape)
+    given, (column, row) = stress.copy(), simulation.array("particle.cell").T.copy()
+    simulation.advance(1)
+    grid = floating.grid
+    cell = row * grid.column_count + column
+    expected = np.stack([np.bincount(cell, mass * part) for part in given.T], axis=-1)
+    expected /= np.bincount(cell, mass)[:, None]
+    np.testing.assert_allclose(simulation.array("cell.stress"), expected, rtol=1e-12, atol=1e-15)
+
+
+def test_a_cell_at_the_surface_of_the_ground_bears_stress_as_far_as_it_is_filled(
+    floating: Scene, fitted: Grid
+) -> None:
+    """Four particles to a side of a cell; the ground ends half way up a row, below the tip."""
+    row = 1
+    assert not fitted.surface_radius[: row + 3].any()
+    half_up = 0.5 * (fitted.rows[row] + fitted.rows[row + 1])
+    ground = GroundGrid(
+        columns=fitted.columns,
+        rows=fitted.rows,
+        surface_radius=fitted.surface_radius,
+        fitted_radius=fitted.outer_radius,
+        ground_level=half_up,
+    )
+    scene = dataclasses.replace(floating, grid=ground, particles_per_side=4, parts=(FreeSurface(),))
+    simulation = Simulation(scene)
+    simulation.array("particle.stress")[:] = [-3.0, -2.0, 1.0, -2.5]
+    simulation.advance(1)
+    stress = simulation.array("cell.stress").reshape(ground.row_count, -1, 4)
+    whole, half, none = (stress[it, ground.column_count // 2] for it in (row - 1, row, row + 1))
+    np.testing.assert_allclose(whole, [-3.0, -2.0, 1.0, -2.5], rtol=1e-12)
+    # The lower half of a cell with vertical sides is half of its volume.
+    np.testing.assert_allclose(half, 0.5 * whole, rtol=1e-9)
+    np.testing.assert_array_equal(none, 0.0)
+
+
+def test_bulk_viscosity_resists_the_change_of_volume(floating: Scene) -> None:
+    """By b rho c h div v, with div v of the step before; h is 1 / |mean grad N|."""
+    still = dataclasses.replace(floating, time_step_fraction=1e-9)
+    simulation = Simulation(dataclasses.replace(still, bulk_viscosity=0.2))
+    simulation.array("particle.velocity")[:] = simulation.array("particle.position") * [1.0, -3.0]
+    simulation.advance(1)
+    simulation.array("particle.stress")[:] = 0.0
+    grid, soil = floating.grid, floating.material
+    velocity = simulation.array("node.velocities")[grid.cell_nodes]
+    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
+    flux = np.sum(velocity[..., 0] * (r + hoop) + velocity[..., 1] * z, axis=1)
+    lengths = grid.cell_volumes / np.sqrt(np.sum(r**2 + z**2, axis=1))
+    pressure = 0.2 * soil.density * soil.pressure_wave_speed * lengths * flux / grid.cell_volumes
+    simulation.advance(1)
+    expected = pressure[:, None] * [1.0, 1.0, 0.0, 1.0]
+    stress = simulation.array("cell.stress")
+    np.testing.assert_allclose(stress, expected, atol=1e-9 * np.abs(pressure).max())
+    assert pressure.min() < 0.0
+
+
+def test_a_cell_that_is_empty_for_a_moment_keeps_its_stress(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    simulation.array("particle.stress")[:] = [-3.0, -2.0, 1.0, -2.5]
+    simulation.advance(1)
+    cell = simulation.array("particle.cell")
+    cell[(cell == [1, 1]).all(axis=1)] = [2, 1]
+    simulation.array("particle.stress")[:] = 0.0
+    simulation.advance(1)
+    stress = simulation.array("cell.stress").reshape(floating.grid.row_count, -1, 4)
+    np.testing.assert_allclose(stress[1, 1], [-3.0, -2.0, 1.0, -2.5], rtol=1e-12)
+    np.testing.assert_array_equal(stress[1, 2], 0.0)
+
+
+def test_a_step_from_rest_has_hookes_stress(floating: Scene) -> None:
+    """sigma = dt (K tr D + 2 G dev D), D the mean over the cell of the nodes' velocity."""
+    simulation = Simulation(floating)
+    random = np.random.default_rng(1)
+    velocity = random.normal(size=simulation.array("particle.velocity").shape)
+    simulation.assign("particle.velocity", velocity)
+    column, row = simulation.array("particle.cell").copy().T
+    simulation.advance(1)
+    grid, soil = floating.grid, floating.material
+    assert isinstance(soil, Isotropic)
+    nodal = simulation.array("node.velocities")[grid.cell_nodes, :2]
+    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
+    integrals = (
+        nodal[..., 0] * r,
+        nodal[..., 1] * z,
+        0.5 * (nodal[..., 0] * z + nodal[..., 1] * r),
+        nodal[..., 0] * hoop,
+    )
+    strain = np.stack([it.sum(axis=1) / grid.cell_volumes for it in integrals], axis=-1)
+    strain *= simulation.plan.time_step
+    expected = 2.0 * soil.shear_modulus * strain
+    mean = soil.bulk_modulus - 2.0 / 3.0 * soil.shear_modulus
+    expected[:, [0, 1, 3]] += mean * strain[:, [0, 1, 3]].sum(axis=1)[:, None]
+    stress = simulation.array("particle.stress")
+    cell = row * grid.column_count + column
+    np.testing.assert_allclose(stress, expected[cell], rtol=1e-9, atol=1e-9 * np.abs(stress).max())
+
+
+def test_a_node_with_hardly_any_mass_is_accelerated_as_if_half_full(floating: Scene) -> None:
+    """All particles but a speck of mass are gone from one cell; its stress still pulls."""
+    simulation = Simulation(floating)
+    simulation.array("particle.stress")[:, :2] = 1e3
+    in_first_cell = (simulation.array("particle.cell") == [0, 0]).all(axis=1)
+    simulation.array("particle.mass")[in_first_cell] *= 1e-9
+    simulation.advance(1)
+    grid, step = floating.grid, simulation.plan.time_step
+    pull = 1e3 * np.abs(grid.gradient_integrals[0, 0, :2]).sum()
+    bound = step * pull / (0.5 * floating.material.density * grid.node_volumes[0])
+    assert 0.0 < np.abs(simulation.array("node.velocities")[0, :2]).max() <= bound
+
+
+def test_momentum_along_the_axis_is_kept_while_waves_run(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    random = np.random.default_rng(2)
+    velocity = random.normal(size=simulation.array("particle.velocity").shape)
+    simulation.assign("particle.velocity", velocity)
+    mass = simulation.array("particle.mass")
+    before = mass @ velocity[:, 1]
+    simulation.advance(50)
+    after = mass @ simulation.array("particle.velocity")[:, 1]
+    assert after == pytest.approx(before, abs=1e-12 * mass.sum())
+
+
+def test_the_force_on_a_node_is_minus_the_divergence_of_the_stress_around_it(
+    floating: Scene,
+) -> None:
+    """From rest, f = - sum over cells (srr Gr + srz Gz + stt Gt, srz Gr + szz Gz)."""
+    simulation = Simulation(floating)
+    grid = floating.grid
+    of_cells = 1e3 * np.random.default_rng(7).normal(size=(grid.cell_count, 4))
+    column, row = simulation.array("particle.cell").T
+    simulation.array("particle.stress")[:] = of_cells[row * grid.column_count + column]
+    simulation.advance(1)
+    rr, zz, rz, tt = of_cells.T[..., None]
+    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
+    force = np.zeros((grid.node_count, 2))
+    pull = np.stack([rr * r + rz * z + tt * hoop, rz * r + zz * z], axis=-1)
+    np.add.at(force, grid.cell_nodes, -pull)
+    impulse = simulation.array("node.mass")[:, None] * simulation.array("node.velocities")[:, :2]
+    expected = simulation.plan.time_step * force
+    np.testing.assert_allclose(impulse, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_a_velocity_beyond_all_reason_is_left_out_of_the_step(floating: Scene) -> None:
+    """The particle that gave it is for the watch to find; the others go on."""
+    simulation = Simulation(floating)
+    simulation.array("particle.velocity")[0] = 1e30
+    simulation.advance(1)
+    assert np.isfinite(simulation.array("node.velocities")).all()
+    assert np.abs(simulation.array("node.velocities")).max() == 0.0
+
+
+def test_a_rigid_motion_along_the_axis_leaves_no_stress_and_keeps_momentum(floating: Scene) -> None:
+    simulation = Simulation(floating)
+    simulation.array("particle.velocity")[:, 1] = 0.7
+    start = simulation.array("particle.position").copy()
+    simulation.advance(20)
+    np.testing.assert_allclose(simulation.array("particle.velocity")[:, 1], 0.7, rtol=1e-12)
+    risen = simulation.array("particle.position") - start
+    np.testing.assert_allclose(risen[:, 0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(risen[:, 1], 0.7 * simulation.time, rtol=1e-9)
+    np.testing.assert_allclose(simulation.array("particle.stress"), 0.0, atol=1e-7)
+
+
+def test_spin_turns_the_stress_by_its_angle(floating: Scene) -> None:
+    """A rotation of the grid's velocity in the (r, z) plane, far from the axis: no hoop strain."""
+    far = dataclasses.replace(
+        floating.grid,
+        columns=np.linspace(0.0, 1.0, 7),
+        rows=np.linspace(0.0, 1.4, 7),
+        surface_radius=np.full(7, 1e6),
+        fitted_radius=1e6 + 1.0,
+    )
+    # A step so short that the stress does not accelerate the soil by much beside its spin.
+    simulation = Simulation(dataclasses.replace(floating, grid=far, time_step_fraction=1e-4))
+    simulation.array("particle.stress")[:] = [3e4, -1e4, 5e3, 2e3]
+    spin = 1e-3 / simulation.plan.time_step
+    centre = np.array([1e6 + 0.5, 0.7])
+    velocity = (simulation.array("particle.position") - centre) @ np.array([[0, -spin], [spin, 0]])
+    simulation.assign("particle.velocity", velocity)
+    simulation.advance(1)
+    cell = simulation.array("particle.cell")
+    amid = ((cell > 0) & (cell < 5)).all(axis=1)  # a linear field arrives where soil is all around
+    after = simulation.array("particle.stress")[amid].mean(axis=0)
+    # d sigma_rr = 2 W_rz sigma_rz dt, d sigma_rz = W_rz (sigma_zz - sigma_rr) dt
+    angle = 1e-3
+    assert after[0] - 3e4 == pytest.approx(2.0 * angle * 5e3, rel=1e-2)
+    assert after[1] + 1e4 == pytest.approx(-2.0 * angle * 5e3, rel=1e-2)
+    assert after[2] - 5e3 == pytest.approx(angle * (-1e4 - 3e4), rel=1e-2)
+
+
+def test_strength_bounds_the_stress_of_every_particle(cone: Scene) -> None:
+    assert isinstance(cone.material, Tresca)
+    simulation = Simulation(cone)
+    simulation.travel_to(1.0)
+    greatest = greatest_shear(simulation.array("particle.stress")).max()
+    assert greatest == pytest.approx(cone.material.strength, rel=1e-9)
