@@ -26,7 +26,7 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats, axis_label
+from harness.pictures.drawing.quantities import Floats, axis_label, spelt
 from harness.pictures.studied import Series, Studied, label_of, series_of
 from harness.study.designs import ONE_AT_A_TIME
 from mpm_warp.scenes.full_flow.cyclic import Degradation
@@ -81,7 +81,8 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
     label_ends(axes, marks, size=7)
     if not few and len(kinds) > 1:
         for number, kind in enumerate(kinds):
-            axes.plot([], [], color=series_colour(number, len(kinds)), label=spoken(kind))
+            colour = series_colour(number, len(kinds))
+            axes.plot([], [], color=colour, label=spelt(spoken(kind)))
         legend_above(figure, axes)
     elif not few:
         colours = ScalarMappable(scale, SHADES)

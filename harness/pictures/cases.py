@@ -41,7 +41,7 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     series_colour,
 )
-from harness.pictures.drawing.quantities import Floats, assigned, axis_label, named, unit_of
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label, named, spelt, unit_of
 from harness.pictures.effects import much_varied, shows_effects
 from harness.pictures.studied import BARS, Studied
 
@@ -164,7 +164,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure:
             color=series_colour(number, len(kinds)),
             ms=4,
             capsize=3,
-            label=spoken(kind),
+            label=spelt(spoken(kind)),
         )
     unit = unit_of(dataset, soils.headlines[0]) or "-"
     axes.set_xlabel(f"{', '.join(named(dataset, name) for name in soils.headlines)} [{unit}]")

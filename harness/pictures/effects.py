@@ -151,12 +151,24 @@ def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> Non
     order = np.argsort(values.numbers, kind="stable")
     x = values.numbers[order]
     size = max(1.5, 4.0 - 0.005 * x.size)
-    axes.plot(values.numbers[sound], (effect + found.residual)[sound], "o", ms=size, color="0.55")
+    axes.errorbar(
+        values.numbers[sound],
+        (effect + found.residual)[sound],
+        studied.widths(sound),
+        fmt="o",
+        ms=size,
+        color="0.65",
+        elinewidth=0.6,
+        capsize=0,
+        zorder=1,
+    )
     if found.is_fitted:
         low, high = (effect[order] + side * found.spread for side in (-1, 1))
         style = "" if values.categories else "-"
-        axes.fill_between(x, low, high, color=ACCENT, alpha=0.2, lw=0)
-        axes.plot(x, effect[order], color=ACCENT, ls=style, marker="_" if not style else "")
+        axes.fill_between(x, low, high, color=ACCENT, alpha=0.3, lw=0, zorder=2)
+        axes.plot(
+            x, effect[order], color=ACCENT, ls=style, marker="_" if not style else "", zorder=3
+        )
     mark_failures(axes, values.numbers[~sound])
     values.dress(axes, room=5)
     axes.set_xlabel(axis_label(studied.dataset, name), fontsize=8)
@@ -177,6 +189,7 @@ def _explanations(studied: Studied, found: _Effects, shown: int) -> Sequence[str
         "the variance."
         if found.is_fitted
         else "Each dot is a case as it was computed: they are too few for a fit.",
+        studied.bars,
         most if len(studied.varied) > shown else "",
     )
 

@@ -5,6 +5,7 @@ sections_figure(fields).savefig("sections.png")
 """
 
 import functools
+import math
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
@@ -18,11 +19,14 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from harness.archive.atomic_files import write_whole
 from harness.pictures.drawing.plot_parts import chosen, series_colour
 from mpm_warp.grid.fitted import Floats, bilinear
+from mpm_warp.parts.contact import nodal_areas
 
 
 class NodalValues:
@@ -79,7 +83,10 @@ def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Float
 
 BESIDE, BELOW, ABOVE = 6.0, 6.0, 9.0
 """What is shown of the soil: beside the axis, below the tip and above it, in cone radii."""
-WIDTH = 13.0  # of a figure [inch]
+MARGIN = 1.1
+"""What is shown of a zone that is shown whole, over its reach."""
+COLUMNS, WIDTH = 3, 6.5
+"""Sections side by side, and what they fill: the width of a page [inch]."""
 YIELDS = 0.9999
 """Shear stress over shear strength from which on soil yields; it is stored in single precision."""
 LEAST_PLASTIC_STRAIN = 0.01
@@ -95,6 +102,7 @@ class _Quantity(NamedTuple):
         values: of a snapshot, in each slot of points; without dimension.
         norm: colour scale of a greatest value.
         lines: values of contour lines, or how many of them.
+        is_whole: whether as much soil is shown as has values of the last line or more.
     """
 
     label: str
@@ -102,6 +110,7 @@ class _Quantity(NamedTuple):
     values: Callable[[xr.Dataset], Floats]
     norm: Callable[[float], Normalize] = functools.partial(Normalize, 0.0)
     lines: int | Sequence[float] = 5
+    is_whole: bool = False
 
 
 def _magnitude(snapshot: xr.Dataset, vector: str) -> Floats:
@@ -133,7 +142,7 @@ QUANTITIES = (
         "viridis",
         lambda it: _magnitude(it, "velocity") / it.speed.item(),
         lambda greatest: Normalize(0.0, 1.0),
-        lines=(0.02, 0.05, 0.1, 0.2, 0.5),
+        lines=(0.02, 0.1, 0.5),
     ),
     _Quantity(
         "yielding zone: share of points [-]",
@@ -141,6 +150,7 @@ QUANTITIES = (
         lambda it: (it.deviatoric_stress.values >= YIELDS).astype(float),
         lambda greatest: Normalize(0.0, 1.0),
         lines=(0.5,),
+        is_whole=True,
     ),
 )
 
@@ -150,7 +160,7 @@ def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Fig
 
     Colours mean the same in those of all snapshots of a case.
     """
-    figure = Figure(figsize=_size(fields), dpi=150, layout="constrained")
+    figure = Figure(figsize=_size(fields), dpi=200, layout="constrained")
     last = float(fields["penetration"][-1])
     _draw_sections(figure, fields, last if penetration is None else penetration, _scales(fields))
     return figure
@@ -162,31 +172,51 @@ def _size(fields: xr.Dataset) -> tuple[float, float]:
     beside = min(BESIDE, float(fields.node_r.max()) / radius)
     below = min(BELOW, -float(fields.node_z.min()) / radius)
     above = min(ABOVE, float(fields.node_z.max()) / radius)
-    return WIDTH, round(0.5 * (below + above) / beside * WIDTH / len(QUANTITIES) + 1.3, 1)
+    rows = math.ceil(len(QUANTITIES) / COLUMNS)
+    return WIDTH, round(rows * (0.4 * (below + above) / beside * WIDTH / COLUMNS + 1.1) + 0.5, 1)
 
 
-def _scales(fields: xr.Dataset) -> list[Normalize]:
-    """The colour scale of each quantity, up to its greatest nodal value over all snapshots."""
-    greatest = []
-    for number in range(fields.sizes["penetration"]):
-        snapshot = fields.isel(penetration=number)
-        nodal = NodalValues(snapshot)
-        greatest.append([np.nanmax(nodal.of(it.values(snapshot))) for it in QUANTITIES])
-    return [it.norm(top) for it, top in zip(QUANTITIES, np.max(greatest, axis=0), strict=True)]
+class _Scale(NamedTuple):
+    """Colour scale of a quantity, and how much more soil than of the others is shown of it."""
+
+    norm: Normalize
+    widening: float
+
+
+def _scales(fields: xr.Dataset) -> list[_Scale]:
+    """The scale of each quantity, for all snapshots: up to its greatest nodal value."""
+    found = []
+    for quantity in QUANTITIES:
+        greatest, widening = -math.inf, 1.0
+        for number in range(fields.sizes["penetration"]):
+            snapshot = fields.isel(penetration=number)
+            nodal = NodalValues(snapshot)
+            values = nodal.of(quantity.values(snapshot))
+            greatest = max(greatest, float(np.nanmax(values)))
+            if quantity.is_whole:
+                inside = values >= np.atleast_1d(quantity.lines)[-1]
+                r, z = (it[inside] / fields.cone_radius.item() for it in (nodal.r, nodal.z))
+                reach = np.concatenate([r / BESIDE, -z / BELOW, z / ABOVE])
+                widening = max(widening, MARGIN * float(reach.max(initial=0.0)))
+        found.append(_Scale(quantity.norm(greatest), widening))
+    return found
 
 
 def _draw_sections(
-    figure: Figure, fields: xr.Dataset, penetration: float, norms: Sequence[Normalize]
+    figure: Figure, fields: xr.Dataset, penetration: float, scales: Sequence[_Scale]
 ) -> None:
     """Draw the sections of the snapshot nearest to a penetration [cone radii] into a figure."""
     snapshot = fields.sel(penetration=penetration, method="nearest")
     nodal = NodalValues(snapshot)
-    all_axes = figure.subplots(1, len(QUANTITIES), sharex=True, sharey=True)
-    for axes, quantity, norm in zip(all_axes, QUANTITIES, norms, strict=True):
-        _draw_section(figure, axes, quantity, norm, snapshot, nodal)
-    all_axes[0].set_ylabel("height above the tip / R [-]")
+    all_axes = figure.subplots(math.ceil(len(QUANTITIES) / COLUMNS), COLUMNS)
+    for axes in all_axes.flat[len(QUANTITIES) :]:
+        axes.remove()
+    for axes, quantity, scale in zip(all_axes.flat, QUANTITIES, scales, strict=False):
+        _draw_section(figure, axes, quantity, scale, snapshot, nodal)
+    for axes in all_axes[:, 0]:
+        axes.set_ylabel("height above the tip / R [-]", fontsize=7)
     since = "displacement and plastic strain since the soil entered the window"
-    figure.suptitle(f"{_caption(snapshot)}; {since}", x=0.01, ha="left", fontsize=9)
+    figure.suptitle(f"{_caption(snapshot)}\n{since}", x=0.01, ha="left", fontsize=8)
 
 
 def _caption(snapshot: xr.Dataset) -> str:
@@ -206,7 +236,7 @@ def _draw_section(
     figure: Figure,
     axes: Axes,
     quantity: _Quantity,
-    norm: Normalize,
+    scale: _Scale,
     snapshot: xr.Dataset,
     nodal: NodalValues,
 ) -> None:
@@ -215,32 +245,46 @@ def _draw_section(
     shown = np.ma.masked_invalid(values)
     for side in (-1.0, 1.0):
         x, colours = side * r, quantity.colours
-        image = axes.pcolormesh(x, z, shown, shading="gouraud", cmap=colours, norm=norm)
+        image = axes.pcolormesh(x, z, shown, shading="gouraud", cmap=colours, norm=scale.norm)
         image.set_rasterized(True)
         lines = axes.contour(x, z, values, quantity.lines, colors="0.5", linewidths=0.5)
-    axes.clabel(lines, fmt="%g", fontsize=6, colors="0.5")
+    wide = scale.widening
+    axes.set_xlim(-BESIDE * wide, BESIDE * wide)
+    axes.set_ylim(-BELOW * wide, ABOVE * wide)
+    for label in axes.clabel(lines, fmt="%g", fontsize=6, colors="black"):
+        label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
     right, height = (snapshot[f"surface_{axis}"].values / radius for axis in "rz")
     outline = np.stack([[*-right[::-1], *right], [*height[::-1], *height]], axis=-1)
     axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor="black", lw=0.8, zorder=3))
-    axes.set_xticks(np.arange(-6, 7, 3))
-    axes.set_xlim(-min(BESIDE, r.max()), min(BESIDE, r.max()))
-    axes.set_ylim(max(-BELOW, z.min()), min(ABOVE, z.max()))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, symmetric=True))
     axes.set_aspect("equal")
-    axes.set_xlabel("radius / R [-]")
-    figure.colorbar(image, ax=axes, orientation="horizontal", label=quantity.label, pad=0.02)
+    axes.tick_params(labelsize=6)
+    axes.set_xlabel("radius / R [-]", fontsize=7)
+    bar = figure.colorbar(image, ax=axes, orientation="horizontal", pad=0.02)
+    bar.set_label(quantity.label, fontsize=7)
+    bar.ax.tick_params(labelsize=6)
 
 
+AT_TIP = (
+    "The first two nodes have their mean: that of the tip also bears the soil ahead of it, so that "
+    "its force\nover its own small area would be a spike."
+)
 MOST_CURVES = 6
 """Snapshots that are drawn, the last among them."""
 
 
 def traction_figure(fields: xr.Dataset) -> Figure:
-    """Normal and shear traction over the distance along the surface, a curve a snapshot."""
+    """Normal and shear traction over the distance along the surface, a curve a snapshot.
+
+    The first two nodes have their mean normal traction; at the tip shear has no direction.
+    """
     figure = Figure(figsize=(7.2, 5.6), dpi=150, layout="constrained")
     normal, shear = figure.subplots(2, 1, sharex=True)
     radius = fields.cone_radius.item()
     along = (fields.surface_r.values, fields.surface_z.values)
-    distance = np.cumsum(np.hypot(*(np.diff(it, prepend=it[0]) for it in along))) / radius
+    steps = np.hypot(*(np.diff(it) for it in along))
+    distance = np.cumsum([0.0, *steps]) / radius
+    around_tip = nodal_areas(fields.surface_r.values, steps)[:2]
     face, shaft = (fields.surface_part.values == part for part in ("face", "shaft"))
     shoulder = float(distance[face].max())
     count = fields.sizes["penetration"]
@@ -249,6 +293,10 @@ def traction_figure(fields: xr.Dataset) -> Figure:
         for rank, number in enumerate(shown):
             snapshot = fields.isel(penetration=number)
             traction = snapshot[f"{kind}_traction"].values / fields.undrained_shear_strength.item()
+            if kind == "shear":
+                traction[0] = np.nan
+            else:
+                traction[:2] = np.average(traction[:2], weights=around_tip)
             colour, width = series_colour(rank, len(shown)), 0.8 + 0.8 * (number == count - 1)
             label = f"{snapshot.penetration.item():g} R"
             axes.plot(distance[face], traction[face], color=colour, lw=width, label=label)
@@ -264,11 +312,12 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     shear.set_xlim(0.0, float(distance.max()))
     normal.legend(title="penetration", fontsize=8, title_fontsize=8, frameon=False)
     figure.suptitle(_caption(fields.isel(penetration=-1)), x=0.01, ha="left", fontsize=8)
+    figure.supxlabel(AT_TIP, x=0.01, ha="left", fontsize=7)
     return figure
 
 
 FRAMES_PER_SECOND = 2
-RESOLUTION = 80
+RESOLUTION = 160
 """Pixels of a frame per inch; of a tenth of an inch an even number, as MP4 needs."""
 
 
@@ -280,7 +329,7 @@ def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
             fps=FRAMES_PER_SECOND, extra_args=["-pix_fmt", "yuv420p"]
         )
     figure = Figure(figsize=_size(fields), dpi=RESOLUTION, layout="constrained")
-    norms = _scales(fields)
+    scales = _scales(fields)
     for file, writer in writers.items():
         # Matplotlib and ffmpeg write to files alone.
         with tempfile.TemporaryDirectory(prefix="harness-film-") as folder:
@@ -288,7 +337,7 @@ def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
             with writer.saving(figure, str(film), RESOLUTION):
                 for penetration in fields["penetration"].values.tolist():
                     figure.clear()
-                    _draw_sections(figure, fields, penetration, norms)
+                    _draw_sections(figure, fields, penetration, scales)
                     writer.grab_frame()
             write_whole(film.read_bytes(), file)
     return list(writers)

@@ -79,6 +79,7 @@ def _as_one(stretches: xr.Dataset) -> xr.Dataset:
 
 
 KILO = 1e3
+JOINED = "Stretches run side by side are joined; where two overlap the curve is their mean."
 HEIGHT = 5.0
 """Of the figure [inch]: depth needs room."""
 
@@ -116,7 +117,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure:
     for axes, label in (
         (strength, "strength $s_{\\mathrm{u}}$ [kPa]"),
         (resistance, "net resistance [kPa]"),
-        (factor, "over strength at the tip [-]"),
+        (factor, "net resistance over\nstrength at the tip [-]"),
     ):
         axes.set(xlabel=label, xlim=(0.0, None))
     strength.set_ylabel("depth of the tip [m]")
@@ -128,6 +129,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure:
         figure,
         dataset,
         of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
+        JOINED if STRETCH in dataset["status"].dims else "",
         left_out(count - len(shown), "soundings"),
     )
     return figure
@@ -142,7 +144,7 @@ def _draw(
     half_width: str | None = None,
 ) -> None:
     depth, values = sounding[DEPTH].values, sounding[name].values / scale
-    axes.plot(values, depth, color=colour, lw=1.0)
+    axes.plot(values, depth, color=colour, lw=0.8)
     if half_width is not None:
         width = sounding[half_width].values / scale
         axes.fill_betweenx(depth, values - width, values + width, color=colour, alpha=0.25, lw=0)

@@ -34,7 +34,15 @@ from harness.pictures.drawing.plot_parts import (
     once,
     series_colour,
 )
-from harness.pictures.drawing.quantities import Floats, Values, assigned, plain, quantity, symbol
+from harness.pictures.drawing.quantities import (
+    Floats,
+    Values,
+    assigned,
+    plain,
+    quantity,
+    spelt,
+    symbol,
+)
 from harness.pictures.studied import method_of
 from harness.study.designs import ONE_AT_A_TIME
 
@@ -108,7 +116,10 @@ def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
 
 FRONT = "front: no other is faster and better"
 NOT_STATED = "does not state its own error"
-OF_HALF_WIDTH = "An error is no less than the half width that the case states."
+OF_HALF_WIDTH = (
+    "Points are measured errors. Thin lines go up to the half width of the case, or of the "
+    "reference, where that is greater; the front goes by their upper ends."
+)
 LEGEND_LINE = 0.15
 """Inches of a line of a legend."""
 LABEL_GAP = 0.06
@@ -148,9 +159,10 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     """Error against run time of a study's cases, and the front of those that no other beats.
 
     Each problem, a scene with one soil, has a front of its own: another is not easier or harder to
-    compute, but another. An error is no less than the half width that the case states. A case that
-    states none, among others that do, is on no front: its error may be small by luck. A case that
-    did not complete has no error: it stands on the upper edge, at the time it took.
+    compute, but another. The front goes by the half width that a case states, where that is greater
+    than its error; the point stands at the error. A case that states none, among others that do, is
+    on no front: its error may be small by luck. A case that did not complete has no error: it
+    stands on the upper edge, at the time it took.
     """
     name = error_name(dataset)
     assert name is not None, "the dataset has no errors"
@@ -160,8 +172,10 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     problems = _problems_of(dataset)
     figure, axes = empty_figure()
     axes.set(xscale="log", yscale="log")
-    _draw_fronts(axes, dataset, problems, seconds, np.where(timed & (errors > 0.0), errors, np.nan))
-    silent = timed & (measured > 0.0) & ~states_its_error(dataset)
+    drawn = timed & (measured > 0.0)
+    errors = np.where(drawn, errors, np.nan)
+    _draw_fronts(axes, dataset, problems, seconds, measured, errors)
+    silent = drawn & ~states_its_error(dataset)
     if silent.any():
         place = seconds[silent], measured[silent]
         axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
@@ -186,9 +200,17 @@ def study_figure(dataset: xr.Dataset) -> Figure:
 
 
 def _draw_fronts(
-    axes: Axes, dataset: xr.Dataset, problems: list[_Problem], seconds: Floats, errors: Floats
+    axes: Axes,
+    dataset: xr.Dataset,
+    problems: list[_Problem],
+    seconds: Floats,
+    measured: Floats,
+    errors: Floats,
 ) -> None:
-    """Draw the cases of each problem that have an error, its front with labels in a colour."""
+    """Draw the cases of each problem that have an error, its front with labels in a colour.
+
+    `errors` are those by which cases are ranked, no less than what is not known of them.
+    """
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
     for rank, problem in enumerate(problems):
@@ -197,19 +219,22 @@ def _draw_fronts(
         beaten = np.setdiff1d(own, front)
         if beaten.size:
             label = once(axes, "beaten by another")
-            axes.plot(seconds[beaten], errors[beaten], "o", color="0.6", ms=3.5, label=label)
+            axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
         colour, marker = series_colour(rank, len(problems)), MARKERS[rank % len(MARKERS)]
-        scene = [plain(spoken(problem.scene))] if several else []
+        scene = [plain(spelt(spoken(problem.scene)))] if several else []
         name = ", ".join([*scene, *problem.soil]) if len(problems) <= MOST_LABELS else ""
         label = name or once(axes, FRONT)
-        axes.plot(seconds[front], errors[front], f"{marker}-", color=colour, label=label, zorder=3)
-        apart = _apart(front, errors, np.ptp(np.log(errors[np.isfinite(errors)])))
+        place = seconds[front], measured[front]
+        axes.plot(*place, f"{marker}-", color=colour, label=label, zorder=3)
+        wider = front[errors[front] > measured[front]]
+        axes.vlines(seconds[wider], measured[wider], errors[wider], color=colour, lw=0.7)
+        apart = _apart(front, measured, np.ptp(np.log(measured[np.isfinite(errors)])))
         share = min(len(apart), budget // (len(problems) - rank))
         budget -= share
         for case in apart[chosen(len(apart), share)]:
             axes.annotate(
                 _setting_of(dataset, problem, int(case)),
-                (seconds[case], errors[case]),
+                (seconds[case], measured[case]),
                 xytext=(4, 4),
                 textcoords="offset points",
                 size=6,
@@ -221,7 +246,7 @@ def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:
     """The points of a front whose labels do not meet, the best among them."""
     kept: list[int] = []
     for case in front[::-1]:
-        if not kept or np.log(errors[case] / errors[kept[-1]]) > LABEL_GAP * log_range:
+        if not kept or abs(np.log(errors[case] / errors[kept[-1]])) > LABEL_GAP * log_range:
             kept.append(int(case))
     return np.array(kept[::-1], dtype=int)
 

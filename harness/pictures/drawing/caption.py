@@ -17,11 +17,11 @@ from harness.archive.conventions import (
     reasons_of,
     words_of,
 )
-from harness.pictures.drawing.quantities import assigned, plain
+from harness.pictures.drawing.quantities import assigned, plain, quantity, symbol
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.sounding.profile import PROFILE, replaced_by
+from mpm_warp.scenes.sounding.profile import PROFILE, columns_of, replaced_by
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
@@ -60,8 +60,12 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     `holds` says which they are, and of what: "Bands hold the resistance".
     """
     meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
-    why = words_of(reasons_of(dataset))
-    without = f"Where there is none the error is not known: {why}." if why else ""
+    reasons = reasons_of(dataset)
+    words, (_, _, sentence) = words_of(reasons), next(filter(None, reasons), "").partition(": ")
+    why = f" the error is not known: {words}" if words else ""
+    if sentence and "," not in words:  # there is room for the whole of one reason
+        why = f": {sentence.partition(', but ')[0]}"
+    without = f"Where there is none{why}." if why else ""
     return " ".join(filter(None, [meant, without]))
 
 
@@ -72,10 +76,23 @@ def fixed(dataset: xr.Dataset) -> str:
     """
     names = list(_fixed_names(dataset))
     texts = (assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED])
-    shown = [text.replace(" ", NO_BREAK) for text in texts]
+    shown = [text.replace(" ", NO_BREAK) for text in (*texts, *_by_depth(dataset))]
     scene = plain(dataset.attrs.get("scene", ""))
     rest = f"all else by the defaults of {scene}" if scene in scene_names() else ""
     return f"Fixed: {', '.join(filter(None, [*shown, rest]))}." if shown or rest else ""
+
+
+def _by_depth(dataset: xr.Dataset) -> Iterator[str]:
+    """What resistance depends on most of a profile that all cases have: from least to greatest."""
+    text = dataset[PROFILE].item() if PROFILE in dataset and not dataset[PROFILE].ndim else ""
+    columns = columns_of(text) if text else {}
+    if "shear_modulus" in columns and "strength" in columns:
+        columns["rigidity_index"] = columns["shear_modulus"] / columns["strength"]
+    for name in SOIL_AND_CONE:
+        if name in columns:
+            low, high = (quantity(float(end)) for end in np.percentile(columns[name], [0, 100]))
+            span = low if low == high else f"{low} to {high}"
+            yield f"{symbol(name)} = {span} by the profile"
 
 
 def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:

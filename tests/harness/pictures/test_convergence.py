@@ -171,3 +171,24 @@ def test_a_soil_that_gives_a_value_stands_beside_one_that_leaves_it_to_the_scene
         r"$ξ_{\mathrm{95}}$ = derived",
         r"$ξ_{\mathrm{95}}$ = 2",
     ]
+
+
+def test_a_point_is_a_measured_error_and_never_a_half_width() -> None:
+    """It ranks cases, as the upper end of a thin line."""
+    shape = ("cells_per_radius",)
+    dataset = xr.Dataset(
+        {
+            "error": (shape, [0.01, 0.03]),
+            "run_time": (shape, [1.0, 2.0]),
+            "status": (shape, ["completed"] * 2),
+            "cone_factor": (shape, [10.0, 10.0], {"role": "headline"}),
+            "cone_factor_uncertainty": (shape, [2.0, 0.5], {"role": "uncertainty"}),
+        },
+        coords={"cells_per_radius": [2, 4]},
+        attrs={"scene": "cone_penetration"},
+    )
+    figure = study_figure(dataset)
+    assert fronts(figure) == [[[1.0, 0.01], [2.0, 0.03]]]
+    (lines,) = figure.axes[0].collections
+    ends = [np.asarray(path.vertices).tolist() for path in lines.get_paths()]
+    assert ends == [[[1.0, 0.01], [1.0, 0.2]], [[2.0, 0.03], [2.0, 0.05]]]

@@ -100,6 +100,16 @@ def test_depth_goes_downward_and_each_sounding_is_one_curve_with_a_band() -> Non
     assert [it.get_text() for it in figure.legends[0].get_texts()] == ["$α$ = 0", "$α$ = 1"]
 
 
+def test_the_caption_names_what_the_profile_has_and_that_stretches_are_joined() -> None:
+    text = "depth [m], strength [kPa], rigidity_index [1], stress_anisotropy [1]"
+    of_profile = result().assign(
+        profile=((), f"{text}; 0, 20, 100, 0; 9, 40, 150, 0.3", {"role": "parameter"})
+    )
+    caption = " ".join(sounding_figure(of_profile).get_supxlabel().split())
+    assert "$I_{\\mathrm{r}}$ = 100 to 150 by the profile, $Δ$ = 0 to 0.3 by the profile" in caption
+    assert "where two overlap the curve is their mean" in caption
+
+
 def test_where_there_is_no_band_the_caption_says_why() -> None:
     reasons = np.full((2, 2), "Delta: it is beyond 0.5, from 2 to 3 m; speed: it is too high")
     dims = ("adhesion_factor", "stretch_number")
