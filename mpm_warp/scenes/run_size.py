@@ -7,6 +7,8 @@ from functools import partial
 import numpy as np
 
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.parts.window import MovingGrid
+from mpm_warp.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,31 +47,22 @@ class RunSize:
         return self.particle_count * self.step_count
 
 
-def size_in_grid(
-    grid: Grid,
-    *,
-    particles_per_cell: int = 4,
-    spare_fraction: float = 0.0,
-    duration: float,
-    wave_speed: float,
-    time_step_fraction: float,
-    narrowest: Grid | None = None,
-) -> RunSize:
+def size_in_grid(scene: Scene, duration: float) -> RunSize:
     """The size of a run of soil in a grid, every cell of which may hold soil.
 
     Args:
-        grid: the grid.
-        particles_per_cell: material points seeded in a cell.
-        spare_fraction: slots for points that enter, over those that are there at the start.
+        scene: what is run; its stiffest soil has its fastest waves.
         duration: time to the end of the run [s].
-        wave_speed: of pressure waves, with the soil where it moves through the grid [m/s].
-        time_step_fraction: time step over the critical one.
-        narrowest: a part of the grid that has its narrowest cells; default: all of it.
     """
-    time_step = time_step_fraction * shortest_crossing(narrowest or grid) / wave_speed
+    grid, window = scene.grid, scene.find(MovingGrid)
+    slots, wave_speed = 1.0, scene.material.pressure_wave_speed
+    if window is not None:
+        slots += window.spare_fraction_in(grid)
+        wave_speed += window.first_speed
+    time_step = scene.time_step_fraction * shortest_crossing(grid) / wave_speed
     return RunSize(
         cell_count=grid.cell_count,
-        particle_count=round(grid.cell_count * particles_per_cell * (1.0 + spare_fraction)),
+        particle_count=round(grid.cell_count * scene.particles_per_side**2 * slots),
         step_count=duration / time_step,
     )
 

@@ -131,12 +131,7 @@ class Bearing(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the ground, and the steps to the end of the displacement."""
-        return size_in_grid(
-            self.grid(),
-            duration=self.final_displacement / self.speed,
-            wave_speed=self.clay.pressure_wave_speed,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        return size_in_grid(self.build(), self.final_displacement / self.speed)
 
     def build(self) -> Scene:
         """The ground, and its contact with the body."""

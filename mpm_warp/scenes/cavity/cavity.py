@@ -124,13 +124,7 @@ class Cavity(ClayScene):
 
     def run_size(self) -> RunSize:
         """Cells around the cavity; the steps are those with the first time step."""
-        return size_in_grid(
-            self.grid(),
-            particles_per_cell=self.particles_per_cell,
-            duration=self.duration(self.wall),
-            wave_speed=self.clay.pressure_wave_speed,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        return size_in_grid(self.build(), self.duration(self.wall))
 
     def build(self) -> Scene:
         """The soil around the cavity, and the wall that moves."""

@@ -40,7 +40,7 @@ from mpm_warp.scenes.cone.soundness import (
     check_levelled,
     with_energy_error,
 )
-from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
+from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing
 from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
@@ -143,18 +143,16 @@ class ConePenetration(ConeTest):
             depth_below=size,
             height_above=size,
         )
-        size_of_run = size_in_grid(
-            grid,
-            particles_per_cell=self.particles_per_cell,
-            spare_fraction=window.spare_fraction,
-            duration=self._time_to_the_end,
-            wave_speed=self.clay.pressure_wave_speed + window.first_speed,
-            time_step_fraction=self.time_step_fraction,
-            narrowest=around_cone,
+        wave_speed = self.clay.pressure_wave_speed + window.first_speed
+        time_step = self.time_step_fraction * shortest_crossing(around_cone) / wave_speed
+        slots = grid.cell_count * self.particles_per_cell * (1.0 + window.spare_fraction)
+        return RunSize(
+            cell_count=grid.cell_count,
+            particle_count=round(slots),
+            step_count=self._time_to_the_end / time_step,
+            # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
+            curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
         )
-        # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
-        curve_bytes = self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0)
-        return replace(size_of_run, curve_bytes=curve_bytes)
 
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the greatest penetration."""

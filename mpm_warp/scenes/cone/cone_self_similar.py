@@ -85,14 +85,7 @@ class ConeSelfSimilar(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the grid, those above the ground too, and the steps to the final depth."""
-        window = self._window
-        return size_in_grid(
-            self._grid(),
-            spare_fraction=window.spare_fraction,
-            duration=window.time_to(self._final_depth),
-            wave_speed=self._material.pressure_wave_speed + window.first_speed,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        return size_in_grid(self.build(), self._window.time_to(self._final_depth))
 
     @property
     def _material(self) -> Tresca:

@@ -85,12 +85,7 @@ class ElasticColumnWave(CatalogueScene):
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps of all periods."""
         period_count = 1 if self.excitation == "sudden_load" else self.period_count
-        size = size_in_grid(
-            self._column.grid,
-            duration=period_count * PERIOD,
-            wave_speed=WAVE_SPEED,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        size = size_in_grid(self.build(), period_count * PERIOD)
         sampled = size.step_count * min(1.0, MOST_SAMPLED_PERIODS / period_count)
         return replace(size, curve_bytes=SAMPLE_BYTES * sampled)
 

@@ -111,13 +111,7 @@ class GravityColumn(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps until it is at rest."""
-        wave_speed = self.material.pressure_wave_speed
-        return size_in_grid(
-            self._column.grid,
-            duration=PERIODS * 4 * HEIGHT / wave_speed,
-            wave_speed=wave_speed,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        return size_in_grid(self.build(), PERIODS * 4 * HEIGHT / self.material.pressure_wave_speed)
 
     def build(self) -> Scene:
         """The column, its weight, and the damping that brings it to rest."""

@@ -269,12 +269,7 @@ class StruckColumn(Impact):
 
     def run_size(self) -> RunSize:
         """Cells of the column, and about the steps until the shock has passed it."""
-        return size_in_grid(
-            self.column.grid,
-            duration=self.duration,
-            wave_speed=self.wave_speed,
-            time_step_fraction=self.time_step_fraction,
-        )
+        return size_in_grid(self.build(), self.duration)
 
     def build(self) -> Scene:
         """Soil in the column, which can move along its height alone."""

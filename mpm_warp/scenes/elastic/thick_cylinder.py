@@ -83,12 +83,7 @@ class ThickCylinder(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the ring, and the steps until it is at rest."""
-        return size_in_grid(
-            self._grid(),
-            duration=self.rest_time,
-            wave_speed=self.material.pressure_wave_speed,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        return size_in_grid(self.build(), self.rest_time)
 
     def build(self) -> Scene:
         """The ring under pressure, damped until it is at rest."""

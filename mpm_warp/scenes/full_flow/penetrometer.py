@@ -151,15 +151,7 @@ class FullFlowPenetrometer(FieldClayScene):
 
     def run_size(self) -> RunSize:
         """Cells and material points of the grid, and the steps to the end."""
-        grid = self.grid
-        return size_in_grid(
-            grid,
-            particles_per_cell=self.particles_per_cell,
-            spare_fraction=self.window.spare_fraction_in(grid),
-            duration=self.end_time,
-            wave_speed=self.clay.pressure_wave_speed + self.window.first_speed,
-            time_step_fraction=TIME_STEP_FRACTION,
-        )
+        return size_in_grid(self.build(), self.end_time)
 
     def step_count_bound(self, plan: Plan) -> int:
         """Steps to the end."""
