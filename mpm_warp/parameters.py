@@ -10,7 +10,6 @@ inherit; :func:`redefined` changes what differs in one of them.
 import dataclasses
 import difflib
 import functools
-import math
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -18,9 +17,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpm_warp.aliases import SCENES, what_to_give
+from mpm_warp.arguments import Range
 from mpm_warp.errors import ParameterError
 
 Value = float | int | str | bool
+BOUNDS = tuple(field.name for field in dataclasses.fields(Range))
+"""Names of the bounds of numbers."""
 
 
 class Derived(float):
@@ -70,18 +72,8 @@ class Parameter:
         """What values are allowed, in words."""
         if self.choices is not None:
             return "one of " + ", ".join(repr(choice) for choice in self.choices)
-        bounds = [
-            f"{sign} {bound:g}"
-            for sign, bound in (
-                (">=", self.minimum),
-                (">", self.above),
-                ("<=", self.maximum),
-                ("<", self.below),
-            )
-            if bound is not None
-        ]
         kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
-        return " ".join([kind[self.kind], " and ".join(bounds)]).strip()
+        return f"{kind[self.kind]} {self._range.allowed}".strip()
 
     @property
     def explanation(self) -> str:
@@ -122,13 +114,12 @@ class Parameter:
             return value in self.choices
         if isinstance(value, str):
             return True
-        return (
-            math.isfinite(value)
-            and (self.minimum is None or value >= self.minimum)
-            and (self.maximum is None or value <= self.maximum)
-            and (self.above is None or value > self.above)
-            and (self.below is None or value < self.below)
-        )
+        return self._range.holds(value, value)
+
+    @functools.cached_property
+    def _range(self) -> Range:
+        given = {bound: getattr(self, bound) for bound in BOUNDS}
+        return Range(**{bound: it for bound, it in given.items() if it is not None})
 
 
 def parameter(

@@ -15,11 +15,9 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import loaded_laws, other_law, other_laws
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import Derived, Parameter, fill_in, parameter
+from mpm_warp.parameters import BOUNDS, Derived, Parameter, fill_in, parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
-BOUNDS = ("minimum", "maximum", "above", "below", "choices")
-"""What a parameter's range is made of."""
 NEEDED = (
     ("rate_factor", 0.0, "reference_strain_rate", "in 1/s"),
     ("remoulded_strength_ratio", 1.0, "ductility", "the plastic shear strain of 95 % of the loss"),
@@ -269,7 +267,7 @@ def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
         for name, it in found
     )
     _, first = found[0]
-    bounds = {it: getattr(first, it) for it in BOUNDS} if len(found) == 1 else {}
+    bounds = {it: getattr(first, it) for it in (*BOUNDS, "choices")} if len(found) == 1 else {}
     return parameter(None, f"{first.meaning} ({laws})", unit=first.unit, **bounds)
 
 

@@ -42,6 +42,9 @@ LEAST_SAMPLES = 3
 """Samples that make a plateau, at least."""
 TIME_STEP_FRACTION = 0.85
 
+Exact = tuple[float, str]
+"""A limit load over area and su, where it comes from, and how exact it is."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing(CatalogueScene):
@@ -69,13 +72,8 @@ class Bearing(CatalogueScene):
 
     @property
     @abstractmethod
-    def exact_load(self) -> float:
-        """Exact limit load over area and su."""
-
-    @property
-    @abstractmethod
-    def exact_source(self) -> str:
-        """Where the exact load comes from, and how exact it is."""
+    def exact(self) -> Exact | None:
+        """The exact limit load; None where none is known."""
 
     @abstractmethod
     def grid(self) -> Grid:
@@ -181,9 +179,9 @@ class Bearing(CatalogueScene):
             role="headline",
             bearing_capacity=(limit, "1", "limit load over area and su", PLATEAU_IS),
         )
-        exact = self.exact_load
-        if math.isnan(exact):
+        if self.exact is None:
             return computed
+        exact, source = self.exact
         error = (
             abs(limit / exact - 1),
             "1",
@@ -198,7 +196,7 @@ class Bearing(CatalogueScene):
                     exact,
                     "1",
                     "limit load over area and su, exact",
-                    self.exact_source,
+                    source,
                 )
             )
         )

@@ -13,7 +13,7 @@ from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import Verification
 from mpm_warp.scenes.cone.parameters import ConeTest
@@ -34,9 +34,6 @@ class OnGround(Bearing):
     at all depths, on which no limit load depends.
     """
 
-    uniform_exact_source: ClassVar[str]
-    """Where the exact load on uniform soil comes from, and how exact it is."""
-
     strength_gradient_ratio: float = parameter(
         0.0,
         "growth of strength with depth, k R / su0, su0 the strength su at the surface",
@@ -46,8 +43,8 @@ class OnGround(Bearing):
 
     @property
     @abstractmethod
-    def uniform_exact_load(self) -> float:
-        """Exact limit load over area and su on uniform soil; not a number where none is known."""
+    def exact_if_uniform(self) -> Exact | None:
+        """That on uniform soil."""
 
     @property
     @abstractmethod
@@ -65,16 +62,11 @@ class OnGround(Bearing):
         return self.strength_gradient_ratio == 0.0
 
     @property
-    def exact_load(self) -> float:
-        """Exact limit load over area and su0; not a number where none is known."""
+    def exact(self) -> Exact | None:
+        """See `Bearing`; over su0."""
         if self.is_uniform:
-            return self.uniform_exact_load
-        return math.nan if self.slip_lines is None else self.slip_lines.limit_load
-
-    @property
-    def exact_source(self) -> str:
-        """Where the exact load comes from, and how exact it is."""
-        return self.uniform_exact_source if self.is_uniform else SLIP_LINE_SOURCE
+            return self.exact_if_uniform
+        return None if self.slip_lines is None else (self.slip_lines.limit_load, SLIP_LINE_SOURCE)
 
     @property
     def final_displacement(self) -> float:
@@ -170,16 +162,15 @@ class CircularFooting(Footing):
 
     summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
     version: ClassVar[int] = 3
-    uniform_exact_source: ClassVar[str] = (
-        "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
-        "Z. angew. Math. Phys. 11:33-43"
-    )
     planar: ClassVar[bool] = False
 
     @property
-    def uniform_exact_load(self) -> float:
-        """Exact limit load over area and su, of a smooth or a rough disc."""
-        return 5.69 if self.adhesion_factor == 0.0 else 6.05
+    def exact_if_uniform(self) -> Exact:
+        """Of a smooth or a rough disc."""
+        return 5.69 if self.adhesion_factor == 0.0 else 6.05, (
+            "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
+            "Z. angew. Math. Phys. 11:33-43"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,15 +179,13 @@ class StripFooting(Footing):
 
     summary: ClassVar[str] = "limit load of a strip footing in plane strain, smooth and rough"
     version: ClassVar[int] = 3
-    uniform_exact_source: ClassVar[str] = (
-        "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
-    )
     planar: ClassVar[bool] = True
 
     @property
-    def uniform_exact_load(self) -> float:
-        """Exact limit load over area and su, whatever the adhesion."""
-        return 2.0 + math.pi
+    def exact_if_uniform(self) -> Exact:
+        """Whatever the adhesion."""
+        source = "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
+        return 2.0 + math.pi, source
 
 
 EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}
@@ -212,10 +201,6 @@ class ConeBearing(OnGround):
 
     summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"
     version: ClassVar[int] = 3
-    uniform_exact_source: ClassVar[str] = (
-        "slip lines with the hypothesis of Haar and von Karman, integrated for this project; the "
-        "same integration gives 5.689 and 6.049 for the smooth and the rough disc"
-    )
     verifications: ClassVar[tuple[Verification, ...]] = tuple(
         Verification(
             resolution="cells_per_radius",
@@ -233,9 +218,14 @@ class ConeBearing(OnGround):
     apex_angle: float = redefined(ConeTest, "apex_angle")
 
     @property
-    def uniform_exact_load(self) -> float:
-        """Exact limit load over area and su; not a number where none is known."""
-        return EXACT.get(self.adhesion_factor, math.nan) if self.apex_angle == 60.0 else math.nan
+    def exact_if_uniform(self) -> Exact | None:
+        """Of the cones of `EXACT`."""
+        if self.apex_angle != 60.0 or self.adhesion_factor not in EXACT:
+            return None
+        return EXACT[self.adhesion_factor], (
+            "slip lines with the hypothesis of Haar and von Karman, integrated for this project; "
+            "the same integration gives 5.689 and 6.049 for the smooth and the rough disc"
+        )
 
     @property
     def slip_lines(self) -> SlipLines | None:

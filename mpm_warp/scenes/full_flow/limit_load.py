@@ -16,7 +16,7 @@ from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing
+from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.catalogue import Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
@@ -107,7 +107,7 @@ class FullFlowCylinder(FullFlow):
     """Half a cylinder on rays, in plane strain.
 
     Force over (diameter times su), with D = asin(adhesion factor):
-    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); the attribute `exact_source` says where from.
+    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `LIMIT_LOAD_SOURCE`.
     """
 
     summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
@@ -124,14 +124,9 @@ class FullFlowCylinder(FullFlow):
     )
 
     @property
-    def exact_load(self) -> float:
-        """Exact limit load over diameter and su."""
-        return limit_load(self.adhesion_factor)
-
-    @property
-    def exact_source(self) -> str:
-        """Where the exact load comes from, and how exact it is."""
-        return LIMIT_LOAD_SOURCE
+    def exact(self) -> Exact:
+        """See `Bearing`; over diameter and su."""
+        return limit_load(self.adhesion_factor), LIMIT_LOAD_SOURCE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,15 +161,11 @@ class FullFlowSphere(FullFlow):
         return CRITERIA[self.material]
 
     @property
-    def exact_load(self) -> float:
-        """Exact limit load over projected area and su; not a number where none is known."""
-        is_known = self.material == "von_mises" and self.adhesion_factor == 1.0
-        return ROUGH_VON_MISES if is_known else math.nan
-
-    @property
-    def exact_source(self) -> str:
-        """Where the exact load comes from, and how exact it is."""
-        return (
+    def exact(self) -> Exact | None:
+        """See `Bearing`; over projected area and su."""
+        if self.material != "von_mises" or self.adhesion_factor != 1.0:
+            return None
+        return ROUGH_VON_MISES, (
             "critical yield number 0.143 of a sphere in a Bingham fluid, Beris, Tsamopoulos, "
             "Armstrong & Brown 1985, J. Fluid Mech. 158:219-244; its last digit is worth 0.35 %"
         )
