@@ -301,10 +301,7 @@ def graded(first: float, length: float, growth: float) -> Floats:
     Raises:
         SceneError: a value is not allowed.
     """
-    check_number("graded: first", first, POSITIVE, unit="m")
-    check_number("graded: length", length, Range(above=first), unit="m")
-    check_number("graded: growth", growth, Range(above=1.0))
-    count = max(1, round(np.log1p(length / first * (growth - 1.0)) / np.log(growth)))
+    count = max(1, _cell_count("graded", first, length, growth))
     low, high = 1.0 + 1e-12, 10.0
     for _ in range(100):
         middle = 0.5 * (low + high)
@@ -312,26 +309,20 @@ def graded(first: float, length: float, growth: float) -> Floats:
         is_huge = count * math.log(middle) > LARGEST_EXPONENT
         reached = math.inf if is_huge else first * (middle**count - 1.0) / (middle - 1.0)
         low, high = (middle, high) if reached < length else (low, middle)
-    edges: Floats = first * (low ** np.arange(count + 1) - 1.0) / (low - 1.0)
+    edges: Floats = first * (low ** np.arange(count + 1.0) - 1.0) / (low - 1.0)
     edges[-1] = length
     return edges
 
 
+def _cell_count(name: str, first: float, length: float, growth: float) -> int:
+    check_number(f"{name}: first", first, POSITIVE, unit="m")
+    check_number(f"{name}: length", length, Range(above=first), unit="m")
+    check_number(f"{name}: growth", growth, Range(above=1.0))
+    count: int = round(np.log1p(length / first * (growth - 1.0)) / np.log(growth))
+    return count
+
+
 def growing(first: float, length: float, growth: float) -> Floats:
-    """Edges from 0 to about `length` whose spacing starts with `first` and grows by `growth`.
-
-    Both are exact; the number of cells is the whole one with which the last edge is nearest.
-
-    Args:
-        first: width of the first cell [m].
-        length: sum of all widths, about [m], more than `first`.
-        growth: ratio of a cell's width to the one before, more than 1.
-
-    Raises:
-        SceneError: a value is not allowed.
-    """
-    check_number("growing: first", first, POSITIVE, unit="m")
-    check_number("growing: length", length, Range(above=first), unit="m")
-    check_number("growing: growth", growth, Range(above=1.0))
-    count = round(np.log1p(length / first * (growth - 1.0)) / np.log(growth))
-    return first * (growth ** np.arange(count + 1) - 1.0) / (growth - 1.0)
+    """Edges as `graded` gives them, `first` and `growth` kept and the length adjusted."""
+    count = _cell_count("growing", first, length, growth)
+    return first * (growth ** np.arange(count + 1.0) - 1.0) / (growth - 1.0)

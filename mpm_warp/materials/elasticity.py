@@ -73,12 +73,8 @@ class Isotropic(Material):
     @property
     def bulk_modulus(self) -> float:
         """K = 2 G (1 + nu) / (3 (1 - 2 nu)) [Pa]."""
-        return (
-            2.0
-            * self.shear_modulus
-            * (1.0 + self.poissons_ratio)
-            / (3.0 * (1.0 - 2.0 * self.poissons_ratio))
-        )
+        nu = self.poissons_ratio
+        return 2.0 * self.shear_modulus * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
 
     @property
     def ground_shear_modulus(self) -> float:

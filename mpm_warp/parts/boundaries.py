@@ -11,8 +11,9 @@ displacement of a node; the dashpots are implicit:
     m dv/dt = -k w - c v,    dw/dt = v_r                        far field
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import warp as wp
@@ -53,11 +54,27 @@ class Fixed(Part):
         check_nodes("Fixed: nodes", self.nodes, scene.grid.node_count)
 
     @classmethod
-    def axis(cls, grid: Grid) -> Self:
-        """No radial velocity on the axis."""
-        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        radial[grid.surface_radius == 0.0, 0] = True
-        return cls.where(radial=radial, vertical=np.zeros_like(radial))
+    def on(cls, grid: Grid, *, radial: Sequence[str] = (), vertical: Sequence[str] = ()) -> Self:
+        """Nodes held along lines of a grid.
+
+        Args:
+            grid: the grid.
+            radial: where the radial velocity is held: "bottom", "top", "side", "axis", as far as
+                there is soil on it, or "everywhere".
+            vertical: the same for the vertical velocity.
+        """
+        lines: dict[str, Any] = {
+            "bottom": np.s_[0],
+            "top": np.s_[-1],
+            "side": np.s_[:, -1],
+            "axis": (grid.surface_radius == 0.0, 0),
+            "everywhere": np.s_[:],
+        }
+        held = np.zeros((2, grid.row_count + 1, grid.column_count + 1), dtype=bool)
+        for component, names in zip(held, (radial, vertical), strict=True):
+            for name in names:
+                component[lines[name]] = True
+        return cls.where(radial=held[0], vertical=held[1])
 
     @classmethod
     def where(cls, *, radial: Booleans, vertical: Booleans) -> Self:

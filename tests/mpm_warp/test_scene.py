@@ -48,7 +48,7 @@ def plane(rectilinear: Grid) -> Grid:
             "ConservativeInterpolation: not together with a grid of rays$",
         ),
         ({"parts": (EnergyBalance(),)}, "EnergyBalance: not without a MovingGrid$"),
-        ({"parts": (Fixed.axis, WALL)}, r"parts\[0\] = <.*> must be of type Part$"),
+        ({"parts": (Fixed.on, WALL)}, r"parts\[0\] = <.*> must be of type Part$"),
     ],
 )
 def test_what_does_not_go_together_is_refused_in_one_line(

@@ -120,12 +120,7 @@ class Bearing(CatalogueScene):
 
     def fixed(self, grid: Grid) -> Fixed:
         """Nodes on the axis, on the side of the soil and below it."""
-        vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        vertical[0] = True
-        radial = vertical.copy()
-        radial[grid.surface_radius == 0.0, 0] = True
-        radial[:, -1] = True
-        return Fixed.where(radial=radial, vertical=vertical)
+        return Fixed.on(grid, radial=["axis", "side", "bottom"], vertical=["bottom"])
 
     def run_size(self) -> RunSize:
         """Cells of the ground, and the steps to the end of the displacement."""

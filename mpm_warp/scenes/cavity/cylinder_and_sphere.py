@@ -118,8 +118,7 @@ class CavityCylinder(Cavity):
 
     def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
         """Nothing moves along the axis; around the grid is the elastic medium, as springs."""
-        vertical = np.ones((2, len(grid.columns)), dtype=bool)
-        fixed = Fixed.where(radial=np.zeros_like(vertical), vertical=vertical)
+        fixed = Fixed.on(grid, vertical=["everywhere"])
         far_field = FarField.around(grid, material)
         # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
         return fixed, dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
@@ -165,11 +164,7 @@ class CavitySphere(Cavity):
 
         Where the clay softens it moves along rays, which keeps the flow as round as the exact one.
         """
-        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        vertical = radial.copy()
-        radial[0] = True
-        vertical[-1] = True
-        fixed = Fixed.where(radial=radial, vertical=vertical)
+        fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])
         return (RadialMotion(), fixed) if self.remoulded_strength_ratio < 1.0 else (fixed,)
 
     def wall_area(self, grid: Grid, radius: float) -> float:

@@ -86,7 +86,7 @@ class ConePenetration(ConeTest):
             bulk_viscosity=0.2,
             stress_at_rest=self.stress_at_rest,
             parts=(
-                Fixed.axis(grid),
+                Fixed.on(grid, radial=["axis"]),
                 SurroundingGround(grid=grid, material=material, source=self._source),
                 PenetrometerContact.of(
                     self.penetrometer,

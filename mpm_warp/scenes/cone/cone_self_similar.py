@@ -60,10 +60,6 @@ class ConeSelfSimilar(CatalogueScene):
     def build(self) -> Scene:
         """The ground and its surface; the contact is a `PenetrometerContact`."""
         grid = self._grid()
-        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        radial[0] = radial[:, -1] = True
-        vertical = radial.copy()
-        radial[grid.surface_radius == 0.0, 0] = True
         return Scene(
             grid=grid,
             material=self._material,
@@ -71,7 +67,7 @@ class ConeSelfSimilar(CatalogueScene):
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             parts=(
-                Fixed.where(radial=radial, vertical=vertical),
+                Fixed.on(grid, radial=["axis", "bottom", "side"], vertical=["bottom", "side"]),
                 PenetrometerContact.of(
                     self._penetrometer,
                     grid,

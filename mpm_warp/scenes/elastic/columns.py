@@ -54,9 +54,7 @@ class Column:
     @property
     def fixed(self) -> Fixed:
         """No radial velocity anywhere, none at all at the base."""
-        vertical = np.zeros((self.cell_count + 1, 2), dtype=bool)
-        vertical[0] = True
-        return Fixed.where(radial=np.ones_like(vertical), vertical=vertical)
+        return Fixed.on(self.grid, radial=["everywhere"], vertical=["bottom"])
 
     def pressure_on_top(self, pressure: float) -> NodalLoad:
         """A uniform pressure [Pa] on the top, downward."""

@@ -127,12 +127,9 @@ class ThickCylinder(CatalogueScene):
         return NodalLoad(nodes=grid.node(np.zeros_like(rows), rows), forces=forces)
 
     def _fixed(self, grid: Grid) -> Fixed:
-        radial = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        vertical = np.ones_like(radial)
         if grid.polar:  # two planes of symmetry
-            radial[0] = True
-            vertical[:-1] = False
-        return Fixed.where(radial=radial, vertical=vertical)
+            return Fixed.on(grid, radial=["bottom"], vertical=["top"])
+        return Fixed.on(grid, vertical=["everywhere"])
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the ring come to rest, and compare stresses and displacement with the exact ones."""

@@ -72,11 +72,7 @@ class FullFlow(Bearing):
 
     def fixed(self, grid: Grid) -> Fixed:
         """Nodes on the line of travel, and those around the soil."""
-        vertical = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-        vertical[:, -1] = True
-        radial = vertical.copy()
-        radial[[0, -1]] = True
-        return Fixed.where(radial=radial, vertical=vertical)
+        return Fixed.on(grid, radial=["bottom", "top", "side"], vertical=["side"])
 
     def contact(self, grid: Grid) -> SurfaceContact:
         """Contact all around the body."""

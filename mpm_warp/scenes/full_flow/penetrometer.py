@@ -129,6 +129,7 @@ class FullFlowPenetrometer(FieldClayScene):
         """The soil around the body."""
         grid, strength = self.grid, self.undrained_shear_strength
         surroundings = self.surroundings(grid)
+        at_rest = ["bottom", "top", "side"] if surroundings is None else []
         return Scene(
             grid=grid,
             material=self.clay,
@@ -136,7 +137,8 @@ class FullFlowPenetrometer(FieldClayScene):
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             parts=(
-                _fixed(grid, rests_around=surroundings is None),
+                # Around a window that rests nothing moves.
+                Fixed.on(grid, radial=["axis", *at_rest], vertical=at_rest),
                 *([] if surroundings is None else [surroundings]),
                 self.body.contact(
                     grid,
@@ -211,14 +213,3 @@ class ResistanceSamples:
     def resistance(self) -> Floats:
         """Force over projected area [Pa], shape [sample_count]."""
         return np.array(self.forces) / self._area
-
-
-def _fixed(grid: Grid, *, rests_around: bool) -> Fixed:
-    """Soil stays on the line of travel; around a window that rests nothing moves."""
-    around = np.zeros((grid.row_count + 1, grid.column_count + 1), dtype=bool)
-    if rests_around:
-        around[[0, -1]] = True
-        around[:, -1] = True
-    radial = around.copy()
-    radial[grid.surface_radius == 0.0, 0] = True
-    return Fixed.where(radial=radial, vertical=around)

@@ -167,14 +167,12 @@ class Sounding(SoundingTest):
                 ground.vertical_stress_at(at),
             )
         )
-        greatest = ground.greatest_adhesion_factor(self.adhesion_factor)
-        of_shaft = adhesion_factor / greatest if greatest > 0.0 else 1.0
         changes: dict[str, Any] = {
             "uncertainty": "measured",
             "rigidity_index": shear_modulus / strength,
             "undrained_shear_strength": strength,
             "adhesion_factor": adhesion_factor,
-            "shaft_adhesion_factor": of_shaft * self.shaft_adhesion_factor,
+            "shaft_adhesion_factor": self.shaft_adhesion(adhesion_factor),
             "stress_anisotropy": anisotropy,
             "in_situ_stress": vertical,
             "speed_ratio": math.sqrt(self.dynamic_pressure / shear_modulus),
