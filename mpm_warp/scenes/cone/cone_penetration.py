@@ -66,7 +66,7 @@ class ConePenetration(ConeTest):
     """
 
     summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 13
+    version: ClassVar[int] = 14
     comparable: ClassVar[str | None] = "cone_factor"
     snapshots_over: ClassVar[str | None] = AXIS
 

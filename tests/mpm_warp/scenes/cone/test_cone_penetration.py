@@ -135,6 +135,25 @@ def test_the_approach_is_as_fast_as_its_inertia_allows(rigidity_index: float, ra
 
 
 @pytest.mark.parametrize(
+    ("changes", "ratio"),
+    [
+        ({"rigidity_index": 64.0}, 0.0375),
+        ({"rigidity_index": 25.0}, 0.05),
+        ({"rigidity_index": 400.0}, 0.03),
+        ({"rigidity_index": 25.0, "accuracy": "quick"}, 0.045),
+        ({"rigidity_index": 25.0, "accuracy": "fine"}, 0.03),
+        ({"rigidity_index": 64.0, "material": "von_mises"}, 0.03),
+        ({"rigidity_index": 64.0, "remoulded_strength_ratio": 0.5, "ductility": 10.0}, 0.03),
+    ],
+)
+def test_soft_clay_whose_error_is_known_is_penetrated_with_the_inertia_of_stiffer_clay(
+    changes: dict[str, float | str], ratio: float
+) -> None:
+    """Ir V^2 over the square of the shear wave's speed is that at Ir 100, 0.09."""
+    assert ConePenetration(**changes).speed_ratio == pytest.approx(ratio, rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
     ("adhesion_factor", "default", "half_width"), [(0.0, 10.529, 0.076), (1.0, 12.044, 0.082)]
 )
 def test_quick_cone_factor_agrees_with_the_default_one(
