@@ -101,10 +101,7 @@ def _label(studied: Studied, case: int, usual: dict[str, float]) -> str:
 class _Soils:
     """Cases of several scenes, those with the same values of what varies in one row.
 
-    Attributes:
-        headlines: names of what the scenes were run for.
-        labels: of the rows.
-        cases: number of the case of each scene in each row, by scene.
+    Each scene has the number of its case in each row; the headlines are what they were run for.
     """
 
     headlines: list[str]

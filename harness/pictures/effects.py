@@ -204,13 +204,7 @@ def shows_tornado(dataset: xr.Dataset) -> bool:
 
 @dataclass(frozen=True)
 class _Bar:
-    """What one parameter does alone.
-
-    Attributes:
-        values: of the parameter in all cases; the first case has those of the start.
-        cases: those that differ from the first in this parameter alone.
-        change: of the headline in these cases, from the first one's.
-    """
+    """What one parameter does alone: cases that differ in it from the first, and their change."""
 
     values: Values
     cases: np.ndarray

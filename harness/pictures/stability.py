@@ -126,10 +126,7 @@ def short_reason(message: str) -> str:
 class Strip:
     """How the case of defaults ended, and those that differ from it in one parameter.
 
-    Attributes:
-        values: of the parameter.
-        default: its value in the case from which all others start; the first of categories.
-        outcomes: of these cases.
+    The default is the parameter's value in the case from which all others start.
     """
 
     values: Values

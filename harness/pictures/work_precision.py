@@ -49,13 +49,9 @@ from harness.study.designs import ONE_AT_A_TIME
 
 @dataclass(frozen=True)
 class _Problem:
-    """Cases that ask the same question: they differ in parameters of the method alone.
+    """Cases that ask the same question: they differ in settings of the method alone.
 
-    Attributes:
-        cases: which they are.
-        scene: their scene.
-        soil: what else the study varies within the scene, in words.
-        settings: the parameters of the method that vary among them.
+    The soil is what else the study varies within the scene, in words.
     """
 
     cases: np.ndarray
