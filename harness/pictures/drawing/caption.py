@@ -19,6 +19,7 @@ from harness.archive.conventions import (
 )
 from harness.pictures.drawing.quantities import assigned, plain, quantity, symbol
 from mpm_warp.errors import ParameterError
+from mpm_warp.materials.other_laws import loaded_laws, other_law
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.sounding.profile import PROFILE, columns_of, replaced_by
@@ -105,7 +106,8 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
         for name, own in stored.items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
-    ground = dataset[constant[PROFILE]].item() if PROFILE in constant else ""
+    # A table has no room in a caption.
+    ground = dataset[constant.pop(PROFILE)].item() if PROFILE in constant else ""
     for name in replaced_by(ground) if ground else ():
         constant.pop(name, None)
     others = [
@@ -114,6 +116,7 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
         if name in defaults and not _same(dataset[constant[name]].item(), defaults[name])
     ]
     main = [name for name in SOIL_AND_CONE if name in constant]
+    main += [name for name in _of_law(dataset) if name in others]
     yield from (constant[name] for name in dict.fromkeys([*main, *others]))
 
 
@@ -124,6 +127,7 @@ def _defaults(
     definitions = parameters_of(scene)
     derivable: Mapping[str, Value] = scene().derived()
     defaults = {name: it.default for name, it in definitions.items() if name not in derivable}
+    defaults |= _of_law(dataset)
     first = {name: over_cases(dataset, stored[name])[0] for name in defaults if name in stored}
     given = {name: definitions[name].kind(it) for name, it in first.items() if is_there(it)}
     try:
@@ -132,10 +136,16 @@ def _defaults(
         return defaults
 
 
+def _of_law(dataset: xr.Dataset) -> dict[str, Value | None]:
+    """Defaults of the parameters that the law of the first case has of its own, by name."""
+    name = str(over_cases(dataset, "material")[0]) if "material" in dataset else ""
+    if name not in loaded_laws():
+        return {}
+    return {name: it.default for name, it in other_law(name).parameters.items()}
+
+
 def _same(value: Value, default: Value | None) -> bool:
-    """Whether a value is a default, to rounding; a table has no room in a caption."""
-    if default is None:
-        return isinstance(value, str)
+    """Whether a value is a default, to rounding."""
     return bool(np.isclose(value, default)) if isinstance(default, float) else value == default
 
 

@@ -135,11 +135,17 @@ class CavitySphere(Cavity):
     The grid ends, without traction, at six times the radius of the plastic zone: what is missing
     beyond lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
 
+    The stress before is the same in all directions, so there is no stress anisotropy: with it soil
+    does not move along the rays, the strain path of a point is not known, nor is any exact pressure.
+
     Where the clay softens, soil moves along the rays alone, as the exact pressure takes it to: a
     free flow of Tresca soil parts from that and bears less.
     """
 
-    summary: ClassVar[str] = "pressure of an expanding spherical cavity in undrained clay"
+    summary: ClassVar[str] = (
+        "pressure of an expanding spherical cavity in undrained clay, with the same stress in all "
+        "directions before"
+    )
     version: ClassVar[int] = 6
     verifications: ClassVar[tuple[Verification, ...]] = verifications(
         0.02, (4, 6), HURRIED, LATE, SOON

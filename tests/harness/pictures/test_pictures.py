@@ -16,6 +16,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+import mpm_warp
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import fixed
@@ -133,6 +134,10 @@ def test_the_caption_names_what_has_no_default() -> None:
     assert "0.3" in caption
     assert "15" in caption
     assert "$R/h$" not in caption
+    shape = {"critical_state_shape": "matsuoka_nakai", "material": "modified_cam_clay"}
+    caption = caption_of(mpm_warp.ConePenetration(**shape))
+    assert "matsuoka\N{NO-BREAK SPACE}nakai" in caption
+    assert "κ" not in caption  # that of the law
 
 
 def test_the_caption_leaves_out_what_a_profile_takes_the_place_of() -> None:
