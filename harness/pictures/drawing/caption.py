@@ -66,7 +66,8 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     why = f" the error is not known: {words}" if words else ""
     if sentence and "," not in words:  # there is room for the whole of one reason
         why = f": {sentence.partition(', but ')[0]}"
-    without = f"Where there is none{why}." if why else ""
+    where = "Where there is none" if are_shown else "There are no half widths"
+    without = f"{where}{why}." if why else ""
     return " ".join(filter(None, [meant, without]))
 
 

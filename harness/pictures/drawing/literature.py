@@ -41,7 +41,7 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
             linewidth=0,
             alpha=0.5,
             zorder=0.5,
-            label=f"experience, {entry.label}: {entry.band}",
+            label=f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}",
         )
 
 

@@ -136,7 +136,7 @@ class CavitySphere(Cavity):
     beyond lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
 
     The stress before is the same in all directions, so there is no stress anisotropy: with it soil
-    does not move along the rays, the strain path of a point is not known, nor is any exact pressure.
+    does not move along the rays, and neither the strain path of a point nor any pressure is known.
 
     Where the clay softens, soil moves along the rays alone, as the exact pressure takes it to: a
     free flow of Tresca soil parts from that and bears less.
