@@ -63,10 +63,10 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
     reasons = reasons_of(dataset)
     words, (_, _, sentence) = words_of(reasons), next(filter(None, reasons), "").partition(": ")
+    where = "Where there is none" if are_shown else "There are no half widths:"
     why = f" the error is not known: {words}" if words else ""
     if sentence and "," not in words:  # there is room for the whole of one reason
-        why = f": {sentence.partition(', but ')[0]}"
-    where = "Where there is none" if are_shown else "There are no half widths"
+        why = f"{':' if are_shown else ''} {sentence.partition(', but ')[0]}"
     without = f"{where}{why}." if why else ""
     return " ".join(filter(None, [meant, without]))
 
