@@ -205,6 +205,6 @@ def test_bands_of_the_cone_factor_are_hatched_and_named(two_soils: xr.Dataset) -
     assert wide.get_facecolor()[3] == 0.0
     assert not axes.lines
     assert axes.get_legend_handles_labels()[1] == [
-        "experience, Karlsrud et al. 2005: Nkt 6.2 to 18.1",
-        "experience, Mayne & Peuchen 2018: Nkt 10.1 to 13.7",
+        "experience, Karlsrud et al. 2005: Nkt 6.2 to 18.1, su peak in triaxial compression",
+        "experience, Mayne & Peuchen 2018: Nkt 10.1 to 13.7, su peak in triaxial compression",
     ]

@@ -146,7 +146,8 @@ def test_the_caption_leaves_out_what_a_profile_takes_the_place_of() -> None:
     uniform, by_table = (caption_of(it) for it in cases)
     for symbol in (r"$I_{\mathrm{r}}$", "$α$"):
         assert symbol in uniform
-        assert symbol not in by_table
+    assert r"$I_{\mathrm{r}}$" not in by_table
+    assert "$α$ = 0.3 to 0.6 by the profile" in by_table.replace("\N{NO-BREAK SPACE}", " ")
     assert "$ν$" in by_table
 
 
