@@ -55,8 +55,9 @@ several: material points, memory, steps and time of each.
     plan cone_penetration --set cells_per_radius=6
     plan mesh_size
 [verify] compare scenes with their exact solutions
-Run scenes that have an exact solution, and print error, bound and observed order. All of them take
-about six minutes.
+Run scenes that have an exact solution, and print error, bound and observed order. Checks run side
+by side, one on a core. The time that is expected is told first; --quick takes a minute.
+    verify --quick
     verify --scene thick_cylinder
     verify --extreme --out checks
 [bench] measure what a step costs on this machine

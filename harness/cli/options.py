@@ -30,6 +30,11 @@ OUT = _shared(
     metavar="DIR",
     help="folder of the results; default: results",
 )
+QUICK = _shared(
+    "--quick",
+    action="store_true",
+    help="run the cheapest check of each scene alone, where it is short: a minute",
+)
 SET = _shared(
     "--set",
     action="append",
@@ -109,7 +114,7 @@ def make_parser() -> Parser:
     clean.flag("--yes", "remove without asking")
     add("rerun", "run.rerun_case", RESULT_OR_CASE, CASE, THREADS, DEVICE)
 
-    verify = add("verify", "run.verify_scenes")
+    verify = add("verify", "run.verify_scenes", QUICK)
     verify.add_argument(
         "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
     )

@@ -138,6 +138,14 @@ def predicted_time(case: Case) -> float:
     return 0.0 if size is None else size.particle_updates / UPDATE_RATE
 
 
+def spoken_time(seconds: float) -> str:
+    """A time with two digits, in a unit that suits it."""
+    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
 def costliest_first(cases: Sequence[Case]) -> list[Case]:
     """Cases in the order in which several workers are done soonest; equal ones as they were.
 

@@ -1,12 +1,16 @@
 """Scenes against their exact solutions: every scene that has one, at its resolutions."""
 
 import math
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 
 import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
+from harness.run.resources import UPDATE_RATE
 from mpm_warp.results import labelled
 from mpm_warp.scenes import Verification, scene_class, scene_names
 
@@ -23,6 +27,16 @@ class Check:
         """The scene and the parameters that differ from their defaults."""
         settings = self.verification.settings
         return " ".join([self.scene, *(f"{key}={value}" for key, value in settings.items())])
+
+    @property
+    def predicted_time(self) -> float:
+        """Time of all its runs on one thread, about [s]; runs of unknown size count as none."""
+        verification, scene = self.verification, scene_class(self.scene)
+        sizes = [
+            scene(**verification.settings, **{verification.resolution: resolution}).run_size()
+            for resolution in _runs(verification)
+        ]
+        return sum(size.particle_updates / UPDATE_RATE for size in sizes if size is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +98,37 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
     return checks
 
 
+QUICK_TIME = 20.0
+"""What a check takes at most to be among the quick ones, about [s]."""
+
+
+def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
+    """The cheapest check of each scene, of those that take little time."""
+    by_scene: dict[str, Check] = {}
+    for check in sorted(checks, key=lambda it: it.predicted_time):
+        by_scene.setdefault(check.scene, check)
+    return tuple(it for it in checks if it is by_scene[it.scene] and it.predicted_time < QUICK_TIME)
+
+
+def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
+    """Run checks side by side on the cores of this machine; the results in the given order."""
+    workers = min(os.cpu_count() or 1, len(checks))
+    if workers < 2 or sum(it.predicted_time for it in checks) < QUICK_TIME:
+        yield from map(verify, checks)
+        return
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        try:
+            yield from pool.map(verify, checks)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _runs(verification: Verification) -> tuple[int, ...]:
+    """The resolutions of all runs, the coarsest of several once more before the others."""
+    resolutions = verification.resolutions
+    return (resolutions[0], *resolutions) if len(resolutions) > 1 else resolutions
+
+
 def verify(check: Check) -> Verified:
     """Run a check; the results of a run that ends with an exception are not a number.
 
@@ -98,9 +143,8 @@ def verify(check: Check) -> Verified:
         except Exception as error:
             return None, in_one_line(error)
 
-    if len(verification.resolutions) > 1:
-        outcome(verification.resolutions[0])
-    results, messages = zip(*map(outcome, verification.resolutions), strict=True)
+    outcomes = [outcome(it) for it in _runs(verification)][-len(verification.resolutions) :]
+    results, messages = zip(*outcomes, strict=True)
     return Verified(check=check, results=results, messages=messages)
 
 

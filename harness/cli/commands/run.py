@@ -2,10 +2,12 @@
 
 import argparse
 import math
+import os
 import sys
 from collections.abc import Sequence
 
 import xarray as xr
+from tqdm import tqdm
 
 from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import COMPLETED, over_cases
@@ -27,9 +29,16 @@ from harness.pictures.drawing.plot_parts import image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.rerun import read_for_rerun, rerun, verdict
-from harness.run.resources import RunOptions, check_device
+from harness.run.resources import RunOptions, check_device, spoken_time
 from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
-from harness.run.verify import HEADING, as_dataset, checks_of, table_rows, verify
+from harness.run.verify import (
+    HEADING,
+    as_dataset,
+    checks_of,
+    quick,
+    table_rows,
+    verified_in_turn,
+)
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of
@@ -120,21 +129,37 @@ def bench(options: argparse.Namespace) -> int:
     return _list_incomplete(study, dataset)
 
 
+SETTING_UP = 10.0
+"""Start and compilation of many small checks, about [s]."""
+VERIFIED_BAR = "{percentage:3.0f} % of the work |{bar}| {elapsed} < {remaining}"
+
+
 def verify_scenes(options: argparse.Namespace) -> int:
     """Compare scenes with their exact solutions."""
     checks = checks_of(options.scene, extreme=options.extreme)
     if options.out is not None:
         prepare(options.out)
+    if options.quick:
+        checks = quick(checks)
+    seconds = [check.predicted_time for check in checks]
+    tell(
+        f"{len(checks)} checks of {len({it.scene for it in checks})} scenes, about "
+        f"{spoken_time(sum(seconds) / (os.cpu_count() or 1) + SETTING_UP)} on a quiet machine"
+    )
     lines, results = [HEADING], []
     print(lines[0])
-    for check in checks:
-        results.append(verify(check))
-        lines.append(table_rows(results[-1]))
+    bar = tqdm(total=sum(seconds), disable=None, bar_format=VERIFIED_BAR, leave=False)
+    for verified, its_own in zip(verified_in_turn(checks), seconds, strict=True):
+        results.append(verified)
+        lines.append(table_rows(verified))
+        bar.clear()
         print(lines[-1], flush=True)
+        bar.update(its_own)
         if options.out is not None:
             dataset = as_dataset(results).assign_attrs(provenance())
             write_netcdf(dataset, options.out / "verify.nc")
             write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
+    bar.close()
     if options.out is not None:
         draw_work_precision(as_dataset(results), options.out / "verify.png")
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE

@@ -19,7 +19,7 @@ from harness.errors import HarnessError, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
 from harness.interpret.files import read_file
 from harness.references.registry import all_entries, one_entry
-from harness.run.resources import UPDATE_RATE, tell_of_likely_failures
+from harness.run.resources import UPDATE_RATE, spoken_time, tell_of_likely_failures
 from harness.study.cases import Case
 from harness.study.description import scene_rows, study_rows, study_text, tell_of_unusual_values
 from harness.study.files import STUDY_NAME, find_study, study_names
@@ -150,7 +150,7 @@ def _show_cases(cases: Sequence[Case]) -> None:
             total += seconds or 0.0
             unknown |= seconds is None
     more = ", and more: the steps of some are not known beforehand" if unknown else ""
-    print(f"{len(cases)} cases, {_spoken_time(total)} at most on one thread{more}")
+    print(f"{len(cases)} cases, {spoken_time(total)} at most on one thread{more}")
 
 
 def _case_row(case: Case) -> tuple[str, float | None]:
@@ -168,18 +168,10 @@ def _case_row(case: Case) -> tuple[str, float | None]:
     except (ParameterError, SceneError) as error:
         return f"{'refused':>12}  {'':9}  {'':12}  {'':9}  {case.label}: {error}", 0.0
     seconds = points * steps / UPDATE_RATE if steps else None
-    time = "" if seconds is None else _spoken_time(seconds)
+    time = "" if seconds is None else spoken_time(seconds)
     told_steps = f"{steps:,.0f}" if steps else "not known"
     row = f"{points:>12,}  {memory / 1e6:>6.1f} MB  {told_steps:>12}  {time:>9}  {case.label}"
     return row, seconds
-
-
-def _spoken_time(seconds: float) -> str:
-    """A time with two digits, in a unit that suits it."""
-    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * length:
-            return f"{seconds / length:.2g} {unit}"
-    return f"{seconds:.2g} s"
 
 
 def _plan_text(plan: Plan, step_count_bound: int | None) -> str:

@@ -8,7 +8,17 @@ import pytest
 import xarray as xr
 
 from harness.cli.main import main
-from harness.run.verify import Check, Verified, as_dataset, checks_of, table_rows, verify
+from harness.run.verify import (
+    QUICK_TIME,
+    Check,
+    Verified,
+    as_dataset,
+    checks_of,
+    quick,
+    table_rows,
+    verified_in_turn,
+    verify,
+)
 from mpm_warp.scenes import Verification
 from mpm_warp.scenes.elastic.columns import GravityColumn
 
@@ -60,6 +70,27 @@ def test_extreme_checks_are_run_when_asked_for_and_no_others_then() -> None:
     assert {"flying_block", "stretched_bar", "struck_bar"} <= {check.scene for check in extreme}
     assert all(check.verification.extreme for check in extreme)
     assert not any(check.verification.extreme for check in checks_of())
+
+
+def test_quick_checks_are_the_cheapest_of_their_scenes_and_short() -> None:
+    everything = checks_of()
+    chosen = quick(everything)
+    assert len({it.scene for it in chosen}) == len(chosen)
+    assert {"cavity_sphere", "cone_bearing", "material_point"} <= {it.scene for it in chosen}
+    for check in chosen:
+        alike = [it.predicted_time for it in everything if it.scene == check.scene]
+        assert check.predicted_time == min(alike) < QUICK_TIME
+
+
+def test_checks_side_by_side_give_the_results_of_each_alone_in_their_order(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("harness.run.verify.QUICK_TIME", 0.0)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    checks = [*checks_of(["gravity_column"]), *checks_of(["element_test"])[:1]]
+    for found in zip(verified_in_turn(checks), map(verify, checks), strict=True):
+        one, other = (it.values("error") for it in found)
+        assert one == other
 
 
 def test_a_check_of_one_resolution_has_no_order() -> None:
