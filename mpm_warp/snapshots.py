@@ -1,6 +1,6 @@
 """The soil of a run at some moments: its material points and the nodes of its grid."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -60,19 +60,18 @@ class Snapshots:
         self._same = dict(same)
         self._left, self._taken = list(self.at), []
 
-    def is_due(self, moment: float) -> bool:
-        """Whether a run that is at a moment has reached one that has not been taken."""
-        return bool(self._left) and moment >= self._left[0] * (1.0 - ROUNDING)
+    def take(
+        self, moment: float, fields: Callable[[], Variables], *, is_last: bool = False
+    ) -> None:
+        """Record fields of a run at a moment, if it has reached one that has not been taken.
 
-    def take(self, moment: float, fields: Variables) -> None:
-        """Record fields, of the same names each time, for all moments that a run has reached."""
-        while self.is_due(moment):
-            del self._left[0]
-        self._taken.append((moment, fields))
-
-    def has_left(self, moment: float) -> bool:
-        """Whether a run that ends at a moment has some left to be taken there."""
-        return bool(self._left) and not (self._taken and self._taken[-1][0] == moment)
+        They have the same names each time. At its last moment all count as reached.
+        """
+        left = [it for it in self._left if moment < it * (1.0 - ROUNDING)]
+        is_new = not (self._taken and self._taken[-1][0] == moment)
+        if len(left) < len(self._left) or (is_last and left and is_new):
+            self._taken.append((moment, fields()))
+        self._left = left
 
     def dataset(self) -> xr.Dataset:
         """What has been taken so far; empty before the first moment.

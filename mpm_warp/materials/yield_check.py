@@ -33,8 +33,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
         _make_yield_check(law),
         blocks,
         count=count,
-        particle_state=plan.find("particle.state"),
-        properties=material.launch_properties(law),
+        **material.on_points(plan, law),
     )
 
 
@@ -52,8 +51,7 @@ def add_yield_share(plan: Plan, material: Material) -> None:
     plan.between_steps["yield_share"] = plan.launch(
         _make_yield_share(law),
         count,
-        particle_state=plan.find("particle.state"),
-        properties=material.launch_properties(law),
+        **material.on_points(plan, law),
     )
 
 

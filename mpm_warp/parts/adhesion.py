@@ -34,13 +34,10 @@ def passes_soil_that_varies(scene: Scene) -> bool:
 def add_changing_adhesion(
     plan: Plan, scene: Scene, *, nodes: Integers, adhesion_forces: Floats
 ) -> None:
-    """Add the launches to the audited step of a plan that is complete.
+    """Add the launches to the audited step of a complete plan, where such soil may come by.
 
-    Args:
-        plan: of the run.
-        scene: nothing is added where the strength of its soil beside the surface stays.
-        nodes: of the surface, in the first column of nodes, shape [node_count].
-        adhesion_forces: of each beside soil of the strength k0 [N], shape [node_count].
+    `nodes` are those of the surface, in the first column of nodes, and `adhesion_forces` [N] what
+    each has beside soil of the strength k0; both of shape [node_count].
     """
     material, grid = scene.material, scene.grid
     law = material.law()
@@ -56,9 +53,8 @@ def add_changing_adhesion(
         plan.launch(
             _make_sum_of_strength(law, material.varies_adhesion),
             plan.arrays["particle.mass"].shape,
-            particle_state=plan.find("particle.state"),
             particle_adhesion_ratio=plan.find(ADHESION_RATIO),
-            properties=material.launch_properties(law),
+            **material.on_points(plan, law),
             common=law.properties_type(*material.properties),
             at_first=law.state_type(*at_first),
             contact_strength_sum=ShareRow("contact.strength_sum"),

@@ -204,8 +204,7 @@ def contact_law(
 def _make_surface_contact(travelling: bool) -> Any:
     """The kernel, launched over the surface's nodes.
 
-    Args:
-        travelling: whether the grid travels with the body; else the body has a speed of its own.
+    `travelling`: the grid travels with the body, which else has a speed of its own.
     """
 
     @kernel

@@ -57,13 +57,14 @@ class EnergyAudit(Part):
         """
         grid = scene.grid
         plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
-        before, after = (
+        after, before = (
             plan.launch(
-                _make_kinetic_energy(when),
+                _make_kinetic_energy(first),
                 grid.row_count + 1,
                 column_count=grid.column_count,
+                sign=sign,
             )
-            for when in ("before", "after")
+            for first, sign in ((0, -1.0), (2, 1.0))
         )
         plan.audit(after, before=plan.step[0].name)
         plan.audit(before, after="momentum")
@@ -101,8 +102,7 @@ class EnergyBalance(Part):
             _make_work_of_points(law),
             slots,
             column_count=grid.column_count,
-            properties=material.launch_properties(law),
-            particle_state=plan.find("particle.state"),
+            **material.on_points(plan, law),
         )
         # Cells still have the mass of their points, and the rates of the step before.
         plan.audit(of_cells, before="cell_stress")
@@ -114,17 +114,16 @@ class EnergyBalance(Part):
 
 
 @functools.cache
-def _make_kinetic_energy(when: str) -> Any:
+def _make_kinetic_energy(first: int) -> Any:
     """The kernel, launched over rows of nodes, each of which keeps its own sum.
 
-    Args:
-        when: "before" or "after" a step.
+    The velocity begins at component `first`: at 0 after a step, at 2 before it.
     """
-    first, sign = {"before": (2, 1.0), "after": (0, -1.0)}[when]
 
     @kernel
     def kinetic_energy(
         column_count: int,
+        sign: real,
         node_mass: wp.array(dtype=real),
         node_velocities: wp.array(dtype=vec4),
         transfer_energy: wp.array(dtype=real),
@@ -138,7 +137,7 @@ def _make_kinetic_energy(when: str) -> Any:
                 v[wp.static(first)] * v[wp.static(first)]
                 + v[wp.static(first + 1)] * v[wp.static(first + 1)]
             )
-        transfer_energy[j] = transfer_energy[j] + real(0.5 * wp.static(sign)) * total
+        transfer_energy[j] = transfer_energy[j] + half * sign * total
 
     return kinetic_energy
 

@@ -56,8 +56,7 @@ class History(Part):
             _make_record_plastic_strain(law),
             plan.arrays["particle.mass"].shape,
             column_count=grid.column_count,
-            properties=material.launch_properties(law),
-            particle_state=plan.find("particle.state"),
+            **material.on_points(plan, law),
         )
         # The rates of cells are known, and the stress is still that before the law.
         plan.audit(record, before="grid_to_particles")

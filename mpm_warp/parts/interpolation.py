@@ -51,12 +51,8 @@ class ConservativeInterpolation(Part):
 def interpolation_weights(grid: Grid) -> Floats:
     """Factors of sums and differences of the velocities of the nodes of each cell.
 
-    Args:
-        grid: with horizontal rows.
-
-    Returns:
-        Ten dimensionless numbers a cell, in the order in which the kernel takes them; shape
-        [cell_count, 10].
+    They are ten dimensionless numbers a cell of a grid with horizontal rows, in the order in which
+    the kernel takes them; shape [cell_count, 10].
     """
     radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
     r0, r1 = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])

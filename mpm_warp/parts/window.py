@@ -203,19 +203,12 @@ def add_inflow(plan: Plan, scene: Scene) -> None:
         plan.between_steps["enter.by_law"] = plan.launch(
             _make_enter_by_law(law),
             len(slots),
-            properties=scene.material.launch_properties(law),
-            particle_state=plan.find("particle.state"),
+            **scene.material.on_points(plan, law),
         )
 
 
 class Inflow:
-    """Lets soil into a run whose scene has a window, layer by layer.
-
-    Args:
-        run: that has not travelled yet.
-        scene: that is run.
-        window: of the scene.
-    """
+    """Lets soil into a run that has not travelled yet, layer by layer."""
 
     def __init__(self, run: Run, scene: Scene, window: Window) -> None:
         plan, rows = run.plan, scene.grid.rows
@@ -307,8 +300,7 @@ class Inflow:
 def _make_advance_window(hurried: bool) -> Any:
     """One step of the motion, the speed rising linearly in time; launched once.
 
-    Args:
-        hurried: whether it falls again at the end of an approach, linearly in travel.
+    `hurried`: the speed falls again at the end of an approach, linearly in travel.
     """
 
     @kernel

@@ -150,13 +150,8 @@ class Plan:
     ) -> str:
         """Add an array that starts with the given values; returns its name.
 
-        Args:
-            name: of the array.
-            kind: its type: "real", "vec2", ..., or "int", "vec2i".
-            values: its numbers; the last axes are the components of a vector.
-            counts: see `Array`.
-            may_be_none: see `Array`.
-            least: see `Array`.
+        Its `kind` is "real", "vec2", ..., or "int", "vec2i"; the last axes of the values are the
+        components of a vector. What the others are is said in `Array`.
 
         Raises:
             SceneError: the plan has an array of that name, or of one that is the same in kernels.

@@ -29,13 +29,9 @@ def add_grid_to_particles(
 ) -> None:
     """Add the stage.
 
-    Args:
-        plan: of the run.
-        scene: that is run.
-        flow_displacement: function on the device (flow within the cell over the step, xi, eta) ->
-            displacement; None: there is no such flow.
-        window_top: height [m] above which particles leave a grid that travels; None: it rests, and
-            they stay in it.
+    `flow_displacement` is a function on the device (flow within the cell over the step, xi, eta) ->
+    displacement; None: there is no such flow. `window_top` is the height [m] above which particles
+    leave a grid that travels; None: it rests, and they stay in it.
     """
     grid, material = scene.grid, scene.material
     law = material.law()
@@ -52,8 +48,7 @@ def add_grid_to_particles(
         cell_pic_fraction=plan.find("cell.pic_fraction"),
         fitted_radius=grid.fitted_radius,
         cell_counts=wp.vec2i(grid.column_count, grid.row_count),
-        properties=material.launch_properties(law),
-        particle_state=plan.find("particle.state"),
+        **material.on_points(plan, law),
         window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
     )

@@ -148,14 +148,7 @@ class PenetrometerContact(SurfaceContact):
     ) -> Self:
         """Contact on all nodes of the surface, from the tip upward.
 
-        Args:
-            penetrometer: the penetrometer.
-            grid: a grid fitted to it.
-            face_adhesion: adhesion of the cone's face [Pa], >= 0.
-            shaft_adhesion: adhesion of the shaft [Pa], >= 0.
-            friction: Coulomb coefficient of both, dimensionless, >= 0.
-            in_situ_stress: isotropic stress in the ground before [Pa], >= 0.
-            speed: at which it sinks into the grid [m/s]; 0 where the grid travels with it.
+        The grid is fitted to the penetrometer; the rest is said of the attributes.
         """
         tip = int(np.flatnonzero(grid.surface_radius == 0.0)[-1])
         rows = np.arange(tip, grid.row_count + 1, dtype=np.int32)

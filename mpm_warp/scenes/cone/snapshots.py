@@ -53,19 +53,17 @@ class PenetrationSnapshots:
     def sample(self) -> None:
         """Take the snapshots that are due."""
         self._sample_count += 1
-        if self._snapshots.is_due(self._penetration):
-            self._take()
+        self._snapshots.take(self._penetration, self._fields)
 
     def finish(self) -> None:
         """At the end of a run take one for all that it has not reached."""
-        if self._snapshots.has_left(self._penetration):
-            self._take()
+        self._snapshots.take(self._penetration, self._fields, is_last=True)
 
     def dataset(self) -> xr.Dataset:
         """Nothing: fields are no curves; the snapshots have them."""
         return xr.Dataset()
 
-    def _take(self) -> None:
+    def _fields(self) -> Variables:
         nodal = self._curves.nodal_forces
         forces = self._contact.forces(nodal)
         base_area = 0.5 * self._curves.radius**2
@@ -78,7 +76,7 @@ class PenetrationSnapshots:
             resistance=(resistance, "Pa", "net cone resistance", f"mean {over}"),
         )
         traction = surface_traction(self._contact, nodal)
-        self._snapshots.take(self._penetration, scalars | soil_fields(self._simulation) | traction)
+        return scalars | soil_fields(self._simulation) | traction
 
 
 def surface_places(contact: PenetrometerContact, position: Floats) -> dict[str, xr.Variable]:

@@ -66,12 +66,8 @@ class RoundBody:
 
         Normals are those of the consistent area vectors, so that on the whole no soil flows
         through. The line of travel and the surface together hold the soil at a pole, which the flow
-        leaves with few material points: its node is one of those on the axis.
-
-        Args:
-            grid: fitted to the body.
-            adhesion: of ball or bar [Pa], >= 0.
-            in_situ_stress: isotropic stress in the ground before [Pa], >= 0.
+        leaves with few material points: its node is one of those on the axis. The grid is fitted to
+        the body; adhesion, of ball or bar, and in-situ stress are in Pa, >= 0.
         """
         beside = np.flatnonzero(grid.surface_radius > 0.0)
         upper_end = min(beside[-1] + 1, grid.row_count)

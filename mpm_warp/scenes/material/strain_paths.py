@@ -62,13 +62,7 @@ class StrainPaths:
 def plan_strain_paths(
     paths: StrainPaths, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
-    """The plan of a run along strain paths.
-
-    Args:
-        paths: what to run.
-        share_count: into how many shares its launches are split, >= 1.
-        time_step: length of a step [s], > 0; default: a second over the number of steps.
-    """
+    """The plan of a run along strain paths, see `make_plan`; a step is a part of the second."""
     material, law = paths.material, paths.material.law()
     count = len(paths.gradient)
     plan = Plan(
@@ -98,12 +92,7 @@ def plan_strain_paths(
 
 
 class StressWatch(ParticleWatch):
-    """Looks whether stresses are finite.
-
-    Args:
-        paths: what is run.
-        run: its run.
-    """
+    """Looks whether stresses are finite."""
 
     def __init__(self, paths: StrainPaths, run: Run) -> None:
         super().__init__(run)

@@ -116,14 +116,9 @@ def error_of_samples(
     why_none: Sequence[str] = (),
     measured: MeasuredError | None = None,
 ) -> SampleError:
-    """What is known of the error of the samples of a resistance.
+    """What is known of the error of the samples of a resistance; see `sounding_curves`.
 
-    Args:
-        sounding: what was run.
-        depth: of the tip [m], shape [n].
-        resistance: net, as simulated [Pa], shape [n].
-        why_none: as for `sounding_curves`.
-        measured: likewise.
+    The `depth` of the tip [m] and the net `resistance`, as simulated [Pa], are of shape [n].
     """
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
 
