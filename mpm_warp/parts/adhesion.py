@@ -34,7 +34,7 @@ def passes_soil_that_varies(scene: Scene) -> bool:
 def add_changing_adhesion(
     plan: Plan, scene: Scene, *, nodes: Integers, adhesion_forces: Floats
 ) -> None:
-    """Add the launches to the audited step of a complete plan, where such soil may come by.
+    """Add the launches to the audited step of a complete plan; none where all strength stays.
 
     `nodes` are those of the surface, in the first column of nodes, and `adhesion_forces` [N] what
     each has beside soil of the strength k0; both of shape [node_count].

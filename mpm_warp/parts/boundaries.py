@@ -19,7 +19,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_nodes
+from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_known, check_nodes
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
@@ -73,6 +73,7 @@ class Fixed(Part):
         held = np.zeros((2, grid.row_count + 1, grid.column_count + 1), dtype=bool)
         for component, names in zip(held, (radial, vertical), strict=True):
             for name in names:
+                check_known("Fixed: line", name, lines)
                 component[lines[name]] = True
         return cls.where(radial=held[0], vertical=held[1])
 

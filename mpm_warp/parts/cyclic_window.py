@@ -92,7 +92,7 @@ class CyclicWindow(MovingGrid):
         position, mass, cell, stress = (
             plan.initial(f"particle.{name}") for name in ("position", "mass", "cell", "stress")
         )
-        row = seed_rows(grid, 0, 1, scene.particles_per_side)
+        row = seed_rows(grid, 1, scene.particles_per_side)
         empty = np.flatnonzero(cell[:, 0] < 0)
         depth, in_row = np.divmod(np.arange(len(empty)), row.particle_count)
         position[empty] = row.position[in_row]

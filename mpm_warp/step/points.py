@@ -36,8 +36,8 @@ class Seed:
         return len(self.volume)
 
 
-def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: int) -> Seed:
-    """Fill rows of cells with particles, `particles_per_side` along each side of every cell.
+def seed_rows(grid: Grid, row_count: int, particles_per_side: int) -> Seed:
+    """Fill the lowest rows of cells with particles.
 
     At the centroids, the mass of each node comes out as the exact integral of its shape function
     where cells are upright; where they lean, along a cone, within 0.2 %.
@@ -45,14 +45,11 @@ def seed_rows(grid: Grid, first_row: int, row_count: int, particles_per_side: in
 
     Args:
         grid: the grid; only where it holds soil are there particles.
-        first_row: number of the lowest row to fill.
         row_count: number of rows, >= 1.
         particles_per_side: along each side of a cell, >= 1.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.
-    rows = [
-        _seed_row(grid, row, particles_per_side) for row in range(first_row, first_row + row_count)
-    ]
+    rows = [_seed_row(grid, row, particles_per_side) for row in range(row_count)]
     return Seed(
         position=np.concatenate([seed.position for seed in rows]),
         volume=np.concatenate([seed.volume for seed in rows]),
@@ -90,7 +87,7 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
     """
     grid, material = scene.grid, scene.material
-    seed = seed_rows(grid, 0, grid.row_count, scene.particles_per_side)
+    seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
     plan.particle_count = seed.particle_count
     slots = seed.particle_count + round(spare_fraction * seed.particle_count)
     # Empty slots are at the end of each share, so that all shares have as much to do.

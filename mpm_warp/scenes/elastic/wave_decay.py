@@ -47,7 +47,7 @@ def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> com
 def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     """The matrix of a step, of the unknowns (v_p, v_i, sigma_zz, sigma_rz)."""
     grid, material, fixed = scene.grid, scene.material, scene.find(Fixed)
-    seed = seed_rows(grid, 0, grid.row_count, scene.particles_per_side)
+    seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
     particle_mass = material.density * seed.volume
     share = _shares(grid, seed.position, seed.cell)
     mass = share @ particle_mass

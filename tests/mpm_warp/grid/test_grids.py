@@ -68,7 +68,7 @@ def test_critical_length_of_a_square_far_from_the_axis() -> None:
 
 @pytest.mark.parametrize("per_side", [1, 2, 3])
 def test_particles_hold_the_volume_of_their_cells(grid: Grid, per_side: int) -> None:
-    seed = seed_rows(grid, 0, grid.row_count, per_side)
+    seed = seed_rows(grid, grid.row_count, per_side)
     volume = np.zeros(grid.cell_count)
     np.add.at(volume, seed.cell[:, 1] * grid.column_count + seed.cell[:, 0], seed.volume)
     np.testing.assert_allclose(volume, grid.cell_volumes, rtol=ROUNDING)
@@ -77,7 +77,7 @@ def test_particles_hold_the_volume_of_their_cells(grid: Grid, per_side: int) -> 
 
 def test_particles_give_nodes_their_exact_share(rectilinear: Grid) -> None:
     """In straight cells, linear functions of r and z are integrated exactly by the centroids."""
-    seed = seed_rows(rectilinear, 0, rectilinear.row_count, 1)
+    seed = seed_rows(rectilinear, rectilinear.row_count, 1)
     moment = np.sum(seed.volume[:, None] * seed.position, axis=0)
     radius, height = rectilinear.outer_radius, rectilinear.rows[-1]
     exact: Floats = np.array([radius**3 / 3.0 * height, radius**2 / 2.0 * height**2 / 2.0])
@@ -94,7 +94,7 @@ def test_there_is_no_particle_above_the_ground(rectilinear: Grid) -> None:
         fitted_radius=rectilinear.outer_radius,
         ground_level=level,
     )
-    full, seed = (seed_rows(it, 0, it.row_count, 2) for it in (rectilinear, ground))
+    full, seed = (seed_rows(it, it.row_count, 2) for it in (rectilinear, ground))
     below = full.position[:, 1] < level
     np.testing.assert_array_equal(seed.position, full.position[below])
     np.testing.assert_array_equal(seed.volume, full.volume[below])
@@ -149,7 +149,7 @@ def test_volumes_are_those_of_a_quarter_ring_and_of_half_a_shell() -> None:
 @pytest.mark.parametrize("planar", [True, False])
 def test_particles_fill_the_grid(planar: bool) -> None:
     grid = polar(planar=planar)
-    seed = seed_rows(grid, 0, grid.row_count, 2)
+    seed = seed_rows(grid, grid.row_count, 2)
     # Two Gauss points along each side of a quarter of a cell: of fourth order in its angle.
     assert seed.volume.sum() == pytest.approx(grid.cell_volumes.sum(), rel=(np.pi / 24) ** 4)
     assert seed.particle_count == 4 * grid.cell_count

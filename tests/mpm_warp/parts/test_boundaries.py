@@ -176,3 +176,17 @@ def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(cavity: Scene) 
 def test_a_grid_without_rays_is_refused(cavity: Scene) -> None:
     with pytest.raises(SceneError, match="radial motion: the grid is a Grid, must be a PolarGrid"):
         cavity.with_parts(RadialMotion())
+
+
+def test_nodes_along_lines_of_a_grid_are_held(rectilinear: Grid) -> None:
+    shape = (rectilinear.row_count + 1, rectilinear.column_count + 1)
+    radial, vertical = np.zeros(shape, dtype=bool), np.ones(shape, dtype=bool)
+    radial[:, [0, -1]] = radial[[0, -1]] = True
+    by_mask = Fixed.where(radial=radial, vertical=vertical)
+    by_name = Fixed.on(
+        rectilinear, radial=["axis", "side", "bottom", "top"], vertical=["everywhere"]
+    )
+    np.testing.assert_array_equal(by_name.nodes, by_mask.nodes)
+    np.testing.assert_array_equal(by_name.free, by_mask.free)
+    with pytest.raises(SceneError, match="Fixed: line = 'left' must be one of bottom, top, side"):
+        Fixed.on(rectilinear, radial=["left"])
