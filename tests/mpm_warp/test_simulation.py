@@ -56,20 +56,6 @@ def test_the_watch_looks_every_so_many_steps_however_they_are_parted(
     assert looked_at[3:] == [3 * CHECK_INTERVAL + 3, 4 * CHECK_INTERVAL + 3]
 
 
-def test_arrays_are_seen_and_given_values_by_name(floating: Scene) -> None:
-    simulation = Simulation(floating)
-    stress = simulation.array("particle.stress")
-    assert stress.dtype == np.float64
-    assert stress.shape == (simulation.plan.particle_count, 4)
-    values = np.random.default_rng(8).normal(size=stress.shape)
-    simulation.assign("particle.stress", values)
-    np.testing.assert_array_equal(simulation.array("particle.stress"), values)
-    simulation.assign("particle.stress", 3.0)
-    np.testing.assert_array_equal(simulation.array("particle.stress"), 3.0)
-    with pytest.raises(KeyError):
-        simulation.array("particle.colour")
-
-
 class Steps:
     """Takes down the steps taken by then."""
 
@@ -96,18 +82,6 @@ def test_every_sampler_takes_a_sample_at_every_moment(floating: Scene) -> None:
     assert told == [0.25, 0.5, 0.75, 1.0]
     assert result.first.values.tolist() == result.second.values.tolist() == [5, 7, 7, 20]
     assert result.first.attrs == {"units": "1", "long_name": "steps taken"}
-
-
-def test_the_dataset_holds_what_the_run_has_cost(floating: Scene) -> None:
-    simulation = Simulation(floating)
-    result = follow(simulation, [5, 20], simulation.advance_to_step, [])
-    assert int(result.step_count) == 20
-    assert int(result.particle_count) == simulation.plan.particle_count
-    assert int(result.particle_updates) == 20 * simulation.plan.particle_count
-    assert float(result.time_step) == simulation.plan.time_step
-    assert float(result.run_time) > 0.0
-    assert float(result.setup_time) == simulation.setup_time
-    assert float(result.compile_time) == simulation.compile_time
 
 
 def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None:

@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import TextIO
 
 import pytest
-import xarray as xr
 
-from harness.archive.case_files import write_case
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.cli.process import safe_output
@@ -37,17 +35,6 @@ def test_output_has_no_characters_that_control_a_terminal(
     with safe_output():
         print("a\x1b[2Jb\u202e\tc", "ä 中", GREEN, "\x1b[31m")
     assert capsys.readouterr().out == f"a\\x1b[2Jb\\u202e\tc ä 中 {CODES[GREEN]} \\x1b[31m\n"
-
-
-def test_a_message_in_a_case_file_does_not_control_a_terminal(
-    small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = prepared(small, tmp_path)
-    write_case(folder, small.cases[0], xr.Dataset(), "failed", "\x1b]0;owned\x07 \x1b[31m")
-    assert main(["status", str(small.source), "--out", str(tmp_path)]) == 1
-    told = capsys.readouterr().out
-    assert "\\x1b]0;owned\\x07" in told
-    assert "\x1b" not in told
 
 
 def test_output_that_cannot_be_written_is_one_line_and_code_2(

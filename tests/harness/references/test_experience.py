@@ -10,9 +10,7 @@ from harness.references.cone_factors import CONE_FACTORS
 from harness.references.experience import EXPERIENCE, HOLDS, Experience, Factor
 from harness.references.registry import (
     WIDTH,
-    UnknownReferenceError,
     all_entries,
-    experience_entry,
     experience_ids,
     one_entry,
     reference_ids,
@@ -76,11 +74,6 @@ def test_formulas_of_the_pore_pressure_are_told_from_those_of_the_resistance() -
 def test_ids_are_those_of_no_reference() -> None:
     assert not {*experience_ids()} & {*reference_ids()}
     assert len({*experience_ids()}) == len(EXPERIENCE)
-
-
-def test_unknown_band_names_the_nearest() -> None:
-    with pytest.raises(UnknownReferenceError, match="did you mean 'karlsrud_2005'"):
-        experience_entry("karlsrud_2006")
 
 
 ENTRIES: list[Any] = [*CONE_FACTORS, *EXPERIENCE]

@@ -231,13 +231,6 @@ def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening
     np.testing.assert_allclose(simulation.array("contact.adhesion"), expected, rtol=1e-12)
 
 
-def test_adhesion_beside_intact_soil_is_what_was_given(softening: Scene) -> None:
-    simulation = Simulation(softening)
-    simulation.advance(AUDIT_INTERVAL)
-    adhesion = simulation.array("contact.adhesion")
-    np.testing.assert_allclose(adhesion, softening[SurfaceContact].adhesion_forces, rtol=1e-14)
-
-
 def test_soil_whose_strength_stays_needs_nothing_of_it(cone: Scene) -> None:
     plan = make_plan(cone)
     assert not {"contact.first_adhesion", "contact.strength_sum"} & set(plan.arrays)

@@ -24,29 +24,15 @@ def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+    """And the range in which nearly all cases complete."""
     assert main(["describe", "cone_penetration"]) == 0
     described = capsys.readouterr().out
     allowed = parameters_of(ConePenetration)["cone_radius"].allowed
     assert ConePenetration.summary in described
-    (line,) = (line for line in described.splitlines() if line.startswith("cone_radius "))
-    assert line.split(maxsplit=3) == [
-        "cone_radius",
-        "0.01785",
-        "m",
-        f"radius of the cone's base; {allowed}",
-    ]
-
-
-def test_describe_gives_the_range_in_which_nearly_all_cases_complete(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert main(["describe", "cone_penetration"]) == 0
-    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line}
+    lines = {line.split()[0]: line for line in described.splitlines() if line}
+    told = lines["cone_radius"].split(maxsplit=3)
+    assert told == ["cone_radius", "0.01785", "m", f"radius of the cone's base; {allowed}"]
     assert lines["apex_angle"].endswith("<= 150; nearly all cases complete from 30 to 120")
-    assert "complete" not in lines["cone_radius"]
-
-
-def test_describe_gives_the_unit_of_what_has_no_default(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["describe", "sounding"]) == 0
     assert f"{'layer_top':26} none [m]" in capsys.readouterr().out
 
