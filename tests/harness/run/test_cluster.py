@@ -199,6 +199,12 @@ def test_without_dask_the_missing_package_is_named(
     assert "distributed" in line
 
 
+def test_timed_runs_do_not_go_with_a_cluster(small_file: Path, refusal: Refusal) -> None:
+    small_file.write_text(small_file.read_text() + "[timing]\nrepeats = 2\n")
+    line = refusal(["run", str(small_file), "--dask", "tcp://h:1"])
+    assert "cases are timed on this machine, without --dask" in line
+
+
 def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Study) -> None:
     case = twenty.cases[0]
     outcome = compute(replace(case, scene_version=case.scene_version - 1)).outcome

@@ -29,7 +29,6 @@ WRONG = {
     "run mesh_size --batch=0": COUNT,
     "run mesh_size --batch=2 --dask=tcp://h:1": "leave them out with --dask",
     "run bench --workers=2": "cases are timed one at a time, without --workers",
-    "run bench --dask=tcp://h:1": "cases are timed on this machine, without --dask",
     "run bench --batch=2": "cases are timed one at a time, without --batch",
     **{
         f"run mesh_size --case-timeout={it}": f"'{it}' is not allowed: must be a number > 0"
