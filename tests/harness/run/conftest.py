@@ -5,18 +5,18 @@ import os
 import signal
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 import xarray as xr
 
-from harness.archive import case_files
 from harness.archive.case_files import Outcome
 from harness.archive.study_files import collect
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import prepared
+from tests.harness.conftest import SMALL, prepared, study_in
 
 
 class Record:
@@ -59,17 +59,22 @@ def run(
     return collect(study, folder)
 
 
-@pytest.fixture
-def long_and_short(tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
-    """The folder of two cases, and the cases: one that takes minutes, one that is soon done.
+SLOW = ["adhesion_factor=0", "penetration=5"]
 
-    The kernels are there, for a case alone and for two together: to compile them takes time too.
-    """
-    settings = ["adhesion_factor=0", "penetration=5", "speed_ratio=[0.0001, 0.03, 0.04]"]
-    study = load_study(str(small_file), settings)
-    long, *warm = study.cases
-    folder = prepared(study, tmp_path)
+
+@pytest.fixture(scope="session")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Their kernels are there, for a case alone and for two together: to compile takes time too."""
     for batch in (1, 2):
-        run_cases(warm, folder, 1, Record(), RunOptions(batch=batch))
-        case_files.discard(folder, warm)
-    return folder, long, warm[0]
+        folder = tmp_path_factory.mktemp("compiled")
+        settings = [*SLOW, "speed_ratio=[0.03, 0.04]"]
+        study = study_in(folder, dedent(SMALL), *settings, name="small")
+        run_cases(study.cases, prepared(study, folder), 1, Record(), RunOptions(batch=batch))
+
+
+@pytest.fixture
+def long_and_short(compiled: None, tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
+    """The folder of two cases, and the cases: one that takes minutes, one that is soon done."""
+    study = load_study(str(small_file), [*SLOW, "speed_ratio=[0.0001, 0.03]"])
+    long, short = study.cases
+    return prepared(study, tmp_path), long, short
