@@ -241,13 +241,13 @@ class Material(Checked, ABC):
         """
         if self.variation is None:
             return np.ones(place.shape[:-1])
-        return self.variation.stiffness_ratio_at(place)
+        return self.variation.at(place, self.variation.stiffness_ratio)
 
     def strength_ratio_at(self, place: Floats) -> Floats:
         """Strength over that of the material at places in the ground, as `stiffness_ratio_at`."""
         if self.variation is None:
             return np.ones(place.shape[:-1])
-        return self.variation.strength_ratio_at(place)
+        return self.variation.at(place, self.variation.strength_ratio)
 
     def relative_adhesion_at(self, place: Floats) -> Floats:
         """Adhesion of a surface over what it is beside soil of the material itself, likewise."""

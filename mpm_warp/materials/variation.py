@@ -72,30 +72,25 @@ class Variation(Checked):
         if self.horizontal_stress is not None:
             check_array("Variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
 
-    def strength_ratio_at(self, place: Floats) -> Floats:
-        """Strength over that of the material at places (r, z) in the ground [m], [..., 2]."""
-        return np.interp(self.depth_of(place), self.depth, self.strength_ratio)
-
-    def stiffness_ratio_at(self, place: Floats) -> Floats:
-        """Shear modulus over that of the material at places in the ground [m], [..., 2]."""
-        return np.interp(self.depth_of(place), self.depth, self.stiffness_ratio)
+    def at(self, place: Floats, values: Floats) -> Floats:
+        """Of values by depth, those at places (r, z) in the ground [m], [..., 2]."""
+        return np.interp(self.depth_of(place), self.depth, values)
 
     def adhesion_ratio_at(self, place: Floats) -> Floats:
         """Adhesion factor over that of the surface at places in the ground [m], [..., 2]."""
         if self.adhesion_ratio is None:
             return np.ones(place.shape[:-1])
-        return np.interp(self.depth_of(place), self.depth, self.adhesion_ratio)
+        return self.at(place, self.adhesion_ratio)
 
     def linear_at(self, place: Floats, numbers: Floats) -> Floats:
         """Numbers of shape [n, count], by depth, at places in the ground [m], [..., count]."""
-        depth = self.depth_of(place)
-        return np.stack([np.interp(depth, self.depth, it) for it in numbers.T], axis=-1)
+        return np.stack([self.at(place, of_rows) for of_rows in numbers.T], axis=-1)
 
     def horizontal_stress_at(self, place: Floats) -> Floats:
         """Horizontal less vertical stress at places in the ground [m], [..., 2]; 0 without one."""
         if self.horizontal_stress is None:
             return np.zeros(place.shape[:-1])
-        return np.interp(self.depth_of(place), self.depth, self.horizontal_stress)
+        return self.at(place, self.horizontal_stress)
 
     @property
     def greatest_strength_over_stiffness(self) -> float:

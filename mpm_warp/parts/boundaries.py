@@ -217,9 +217,7 @@ class FarField(Part):
 def raise_springs(run: Run, *, lowest: Floats | float) -> None:
     """Move the springs along the side up by a row, when the soil beside them has moved so.
 
-    Args:
-        run: with the array "far_field.displacement".
-        lowest: displacement of the spring that enters at the bottom [m].
+    The one that enters at the bottom has the displacement `lowest` [m].
     """
     springs = run.array("far_field.displacement").copy()
     springs[1:] = springs[:-1]

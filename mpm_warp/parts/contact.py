@@ -172,11 +172,7 @@ class SurfaceContact(Part):
         """Whether the soil may pull at the surface by more than the in-situ stress presses.
 
         Nothing draws it together by more than the limit pressure of a cavity, and rho v^2 where it
-        has to follow; twice that is taken.
-
-        Args:
-            material: the soil's.
-            speed: of the body through the soil [m/s].
+        has to follow a body of that speed [m/s]; twice that is taken.
         """
         pull = material.limit_pressure + material.density * speed**2
         return self.in_situ_stress < 2.0 * pull

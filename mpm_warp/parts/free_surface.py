@@ -62,24 +62,24 @@ class PassingSurface(FreeSurface):
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add the arrays "cell.pic_fraction" and "cell.full_mass"."""
-        plan.add_array("cell.pic_fraction", "real", self._pic_fraction(scene, 0.0))
-        plan.add_array("cell.full_mass", "real", self._full_mass(scene, 0.0))
+        for name, values in self._of_cells(scene, 0.0).items():
+            plan.add_array(name, "real", values)
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         """The cells near the surface are others, higher in the grid."""
-        run.assign("cell.pic_fraction", self._pic_fraction(scene, travel))
-        run.assign("cell.full_mass", self._full_mass(scene, travel))
+        for name, values in self._of_cells(scene, travel).items():
+            run.assign(name, values)
 
-    def _pic_fraction(self, scene: Scene, travel: float) -> Floats:
-        return np.where(self._is_near(scene, travel), self.pic_fraction, 0.0)
+    def _of_cells(self, scene: Scene, travel: float) -> dict[str, Floats]:
+        """PIC fraction, and mass [kg] per radian from which on a cell acts with all of its stress.
 
-    def _full_mass(self, scene: Scene, travel: float) -> Floats:
-        """Mass from which on a cell acts with all of its stress [kg], per radian, [cell_count]."""
-        full = scene.material.density * scene.grid.cell_volumes
-        return np.where(self._is_near(scene, travel), full, DEEP_FILLING * full)
-
-    def _is_near(self, scene: Scene, travel: float) -> Floats:
-        """Whether cells reach up into the layer below the surface, or are above it."""
+        Cells are near that reach up into the layer below the surface, or are above it.
+        """
         grid = scene.grid
         near_rows = grid.rows[1:] > self.level + travel - self.layer
-        return np.repeat(near_rows, grid.column_count)
+        is_near = np.repeat(near_rows, grid.column_count)
+        full = scene.material.density * grid.cell_volumes
+        return {
+            "cell.pic_fraction": np.where(is_near, self.pic_fraction, 0.0),
+            "cell.full_mass": np.where(is_near, full, DEEP_FILLING * full),
+        }

@@ -260,11 +260,6 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         return self.from_depth + self.samples[0] * self.spacing
 
     @property
-    def _last_depth(self) -> float:
-        """Depth of the tip where the curves of the stretch end [m]."""
-        return self.from_depth + (self.samples[-1] + 1) * self.spacing
-
-    @property
     def highest_in_place(self) -> float:
         """Depth where curves can begin at the highest with a cone that starts in place [m]."""
         first = float(self.ground.depth[0])

@@ -145,7 +145,8 @@ class Sounding(SoundingTest):
         and those half a sample above and below each border between. Of uniform ground the lower end
         will do. There are none where the surface does not leave.
         """
-        begin, end = self._first_depth, self._last_depth
+        begin = self._first_depth
+        end = self.from_depth + (self.samples[-1] + 1) * self.spacing
         if self.starts_at_surface:
             begin = max(begin, self.start_depth + self.surface_passed)
         depths, half = self.ground.depth, 0.5 * self.spacing

@@ -34,7 +34,7 @@ def test_ratios_are_linear_between_depths_and_jump_where_two_are_equal() -> None
     height = 3.0 - np.array([-1.0, 0.0, 1.0, 2.0 - 1e-9, 2.0, 4.0, 9.0])
     place = np.stack([np.ones_like(height), height], axis=-1)
     expected = [1.0, 1.0, 1.5, 2.0, 0.5, 0.5, 0.5]
-    np.testing.assert_allclose(TWO_LAYERS.strength_ratio_at(place), expected, atol=1e-8)
+    np.testing.assert_allclose(TWO_LAYERS.at(place, TWO_LAYERS.strength_ratio), expected, atol=1e-8)
 
 
 def test_uniform_clay_has_no_array_for_it(cone: Scene) -> None:

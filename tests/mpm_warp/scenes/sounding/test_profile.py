@@ -128,8 +128,10 @@ def test_ratios_are_those_to_the_strongest_and_the_stiffest(profile: Profile) ->
     variation = profile.variation(origin_depth=3.0)
     assert variation is not None
     place = np.array([[1.0, 0.0], [1.0, 2.0]])  # 3 m and 1 m deep
-    np.testing.assert_allclose(variation.strength_ratio_at(place), [25.0 / 40.0] * 2)
-    np.testing.assert_allclose(variation.stiffness_ratio_at(place), [1.25 / 4.0, 2.5 / 4.0])
+    np.testing.assert_allclose(variation.at(place, variation.strength_ratio), [25.0 / 40.0] * 2)
+    np.testing.assert_allclose(
+        variation.at(place, variation.stiffness_ratio), [1.25 / 4.0, 2.5 / 4.0]
+    )
 
 
 def test_uniform_ground_has_no_variation() -> None:
