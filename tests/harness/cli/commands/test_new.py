@@ -115,7 +115,7 @@ def test_a_value_in_what_looks_like_another_unit_is_told(
 def test_a_column_of_a_profile_in_what_looks_like_another_unit_is_told(
     profile: str, warning: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    main(["plan", "sounding", "--set", f"profile=depth [m], {profile}"])
+    main(["plan", "sounding", "--set", f'profile="depth [m], {profile}"'])
     told = [it for it in capsys.readouterr().err.splitlines() if " is meant" in it]
     assert told == ([f"harness: profile: {warning}"] if warning else [])
 
