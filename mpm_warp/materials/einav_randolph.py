@@ -92,9 +92,9 @@ class EinavRandolph(UndrainedClay):
     def slope(self) -> float:
         """Greatest fall of the strength per plastic shear strain, over G: that of intact clay."""
         fall = 3.0 * (1.0 - self.remoulded_strength_ratio) / self.ductility
-        over_stiffness = (
-            1.0 if self.variation is None else self.variation.greatest_strength_over_stiffness
-        )
+        ground, over_stiffness = self.variation, 1.0
+        if ground is not None:
+            over_stiffness = float((ground.strength_ratio / ground.stiffness_ratio).max())
         return over_stiffness * fall * self._greatest_strength / self.shear_modulus
 
     @property

@@ -92,11 +92,6 @@ class Variation(Checked):
             return np.zeros(place.shape[:-1])
         return self.at(place, self.horizontal_stress)
 
-    @property
-    def greatest_strength_over_stiffness(self) -> float:
-        """Greatest ratio of the strength ratio to the stiffness ratio, dimensionless."""
-        return float((self.strength_ratio / self.stiffness_ratio).max())
-
     def depth_of(self, place: Floats) -> Floats:
         """Depth of places in the ground [m], shape [...]."""
         return self.origin_depth - place[..., 1]

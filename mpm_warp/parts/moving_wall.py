@@ -27,7 +27,6 @@ from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import half, kernel, one, quarter, real, third, vec2, vec3, vec4, vec5
-from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
@@ -69,10 +68,16 @@ class MovingWall(Part):
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Have the time step follow the cells, which the wall draws together."""
+        speed = scene.material.pressure_wave_speed
+
+        def shortest_crossing_time(array: Callable[[str], NDArray[Any]]) -> float:
+            lengths = cell_lengths(array("cell.integrals"), array("cell.volume"))
+            return float(lengths.min()) / speed
+
         plan.control = TimeStepControl(
             first=plan.time_step,
             fraction=scene.time_step_fraction,
-            critical=lambda array: crossing_time(array, scene.material),
+            critical=shortest_crossing_time,
         )
 
     def add_contact(self, plan: Plan, scene: Scene) -> None:
@@ -106,17 +111,6 @@ class MovingWall(Part):
             plan.add_launch(refit_sectors, grid.cell_count, **geometry)
         else:
             plan.add_launch(refit_cells, grid.cell_count, **geometry)
-
-
-def crossing_time(array: Callable[[str], NDArray[Any]], material: Material) -> float:
-    """Time in which a wave crosses the shortest cell [s], as the wall has left them.
-
-    Args:
-        array: gives an array of the plan as it is now, by its name.
-        material: of the soil.
-    """
-    lengths = cell_lengths(array("cell.integrals"), array("cell.volume"))
-    return float(lengths.min()) / material.pressure_wave_speed
 
 
 @kernel

@@ -150,10 +150,12 @@ class ElementTest(ClayScene):
         mean = principal.mean(axis=0)
         deviator = np.sqrt(1.5 * ((principal - mean) ** 2).sum(axis=0))
         change = stress - self.stress_at_rest
-        direction = self._direction
-        # The sum over components counts the shear stress twice.
-        along = (change * direction * np.array([1.0, 1.0, 2.0, 1.0])).sum(axis=1)
-        along /= 2.0 * float(direction @ (direction * np.array([1.0, 1.0, 2.0, 1.0])))
+        # Strain where the shear strain is 1; the sum over components counts the shear stress twice.
+        of_rr, of_rz, of_zr, of_zz, of_tt = TESTS[self.test]
+        direction = np.array([of_rr, of_zz, 0.5 * (of_rz + of_zr), of_tt])
+        twice = np.array([1.0, 1.0, 2.0, 1.0])
+        along = (change * direction * twice).sum(axis=1)
+        along /= 2.0 * float(direction @ (direction * twice))
         shown: dict[str, Quantity] = {
             "shear_stress": (0.5 * np.ptp(principal, axis=0), "Pa", "half of s1 - s3"),
             "mobilised_stress": (along, "Pa", "growth of the shear stress along the strain"),
@@ -165,12 +167,6 @@ class ElementTest(ClayScene):
             of_shear = state[PORE_PRESSURE] + change[:, [0, 1, 3]].mean(axis=1)
             shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure, of shear alone")
         return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
-
-    @property
-    def _direction(self) -> Floats:
-        """Strain (rr, zz, rz, tt) where the shear strain is 1."""
-        rr, rz, zr, zz, tt = TESTS[self.test]
-        return np.array([rr, zz, 0.5 * (rz + zr), tt])
 
     def _read_off(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
         """Strength and stiffness, and the exact strength where there is one."""
