@@ -36,6 +36,9 @@ def malformed(result: Outline) -> str | None:
 
 
 def _faults(result: Outline) -> Iterator[str]:
+    for key, value in result.attributes.items():
+        if not isinstance(value, str | int | float | np.number):
+            yield f"{key} is neither a text nor a number"
     forms = result.forms
     over = forms["status"].dims if "status" in forms else ()
     if "study" in result.attributes:
@@ -46,7 +49,7 @@ def _faults(result: Outline) -> Iterator[str]:
     texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(forms, scenes)}
     is_known = all(scene in scene_names() for scene in scenes)
     for name, form in forms.items():
-        if name in texts or str(form.attributes.get("role")) in (Role.REASON, Role.BUILT):
+        if name in texts or _role(form) in (Role.REASON, Role.BUILT):
             if form.kind != TEXT:
                 yield f"{name} is no text"
         # Which parameters of an unknown scene are texts is not known either.
@@ -101,7 +104,7 @@ def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) ->
         yield f"{name} has a dim without a coordinate"
     if name in form.dims and form.dims != (name,):
         yield f"{name} is a dim and has others"
-    if own and name not in form.dims and form.attributes.get("role") in _OF_EACH_CASE:
+    if own and name not in form.dims and _role(form) in _OF_EACH_CASE:
         yield f"{name} has more than one value a case"
 
 
@@ -113,8 +116,8 @@ def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
     limit = said.get("limit", 0.0)
     if not isinstance(limit, int | float | np.number) or not math.isfinite(limit):
         yield f"limit of {name} is no number"
-    role = said.get("role")
-    if role is not None and not (isinstance(role, str) and role in _ROLES):
+    role = _role(forms[name])
+    if "role" in said and role not in _ROLES:
         yield f"the role of {name} is unknown"
     if role == Role.EXACT and str(said.get("exact_of")) not in forms:
         yield f"{name} is exact of nothing"
@@ -126,9 +129,7 @@ def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
 
 def _faulty_headline(result: Outline) -> Iterator[str]:
     """A case that has completed has what its scene is run for."""
-    headlines = [
-        name for name, it in result.forms.items() if it.attributes.get("role") == Role.HEADLINE
-    ]
+    headlines = [name for name, form in result.forms.items() if _role(form) == Role.HEADLINE]
     if not headlines:
         yield "it has completed without a headline"
     for name in headlines:
@@ -139,10 +140,15 @@ def _faulty_headline(result: Outline) -> Iterator[str]:
 
 def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[str]:
     """What the parameters that are texts are called in a result."""
-    roles = {name: it.attributes.get("role") for name, it in forms.items()}
-    stored = {parameter_of(name): name for name, role in roles.items() if role == Role.PARAMETER}
+    stored = {parameter_of(it): it for it in forms if _role(forms[it]) == Role.PARAMETER}
     for scene in scenes:
         if scene in scene_names():
             for name, definition in parameters_of(scene_class(scene)).items():
                 if definition.kind is str and name in stored:
                     yield stored[name]
+
+
+def _role(form: Form) -> str:
+    """The role of a variable; "" where it has none, or one that is no text."""
+    role = form.attributes.get("role")
+    return role if isinstance(role, str) else ""

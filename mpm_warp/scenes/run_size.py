@@ -10,6 +10,9 @@ from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.scene import Scene
 
+POINT_BYTES, STATE_BYTES = 118.0, 19.0
+"""Memory of a material point, and of a number that its law remembers, set-up included [byte]."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class RunSize:
@@ -27,16 +30,16 @@ class RunSize:
     cell_count: int
     particle_count: int
     step_count: float = 0.0
-    bytes_per_cell: float = 1000.0
-    bytes_per_particle: float = 130.0
+    bytes_per_cell: float = 735.0
+    bytes_per_particle: float = POINT_BYTES
     curve_bytes: float = 0.0
 
     @property
     def byte_count(self) -> float:
         """Memory of a run beside that of any process that runs one [byte].
 
-        The default of each cell and point is from peaks of cone tests of 1,275 to 53,489 cells with
-        4 and 25 points: within 15 %, and rather more than less.
+        The defaults are from peaks of random cases of up to 500,000 cells with 4 to 25 points;
+        `python -m tests.memory` measures them again.
         """
         in_grid = self.cell_count * self.bytes_per_cell
         return in_grid + self.particle_count * self.bytes_per_particle + self.curve_bytes
@@ -64,6 +67,7 @@ def size_in_grid(scene: Scene, duration: float) -> RunSize:
         cell_count=grid.cell_count,
         particle_count=round(grid.cell_count * scene.particles_per_side**2 * slots),
         step_count=duration / time_step,
+        bytes_per_particle=POINT_BYTES + STATE_BYTES * len(scene.material.state),
     )
 
 

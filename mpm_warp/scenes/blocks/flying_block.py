@@ -70,8 +70,8 @@ class FlyingBlock(CatalogueScene):
             cell_count=columns * rows,
             particle_count=count,
             step_count=self.step_count,
-            # Distances of all points from all along both axes: the first, the present, changes.
-            curve_bytes=6.0 * 8.0 * count**2,
+            # Distances of all points from all: the first, and the present along both axes, thrice.
+            curve_bytes=7.0 * 8.0 * count**2,
         )
 
     @property

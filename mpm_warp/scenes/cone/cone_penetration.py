@@ -40,7 +40,13 @@ from mpm_warp.scenes.cone.soundness import (
     check_levelled,
     with_energy_error,
 )
-from mpm_warp.scenes.run_size import RunSize, of_several, shortest_crossing
+from mpm_warp.scenes.run_size import (
+    POINT_BYTES,
+    STATE_BYTES,
+    RunSize,
+    of_several,
+    shortest_crossing,
+)
 from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
@@ -52,6 +58,8 @@ from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
 the middle of the volume that it puts into the ground."""
+BALANCE_BYTES = 24.0
+"""Memory of what the energy balance keeps of a point [byte]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,10 +154,12 @@ class ConePenetration(ConeTest):
         wave_speed = self.clay.pressure_wave_speed + window.first_speed
         time_step = self.time_step_fraction * shortest_crossing(around_cone) / wave_speed
         slots = grid.cell_count * self.particles_per_cell * (1.0 + window.spare_fraction)
+        audited = BALANCE_BYTES if self.energy_audit == "balance" else 0.0
         return RunSize(
             cell_count=grid.cell_count,
             particle_count=round(slots),
             step_count=self._time_to_the_end / time_step,
+            bytes_per_particle=POINT_BYTES + STATE_BYTES * len(self.clay.state) + audited,
             # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
             curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
         )

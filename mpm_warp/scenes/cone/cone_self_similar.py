@@ -1,7 +1,7 @@
 """A cone pushed into the ground from first touch."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -81,7 +81,9 @@ class ConeSelfSimilar(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells of the grid, those above the ground too, and the steps to the final depth."""
-        return size_in_grid(self.build(), self._window.time_to(self._final_depth))
+        size = size_in_grid(self.build(), self._window.time_to(self._final_depth))
+        share_of_soil = float((self._grid().rows[1:] <= 0.0).mean())
+        return replace(size, particle_count=math.ceil(share_of_soil * size.particle_count))
 
     @property
     def _material(self) -> Tresca:

@@ -289,3 +289,22 @@ def test_a_result_with_an_unknown_reference_is_told_by_its_file(
     line = refusal(["compare", str(path)])
     assert str(path) in line
     assert "unknown reference 'lu_2004_'" in line
+
+
+@pytest.mark.parametrize("name", ["adhesion_factor", "cone_factor", "penetration_resistance"])
+def test_a_role_of_many_numbers_is_told(computed: Study, out: Path, name: str) -> None:
+    path = case_file(case_folder(out, computed), computed.cases[0])
+    dims, values, said = (whole := Content.read(path)).variables[name]
+    changed = whole.variables | {name: (dims, values, said | {"role": np.arange(3)})}
+    replace(whole, variables=changed).write(path)
+    told = read_outcome(path.parent, computed.cases[0]).message
+    assert told.endswith(f"the role of {name} is unknown")
+
+
+@pytest.mark.parametrize("key", ["status", "scene"])
+def test_an_attribute_of_many_numbers_is_told(computed: Study, out: Path, key: str) -> None:
+    path = case_file(case_folder(out, computed), computed.cases[0])
+    whole = Content.read(path)
+    replace(whole, attributes=whole.attributes | {key: np.arange(3)}).write(path)
+    told = read_outcome(path.parent, computed.cases[0]).message
+    assert told.endswith(f"{key} is neither a text nor a number")

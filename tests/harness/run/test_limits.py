@@ -115,7 +115,7 @@ def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     run = ["run", str(small_file), "--out", out, "--workers", "2", *settings]
     assert main([*run, "--memory-limit", "0.8GB"]) == 1
     told = capsys.readouterr().err
-    assert "cells_per_radius=60.0: refused: needs about 1.45 GB" in told
+    assert "cells_per_radius=60.0: refused: needs about 1.25 GB" in told
     assert "where a case may take 0.4 GB" in told
     assert "cells_per_radius=1.0: completed" in told
 
