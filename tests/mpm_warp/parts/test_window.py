@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.parts.velocity_bound import OVER_WINDOW, VELOCITY_BOUND
+from mpm_warp.parts.inflow import OVER_WINDOW, VELOCITY_BOUND
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration

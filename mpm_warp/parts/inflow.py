@@ -1,0 +1,254 @@
+"""Soil enters a window that travels, layer by layer; what a point carries is bounded then.
+
+A layer that enters is a copy of the lowest layer as it was seeded, in all that particles carry, so
+that what a part or a material adds to the particles enters with them. Where the material varies,
+the layer has the properties of its depth. A part may give it more (`Part.enter`), and what depends
+on the travel follows (`Part.follow`). At last the law takes a step without strain: ground around
+the window, which stays elastic, may give a stress outside the yield surface.
+
+The bound is on what a point carries beside the velocity of the soil at it. Symbols: v_p velocity of
+the point, v velocity of the nodes, N shape functions at the point.
+
+    w = v_p - N v, |w| at most W:    v_p <- N v + w W / |w| beyond
+
+No point moves by its w; it is what the point brings to the nodes in the next step beside their own
+velocity. A point that stays near a tip, a shoulder or a pole for long gathers more and more of it,
+for it gets the same changes as those that hurry past, and would at last be faster than waves. That
+takes many steps: the bound is kept whenever a layer of soil enters, and costs next to nothing. What
+is faster than waves already is a fault, left for the watch to tell.
+"""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from mpm_warp.errors import WindowOverfull
+from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.grid.location import make_location
+from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5
+from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
+from mpm_warp.plan.launch import share_bounds
+from mpm_warp.plan.plan import Plan, Run
+from mpm_warp.scene import Scene
+
+ROUNDING = 1e-6
+"""Share of a step that counts as rounding: no step beyond a distance is taken for it."""
+REMEDY = "where soil piles up finer cells, more spare slots or less travel"
+VELOCITY_BOUND = "velocity.bound"
+"""The launch, ordered between steps."""
+SHARE_OF_WAVE, OVER_WINDOW = 0.5, 4.0
+"""W is the lesser of these, over the speed of the pressure wave and the greatest of the grid; in
+sound runs points have up to 0.12 and 2.7 of it."""
+
+
+def add_inflow(plan: Plan, scene: Scene, *, window_speed: float) -> None:
+    """Add what lets a layer enter, when the plan has all arrays of its particles.
+
+    The greatest speed of the window is `window_speed` [m/s]. Of every array "particle.x" the plan
+    gets "layer.x", its values in a layer that enters, and the launch "enter.x" to be ordered
+    between steps, which writes them into the slots "layer.slots".
+    """
+    _add_velocity_bound(plan, scene, window_speed)
+    plan.remedy += f", or {REMEDY}"
+    cell = plan.initial("particle.cell")
+    slots = np.flatnonzero(cell[:, 1] == 0)
+    slots = slots[: len(slots) // scene.particles_per_side]
+    plan.add_zeros("layer.slots", "int", len(slots), (len(cell),))
+    for name in [name for name in plan.arrays if name.startswith("particle.")]:
+        field = plan.arrays[name]
+        of_layer = name.replace("particle.", "layer.")
+        if field.initial is None:
+            plan.add_zeros(of_layer, field.kind, len(slots))
+        else:
+            plan.add_array(of_layer, field.kind, field.initial[slots], field.counts)
+        plan.between_steps[name.replace("particle.", "enter.")] = plan.launch(
+            _make_enter(field.dtype), len(slots), layer=of_layer, field=name
+        )
+    law = scene.material.law()
+    if law.yield_function is not None:
+        plan.between_steps["enter.by_law"] = plan.launch(
+            _make_enter_by_law(law),
+            len(slots),
+            **scene.material.on_points(plan, law),
+        )
+
+
+class Inflow:
+    """Lets soil into a run that has not travelled yet, layer by layer.
+
+    `highest_speed_from` gives the highest speed [m/s] of the window beyond a travel [m].
+    """
+
+    def __init__(
+        self, run: Run, scene: Scene, highest_speed_from: Callable[[float], float]
+    ) -> None:
+        plan, rows = run.plan, scene.grid.rows
+        self._run = run
+        self._scene = scene
+        self._highest_speed_from = highest_speed_from
+        self._launches = [
+            launch for name, launch in plan.between_steps.items() if name.startswith("enter.")
+        ]
+        self._share_bounds = share_bounds(plan.arrays["particle.mass"].shape[0], plan.share_count)
+        self._position = run.array("layer.position").copy()
+        self._position[:, 1] = rows[0]
+        self._layers_per_row = scene.particles_per_side
+        self._layer_height = float(rows[1] - rows[0]) / self._layers_per_row
+        self._layer_count = 0
+
+    @property
+    def travel(self) -> float:
+        """How far the window has moved down through the soil [m]."""
+        return float(self._run.array("window.motion")[2])
+
+    def steps_to(self, travel: float) -> int:
+        """Steps to a travel [m], at least 1; fewer than needed where the speed rises or falls."""
+        now = self.travel
+        per_step = self._highest_speed_from(now) * self._run.plan.time_step
+        return max(1, math.ceil((travel - now) / per_step - ROUNDING))
+
+    @property
+    def steps_ahead(self) -> int:
+        """Steps that can be taken before a layer may have to enter, at least 1."""
+        return self.steps_to(self._next_layer)
+
+    def act(self) -> None:
+        """Let a layer in, if the window has travelled far enough for it.
+
+        Raises:
+            WindowOverfull: no slots are left for it.
+        """
+        travel = self.travel
+        above_bottom = travel - self._next_layer
+        if above_bottom < 0.0:
+            return
+        run, scene = self._run, self._scene
+        run.launch(run.plan.between_steps[VELOCITY_BOUND])
+        free = np.flatnonzero(run.array("particle.cell")[:, 0] < 0)
+        if len(free) < len(self._position):
+            raise WindowOverfull(
+                f"after {travel:.4g} m of travel more soil has stayed in the window than it "
+                f"has slots for; {run.plan.remedy}"
+            )
+        position = self._position.copy()
+        position[:, 1] += position.dtype.type(above_bottom)
+        run.assign("layer.position", position)
+        run.assign("layer.slots", self._chosen(free))
+        for part in scene.parts:
+            part.enter(run, scene, position, travel)
+        self._enter_by_law(position - np.array([0.0, travel]))
+        for launch in self._launches:
+            run.launch(launch)
+        self._layer_count += 1
+        by_a_row = self._layer_count % self._layers_per_row == 0
+        for part in scene.parts:
+            part.follow(run, scene, travel, by_a_row=by_a_row)
+
+    def _enter_by_law(self, place: Floats) -> None:
+        """Give a layer what the material says of its place in the ground [m], [point_count, 2]."""
+        run, material = self._run, self._scene.material
+        if run.plan.find(PROPERTIES):
+            run.assign("layer.properties", material.properties_at(place))
+        if material.variation is not None and run.plan.find(ADHESION_RATIO):
+            run.assign("layer.adhesion_ratio", material.variation.adhesion_ratio_at(place))
+        if material.state:
+            run.assign("layer.state", material.state_at(run.array("layer.stress"), place))
+
+    @property
+    def _next_layer(self) -> float:
+        """Travel at which the next layer enters [m]."""
+        return (self._layer_count + 0.5) * self._layer_height
+
+    def _chosen(self, free: Integers) -> Integers:
+        """As many of the free slots as a layer needs: those of the shares that have most."""
+        bounds = self._share_bounds
+        end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
+        left_in_share = end_of_share - np.arange(len(free))
+        return free[np.argsort(-left_in_share, kind="stable")[: len(self._position)]]
+
+
+@functools.cache
+def _make_enter(dtype: Any) -> Any:
+    """The kernel that writes the values of a layer into its slots; over the layer's particles."""
+
+    @kernel
+    def enter(
+        layer_slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
+    ):
+        k = wp.tid()
+        field[layer_slots[k]] = layer[k]
+
+    return enter
+
+
+@functools.cache
+def _make_enter_by_law(law: Law) -> Any:
+    """The kernel that brings what has entered within its yield surface; over the layer's particles.
+
+    What is within stays as it is, and nothing is remembered of it.
+    """
+
+    @kernel
+    def enter_by_law(
+        time_step: real,
+        properties: law.properties_argument,
+        layer_slots: wp.array(dtype=int),
+        particle_stress: wp.array(dtype=vec4),
+        particle_state: wp.array(dtype=law.state_type),
+    ):
+        p = layer_slots[wp.tid()]
+        own, remembered = law.properties_of(properties, p), law.state_of(particle_state, p)
+        sigma, _ = law.update(particle_stress[p], vec4(), time_step, own, remembered)
+        particle_stress[p] = sigma
+
+    return enter_by_law
+
+
+def _add_velocity_bound(plan: Plan, scene: Scene, window_speed: float) -> None:
+    """Add the launch, over slots; `window_speed` is the greatest of the grid [m/s]."""
+    plan.between_steps[VELOCITY_BOUND] = plan.launch(
+        bound_velocity,
+        len(plan.initial("particle.cell")),
+        stride=scene.grid.column_count + 1,
+        fitted_radius=scene.grid.fitted_radius,
+        W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed),
+        speed_limit=plan.speed_limit,
+    )
+
+
+natural = make_location(polar=False).natural
+
+
+@kernel
+def bound_velocity(
+    node_velocities: wp.array(dtype=vec4),
+    grid_columns: wp.array(dtype=vec3),
+    grid_rows: wp.array(dtype=vec5),
+    stride: int,
+    fitted_radius: real,
+    particle_cell: wp.array(dtype=wp.vec2i),
+    particle_position: wp.array(dtype=vec2),
+    W: real,
+    speed_limit: real,
+    particle_velocity: wp.array(dtype=vec2),
+):
+    """Launched over slots."""
+    p = wp.tid()
+    i, j = particle_cell[p][0], particle_cell[p][1]
+    if i < 0:
+        return
+    where = natural(particle_position[p], grid_columns[i], grid_rows[j], fitted_radius)
+    xi, eta = where[0], where[1]
+    node = j * stride + i
+    left = node_velocities[node] + eta * (node_velocities[node + stride] - node_velocities[node])
+    right = node_velocities[node + 1]
+    right += eta * (node_velocities[node + stride + 1] - node_velocities[node + 1])
+    here = left + xi * (right - left)
+    v = vec2(here[0], here[1])
+    w = particle_velocity[p] - v
+    if wp.length(w) > W and wp.length(w) < speed_limit:
+        particle_velocity[p] = v + (W / wp.length(w)) * w
