@@ -206,6 +206,20 @@ def by_case(dataset: xr.Dataset) -> xr.Dataset:
     return numbered.assign_coords({CASE: np.arange(numbered.sizes[CASE])})
 
 
+def varied_within(dataset: xr.Dataset) -> list[str]:
+    """What a study varies between cases of the same scene."""
+    scenes = np.array(scenes_of(dataset))
+
+    def differs(name: str) -> bool:
+        values = over_cases(dataset, name)
+        return any(
+            len({it for it in values[scenes == kind].tolist() if is_there(it)}) > 1
+            for kind in set(scenes.tolist())
+        )
+
+    return [name for name in varied_names(dataset) if name != "scene" and differs(name)]
+
+
 def labels_of(dataset: xr.Dataset) -> list[str]:
     """What each case is called: the varied values, in words."""
     names = varied_names(dataset)

@@ -34,6 +34,7 @@ from harness.archive.conventions import (
     stated,
     uncertainty_of,
     varied_names,
+    varied_within,
     with_role,
 )
 from harness.archive.provenance import OF_CASE
@@ -234,14 +235,21 @@ def slope(places: np.ndarray, values: np.ndarray) -> Known:
 def ratio_notes(dataset: xr.Dataset) -> list[str]:
     """Each ratio of two scenes in one soil, with its half width; none of one scene."""
     values, reasons = _headlines(dataset), reasons_of(dataset)
-    # What only some of the scenes have tells no soils apart.
+    scenes = scenes_of(dataset)
+    stored = parameter_names(dataset)
+    of_method = {name for it in {*scenes} & {*scene_names()} for name in scene_class(it).method}
+    method = {stored.get(name, name) for name in of_method}
+    within = varied_within(dataset)
+    # What only some of the scenes have tells no soils apart, nor does a mesh that each has its own.
     columns = {
         name: column
         for name in varied_names(dataset)
-        if name != "scene" and all(map(is_there, column := over_cases(dataset, name).tolist()))
+        if name != "scene"
+        and (name in within or name not in method)
+        and all(map(is_there, column := over_cases(dataset, name).tolist()))
     }
     soils: dict[str, dict[str, int]] = {}
-    for case, scene in enumerate(scenes_of(dataset)):
+    for case, scene in enumerate(scenes):
         label = ", ".join(f"{name}={column[case]}" for name, column in columns.items())
         soils.setdefault(label, {}).setdefault(scene, case)
     notes = []

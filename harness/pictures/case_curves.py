@@ -12,7 +12,15 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import by_case, curves_over_cases, over_cases, scenes_of, spoken
+from harness.archive.conventions import (
+    by_case,
+    curves_over_cases,
+    is_there,
+    over_cases,
+    scenes_of,
+    spoken,
+    varied_within,
+)
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import (
     INK,
@@ -26,13 +34,17 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats, axis_label, spelt
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label, spelt
 from harness.pictures.studied import Series, Studied, label_of, series_of
 from harness.study.designs import ONE_AT_A_TIME
 from mpm_warp.scenes.full_flow.cyclic import Degradation
 
 RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"
 OVER_STRENGTH = r"net resistance over strength $(q_\mathrm{c} - σ_\mathrm{v0})/s_\mathrm{u}$ [-]"
+APPROACHED = (
+    "Before the gap the cone approaches faster, which is no result: its speed rises over the first "
+    "radius, and falls in the gap."
+)
 LABELLED_CHANGES = 5
 """Curves of one parameter at a time that have a label: those that differ most from the first."""
 
@@ -72,10 +84,12 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
             colour = shade(float(scale(ends[case])))
         is_start = not few and labelled[:1] == [case]
         width = 1.3 if few or case in labelled else 0.6
-        axes.plot(x, curves[case], color=INK if is_start else colour, lw=1.8 if is_start else width)
-        label = _label(studied, case) if case in labelled else ""
+        named = _with_scene(dataset, case) if few and len(kinds) > 1 else None
+        colour = INK if is_start else colour
+        axes.plot(x, curves[case], color=colour, lw=1.8 if is_start else width, label=named)
+        label = _label(studied, case) if case in labelled and named is None else ""
         if label:
-            marks.append(CurveEnd(x[last[case]], ends[case], label, INK if is_start else colour))
+            marks.append(CurveEnd(x[last[case]], ends[case], label, colour))
     axes.set(xlabel=axis_label(dataset, "penetration"), ylabel=OVER_STRENGTH)
     axes.set(xlim=(0, float(x.max())), ylim=(0, None))
     label_ends(axes, marks, size=7)
@@ -83,6 +97,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         for number, kind in enumerate(kinds):
             colour = series_colour(number, len(kinds))
             axes.plot([], [], color=colour, label=spelt(spoken(kind)))
+    if len(kinds) > 1:
         legend_above(figure, axes)
     elif not few:
         colours = ScalarMappable(scale, SHADES)
@@ -94,7 +109,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure:
         figure,
         dataset,
         f"{len(drawn)} cases." if not few else "",
-        "Before the gap the cone approaches faster; that part is no result." if approached else "",
+        APPROACHED if approached else "",
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
     )
     return figure
@@ -108,6 +123,13 @@ def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> 
         return []
     others = sorted(drawn[1:], key=lambda case: abs(ends[case] - ends[0]), reverse=True)
     return [0, *others[:LABELLED_CHANGES]]
+
+
+def _with_scene(dataset: xr.Dataset, case: int) -> str:
+    """The scene of a case, and those of its varied values that the scene has."""
+    values = {name: over_cases(dataset, name)[case] for name in varied_within(dataset)}
+    own = [assigned(dataset, name, it) for name, it in values.items() if is_there(it)]
+    return ", ".join([spelt(spoken(scenes_of(dataset)[case])), *own])
 
 
 def _label(studied: Studied | None, case: int) -> str:

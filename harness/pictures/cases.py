@@ -20,13 +20,13 @@ from harness.archive.conventions import (
     COMPLETED,
     DISTRIBUTION,
     Role,
-    is_there,
     over_cases,
     scenes_of,
     spoken,
     stated,
     uncertainty_of,
     varied_names,
+    varied_within,
     with_role,
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
@@ -118,7 +118,7 @@ class _Soils:
         headlines = [name for name in named_headlines if set(dataset[name].dims) <= dims]
         scenes = np.array(scenes_of(dataset))
         kinds = list(dict.fromkeys(scenes.tolist()))
-        names = _varied_within(dataset, scenes)
+        names = varied_within(dataset)
         columns = [over_cases(dataset, name).tolist() for name in names]
         values = list(zip(*columns, strict=True)) or [()] * scenes.size
         found = {
@@ -176,19 +176,6 @@ def _headlines(dataset: xr.Dataset, names: Sequence[str]) -> Floats:
     own = [over_cases(dataset, name).astype(float) for name in names]
     completed = over_cases(dataset, "status").astype(str) == COMPLETED
     return np.where(completed, np.fmax.reduce(own), np.nan)
-
-
-def _varied_within(dataset: xr.Dataset, scenes: np.ndarray) -> list[str]:
-    """What differs between cases of the same scene."""
-
-    def differs(name: str) -> bool:
-        values = over_cases(dataset, name)
-        return any(
-            len({it for it in values[scenes == kind].tolist() if is_there(it)}) > 1
-            for kind in set(scenes.tolist())
-        )
-
-    return [name for name in varied_names(dataset) if name != "scene" and differs(name)]
 
 
 HEIGHT = 3.4

@@ -123,7 +123,7 @@ def _left_out(site: Site, found: xr.Dataset) -> Rows:
     return rows
 
 
-SIZE = 9.0, 5.0
+SIZE = 6.5, 4.6
 LEAST_ERROR = 1e-5
 """Smaller errors are drawn there [relative]."""
 NO_TIME = 0.002, 0.1
@@ -153,11 +153,12 @@ def benchmark_figure(found: Sequence[Score]) -> Figure:
                 ms=4,
                 label=name,
             )
-        axes.set(title=title, xscale="log", yscale="log", xlim=(NO_TIME[0], None))
+        axes.set(title=title, xscale="log", yscale="log")
+    panels[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
     panels[0].set_ylabel("|E| over the yardstick [-]")
     panels[1].set_xlabel("run time [s]; grey: none told")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=7)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=6)
     return figure
 
 

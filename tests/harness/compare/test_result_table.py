@@ -163,6 +163,12 @@ def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
     said = "cone penetration over t bar penetration, adhesion_factor=0.5: 1.051 +- 0.012"
     assert said in lines
     assert not any("adhesion_factor=0.0:" in it for it in lines)  # no cone there
+    mesh = {"cone_penetration": 1.75, "t_bar_penetration": 3.0}
+    cells = [mesh[scene] for scene in cone_and_bar()["scene"].values.tolist()]
+    own_meshes = cone_and_bar().assign_coords(
+        cells_per_radius=("case", cells, {"role": "parameter", "units": "1"})
+    )
+    assert said in result_table(own_meshes).splitlines()
     assert not any(" over t bar" in it for it in result_table(footings(["completed"] * 2)))
 
 
