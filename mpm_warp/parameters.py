@@ -91,7 +91,8 @@ class Parameter:
             return None
         converted = self._converted(value)
         if converted is None or not self._contains(converted):
-            nearest = _nearest_choice(value, self.choices)
+            is_near = isinstance(value, str) and self.choices is not None
+            nearest = did_you_mean(str(value), map(str, self.choices or ())) if is_near else ""
             raise ParameterError(
                 self.name,
                 f"{self.name} = {value!r} is not allowed: must be {self.allowed}{nearest}",
@@ -172,12 +173,13 @@ def parameters_of(scene: type) -> Mapping[str, Parameter]:
 
 def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
     """The definition of a field that is made by :func:`parameter`, of a dataclass."""
-    kind = _type_hints(owner)[field.name]
+    hint = _type_hints(owner)[field.name]
+    kinds = typing.get_args(hint) or (hint,)  # of ``float | None``, the two
     return Parameter(
         name=field.name,
-        kind=_bare_type(kind),
+        kind=next(kind for kind in kinds if kind is not types.NoneType),
         default=typing.cast(Value | None, field.default),
-        optional=isinstance(kind, types.UnionType),
+        optional=isinstance(hint, types.UnionType),
         **field.metadata,
     )
 
@@ -283,16 +285,3 @@ def nearest_parameter(name: str, known: Mapping[str, Parameter]) -> str:
         known: the parameters that there are, by name.
     """
     return what_to_give(name, known) or nearest_name(name, known)
-
-
-def _nearest_choice(value: object, choices: tuple[Value, ...] | None) -> str:
-    if not isinstance(value, str) or choices is None:
-        return ""
-    return did_you_mean(value, map(str, choices))
-
-
-def _bare_type(hint: Any) -> type:
-    """``float`` of ``float | None``."""
-    kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
-    kind: type = next(kind for kind in kinds if kind is not types.NoneType)
-    return kind

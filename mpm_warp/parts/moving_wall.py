@@ -23,38 +23,26 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import POSITIVE, checked
 from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import half, kernel, one, quarter, real, third, vec2, vec3, vec4, vec5
-from mpm_warp.parts.window import MovingGrid
+from mpm_warp.parts.window import MovingGrid, RampedMotion
 from mpm_warp.plan.plan import Plan
 from mpm_warp.plan.time_step import TimeStepControl
-from mpm_warp.scene import Part, Scene, refuse_together
+from mpm_warp.scene import Scene, refuse_together
 
 sixth = wp.constant(real(1.0 / 6.0))
 
 
 @dataclass(frozen=True, kw_only=True)
-class MovingWall(Part):
+class MovingWall(RampedMotion):
     """A smooth wall, a cylinder or a sphere, the first column of the grid's nodes, pushed outward.
 
     The columns between the wall and the outer radius draw together in proportion; soil passes
     from cell to cell.
-
-    Attributes:
-        speed: final speed [m/s], > 0.
-        ramp_travel: travel over which the speed rises linearly from rest [m], > 0.
     """
 
     not_beside = ((MovingGrid, ""),)
-    speed: float = checked(POSITIVE, unit="m/s")
-    ramp_travel: float = checked(POSITIVE, unit="m")
-
-    @property
-    def ramp_time(self) -> float:
-        """Time until the final speed is reached [s]."""
-        return 2.0 * self.ramp_travel / self.speed
 
     def check(self, scene: Scene) -> None:
         """Check that wall and columns are upright, and that the soil is the same everywhere."""

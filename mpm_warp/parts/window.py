@@ -20,13 +20,11 @@ from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
 
 
 @dataclass(frozen=True, kw_only=True)
-class MovingGrid(Part):
-    """A grid that moves through the soil; velocities stay those relative to undisturbed soil.
-
-    The array "window.motion" has (time [s], speed of the soil past the grid [m/s], travel [m]).
+class RampedMotion(Part):
+    """What moves at a speed that rises from rest.
 
     Attributes:
-        speed: of the grid when it neither rises nor falls [m/s], > 0.
+        speed: when it neither rises nor falls [m/s], > 0.
         ramp_travel: travel over which the speed rises from rest, linearly in time [m], > 0.
     """
 
@@ -42,6 +40,13 @@ class MovingGrid(Part):
     def ramp_time(self) -> float:
         """Time of the first ramp [s]."""
         return 2.0 * self.ramp_travel / self.first_speed
+
+
+class MovingGrid(RampedMotion):
+    """A grid that moves through the soil; velocities stay those relative to undisturbed soil.
+
+    The array "window.motion" has (time [s], speed of the soil past the grid [m/s], travel [m]).
+    """
 
     def spare_fraction_in(self, grid: Grid) -> float:
         """Empty slots at the start, over the number of particles that fill a grid; none here."""
