@@ -6,22 +6,27 @@ was predicted to take, a process's own memory included, and at last the distribu
 Run it twice: kernels that are compiled on the way take 50 MB more. Linux alone.
 """
 
+import dataclasses
 import itertools
 import multiprocessing
 import random
 import sys
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
 import harness.run.worker  # noqa: F401  what a worker has loaded
 from harness.run.resources import PROCESS_MEMORY
-from mpm_warp.scenes import CatalogueScene, scene_names
+from mpm_warp.parameters import from_mapping
+from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 from tests.harness.run.test_random_cases import random_scene
 
+T = TypeVar("T")
 SMALLEST_PROCESS = 294e6
 """Peak of a worker that runs the smallest case [byte]."""
 LARGEST, ENOUGH, DRAWS = 6e8, 4e7, 40
@@ -35,9 +40,9 @@ def in_grid(size: RunSize) -> float:
     return size.byte_count - size.curve_bytes
 
 
-def drawn(source: random.Random, name: str) -> tuple[CatalogueScene, RunSize] | None:
-    """A case of a scene that is not too large, of some draws the largest."""
-    best = None
+def drawn(seed: str, name: str) -> tuple[dict[str, Any], RunSize] | None:
+    """Parameters of a case that is not too large, of some draws the largest; and its size."""
+    source, best = random.Random(seed), None
     for _ in range(DRAWS):
         made = random_scene(source, name)
         size = made.run_size()
@@ -48,7 +53,7 @@ def drawn(source: random.Random, name: str) -> tuple[CatalogueScene, RunSize] | 
             and in_grid(size) < LARGEST
             and (best is None or in_grid(size) > in_grid(best[1]))
         ):
-            best = (made, size)
+            best = (dataclasses.asdict(made), size)
         if best is not None and in_grid(best[1]) > ENOUGH:
             break
     return best
@@ -60,23 +65,27 @@ def status(name: str) -> float:
     return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith(name))
 
 
-def build(made: CatalogueScene | None, connection: Connection) -> None:
-    """Build a case, or a run of none, and send how much the peak is above the start."""
+def taken(name: str, parameters: dict[str, Any]) -> float:
+    """Build a case, take two steps of it: how much the peak is above the start [byte]."""
     before = status("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")
-    Simulation((made or random_scene(random.Random(0), "element_test")).build()).advance(2)
-    connection.send(status("VmHWM") - before)
+    Simulation(from_mapping(scene_class(name), parameters).build()).advance(2)
+    return status("VmHWM") - before
 
 
-def peak(made: CatalogueScene | None) -> float | None:
-    """Memory of a case above that of its process at the start [byte]; None where it fails."""
+def apart(task: Callable[..., T], *values: object) -> T | None:
+    """What a task gives in a fresh copy of this process; None where it fails."""
+
+    def run(connection: Connection) -> None:
+        connection.send(task(*values))
+
     fork = multiprocessing.get_context("fork")
     ours, theirs = fork.Pipe(duplex=False)
-    worker = fork.Process(target=build, args=(made, theirs))
+    worker = fork.Process(target=run, args=(theirs,))
     worker.start()
     theirs.close()
     try:
-        found: float = ours.recv()
+        found: T = ours.recv()
     except EOFError:
         return None
     finally:
@@ -86,17 +95,17 @@ def peak(made: CatalogueScene | None) -> float | None:
 
 def main() -> None:
     """Draw, build and compare."""
-    count, source = int(sys.argv[1]), random.Random(int(sys.argv[2]))
-    least = peak(None)
+    count, seed = int(sys.argv[1]), sys.argv[2]
+    least = apart(taken, "element_test", {})
     assert least is not None
     ratios = []
     names = [name for name in sorted(scene_names()) if name not in OTHERS]
-    for name in itertools.islice(itertools.cycle(names), count):
-        found = drawn(source, name)
-        taken = None if found is None else peak(found[0])
-        if found is None or taken is None:
+    for number, name in enumerate(itertools.islice(itertools.cycle(names), count)):
+        found = apart(drawn, f"{seed} {number}", name)
+        own = None if found is None else apart(taken, name, found[0])
+        if found is None or own is None:
             continue
-        used = SMALLEST_PROCESS + taken - least
+        used = SMALLEST_PROCESS + own - least
         predicted = PROCESS_MEMORY + in_grid(found[1])
         ratios.append(predicted / used)
         print(f"{name:20} used {used / 1e6:6.1f} MB, predicted {ratios[-1]:.3f} of it", flush=True)
