@@ -20,7 +20,6 @@ import numpy as np
 
 import harness.run.worker  # noqa: F401  what a worker has loaded
 from harness.run.resources import PROCESS_MEMORY
-from mpm_warp.parameters import from_mapping
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
@@ -69,7 +68,7 @@ def taken(name: str, parameters: dict[str, Any]) -> float:
     """Build a case, take two steps of it: how much the peak is above the start [byte]."""
     before = status("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")
-    Simulation(from_mapping(scene_class(name), parameters).build()).advance(2)
+    Simulation(scene_class(name)(**parameters).build()).advance(2)
     return status("VmHWM") - before
 
 
