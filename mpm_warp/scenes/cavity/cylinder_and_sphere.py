@@ -142,10 +142,7 @@ class CavitySphere(Cavity):
     free flow of Tresca soil parts from that and bears less.
     """
 
-    summary: ClassVar[str] = (
-        "pressure of an expanding spherical cavity in undrained clay, with the same stress in all "
-        "directions before"
-    )
+    summary: ClassVar[str] = "pressure of an expanding spherical cavity in clay under equal stresses"
     version: ClassVar[int] = 6
     verifications: ClassVar[tuple[Verification, ...]] = verifications(
         0.02, (4, 6), HURRIED, LATE, SOON
