@@ -142,7 +142,7 @@ class CavitySphere(Cavity):
     free flow of Tresca soil parts from that and bears less.
     """
 
-    summary: ClassVar[str] = "pressure of an expanding spherical cavity in clay under equal stresses"
+    summary: ClassVar[str] = "pressure of an expanding spherical cavity in clay under equal stress"
     version: ClassVar[int] = 6
     verifications: ClassVar[tuple[Verification, ...]] = verifications(
         0.02, (4, 6), HURRIED, LATE, SOON
