@@ -24,7 +24,6 @@ from harness.archive.conventions import (
     Role,
     known_digits,
     over_cases,
-    stated,
     uncertainty_of,
     varied_names,
     with_role,
@@ -177,7 +176,7 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
     half = DEVIATIONS * spread.numerical
     low, middle, high = (known_digits(it, spread.deviation / 3.0) for it in spread.percentiles)
     rows = [
-        ("mean with the combined U", stated(spread.mean, spread.combined)),
+        ("mean with the combined U", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
         ("deviation by the inputs", f"{spread.deviation:.3g}"),
         ("median", middle),
         ("90 % of the cases", f"{low} to {high}"),

@@ -115,12 +115,13 @@ def read_columns(test: MeasuredTest) -> Columns:
         if area_ratio < 1.0:
             raise StudyError(
                 f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "
-                "area_ratio = 1 takes qc as corrected"
+                "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
+                '{ u2 = "..." }'
             )
         values["u2"] = np.full_like(values["depth"], np.nan)
     _refuse_impossible(path, values, places)
     angles = [values.pop(name) for name in AXES if name in values]
-    of_rods = file.headings[found["depth"]].name in RODS
+    of_rods = _joined(file.headings[found["depth"]].name) in RODS
     if of_rods and not angles:
         notes.append("depth is the length of the rods; the file has no inclination")
     elif of_rods or AXES[0] in test.columns:
@@ -160,14 +161,14 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, list
 
 def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -> dict[str, int]:
     """Which column holds what."""
-    found = {}
+    found, lacking = {}, {}
     for name, usual in NAMES.items():
         wanted = given.get(name)
-        names = usual if wanted is None else (wanted.lower(),)
+        names = [_joined(it) for it in (usual if wanted is None else (wanted,))]
         places = [
             place
             for place, it in enumerate(headings)
-            if it.name in names or (wanted is not None and it.title.lower() in names)
+            if _joined(it.name) in names or (wanted and _joined(it.title) in names)
         ]
         if name == "depth" and wanted is None:  # the length of rods is more, where they lean
             places = [it for it in places if headings[it].name == name] or places
@@ -180,18 +181,27 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
         if places:
             found[name] = places[0]
         elif name not in OPTIONAL or wanted is not None:
-            near = nearest_name(wanted or name, [it.title for it in headings if it.title])
-            raise StudyError(
-                f"{path}: has no column {wanted or name!r}{near}; name it under columns of the "
-                f'site file, as columns = {{ {name} = "..." }}'
-            )
+            lacking[name] = wanted or name
+    if lacking:
+        near = nearest_name(next(iter(lacking.values())), [it.title for it in headings if it.title])
+        keys = ", ".join(f'{name} = "..."' for name in lacking)
+        raise StudyError(
+            f"{path}: has no column {', '.join(map(repr, lacking.values()))}{near}; name it under "
+            f"columns of the site file, as columns = {{ {keys} }}"
+        )
     return found
+
+
+def _joined(name: str) -> str:
+    """A name without what parts its words, in small letters."""
+    return re.sub(r"[\s_.-]", "", name.lower())
 
 
 def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     """What the unit of a column is in SI units."""
     known, unit = UNITS.get(name, PRESSURES), given or heading.unit
     sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
+    unit = unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2")
     if unit.lower() not in sizes:
         told = f"has unit {unit!r}" if unit else "has no unit"
         raise StudyError(

@@ -38,7 +38,8 @@ def site_text(test: str, told: Mapping[str, float]) -> str:
     given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
     lines = [
-        "# A measured cone test and its ground. A line that begins with # is a comment.",
+        "# A measured cone test and its ground. A line that begins with # is a comment; a value in",
+        "# it is assumed, and told so. Take the # away and give what is known of this ground.",
         *_comment(f"An input is {HOW}."),
         "",
         *_key_rows(SITE_KEYS, {"title": "My site"}),
@@ -54,11 +55,12 @@ def site_text(test: str, told: Mapping[str, float]) -> str:
 
 
 def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]:
-    """What each key is, and its value or its default; without either it is a comment."""
+    """What each key is, and its value; its default, or dots, as a comment."""
     rows = []
     for name, key in keys.items():
-        value = given.get(name, key.default)
-        rows += [*_comment(key.told), f"#{name} = ..." if value is None else _line(name, value)]
+        default = f"#{name} = ..." if key.default is None else f"#{_line(name, key.default)}"
+        row = _line(name, given[name]) if name in given else default
+        rows += [*_comment(key.told), row]
     return rows
 
 

@@ -12,7 +12,7 @@ cannot be installed beside pandas 3. A sounding is a small table: the standard l
 import csv
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -20,6 +20,8 @@ from harness.study.files import read_bounded
 from harness.study.tables import StudyError
 from mpm_warp.parameters import nearest_name
 
+FEWEST_COLUMNS = 3
+"""Of a CSV: depth, qc and fs."""
 LARGEST_FILE = 20_000_000
 """Bytes of a file; a sounding of 100 m in steps of 5 mm has some two million."""
 
@@ -93,7 +95,8 @@ DECIMAL_COMMA = re.compile(r"-?\d*,\d+")
 def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma.
 
-    Parted by tab or ; numbers may have a decimal comma, where no cell has a point.
+    Parted by tab or ; numbers may have a decimal comma, where no cell has a point. Lines above the
+    header are left out; units may stand in a line of their own below it.
     """
     lines = {
         number: line
@@ -102,20 +105,35 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     }
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
-    first = next(iter(lines.values()))
-    delimiter = next((it for it in "\t;," if it in first), ",")
+    named = [number for number, line in lines.items() if len(_words(line)) >= FEWEST_COLUMNS]
+    above = [number for number in lines if named and number < named[0]]
+    notes = [f"{len(above)} lines above the header left out"] if above else []
+    lines = {number: line for number, line in lines.items() if number not in above}
+    delimiter = _delimiter(next(iter(lines.values())))
     reader = csv.reader(lines.values(), delimiter=delimiter)
     header = [_heading(it.strip()) for it in next(reader)]
     numbers = list(lines)
     rows = [(numbers[reader.line_num - 1], cells) for cells in reader]
-    notes: tuple[str, ...] = ()
+    if named[1:2] == numbers[1:2] and not any(it.unit for it in header):
+        units = [it.strip(" []()") for it in rows.pop(0)[1]]
+        header = [replace(it, unit=unit) for it, unit in zip(header, units, strict=False)]
     cells_of_all = [cell for _, cells in rows for cell in cells]
     if delimiter != "," and not any("." in cell for cell in cells_of_all):
         commas = [DECIMAL_COMMA.fullmatch(cell.strip()) is not None for cell in cells_of_all]
         if any(commas):  # no cell has a point, so a comma cannot part thousands from a fraction
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
-            notes = ("numbers have a decimal comma",)
-    return TestFile(headings=header, rows=rows, notes=notes)
+            notes.append("numbers have a decimal comma")
+    return TestFile(headings=header, rows=rows, notes=tuple(notes))
+
+
+def _delimiter(line: str) -> str:
+    return next((it for it in "\t;," if it in line), ",")
+
+
+def _words(line: str) -> list[str]:
+    """Cells of a line; none where one is a number, as in a row of values."""
+    cells = [it.strip() for it in line.split(_delimiter(line)) if it.strip()]
+    return [] if _numbers(it.replace(",", ".") for it in cells) else cells
 
 
 def _heading(title: str) -> Heading:

@@ -23,7 +23,6 @@ from harness.archive.conventions import (
     over_cases,
     scenes_of,
     spoken,
-    stated,
     uncertainty_of,
     varied_names,
     varied_within,
@@ -201,8 +200,8 @@ def spread_figure(dataset: xr.Dataset) -> Figure:
     write_caption(
         figure,
         dataset,
-        f"{len(spread.values)} cases; {stated(spread.mean, spread.combined)} is the mean with the "
-        "combined U.",
+        f"{len(spread.values)} cases; {spread.mean:.3g} +- {spread.combined:.2g} is the mean with "
+        "the combined U.",
         "Shade: 90 % of the cases; line: median; bar: mean, combined U, and below it numerical U.",
         f"Inputs: {'; '.join(told)}.",
     )

@@ -227,6 +227,22 @@ def test_an_inclination_that_the_site_file_names_corrects_the_depth(folder: Path
         columns_of(site)
 
 
+def test_what_exports_have_around_their_rows(folder: Path) -> None:
+    """Lines above the header, units below it, names of several words, a superscript."""
+    rows = rows_of(folder)
+    body = [";".join(cells(row, "")).replace(".", ",") for row in rows]
+    head = [
+        "Project: Quay;;;",
+        "",
+        "Depth;Cone Resistance;Sleeve friction;U2",
+        "[m];MPa;MN/m\u00b2;MPa",
+    ]
+    found = columns_of(site_of(folder, "csv", "\n".join([*head, *body])))
+    for name, column in zip(("depth", "qc", "fs", "u2"), np.array(rows).T, strict=True):
+        np.testing.assert_allclose(found.values[name], column * (1.0 if name == "depth" else 1e6))
+    assert "1 lines above the header left out" in found.notes
+
+
 def test_what_the_two_files_say_otherwise_of_the_cone_is_told(folder: Path) -> None:
     path = site_of(folder, "gef", as_gef(rows_of(folder)), ("area_ratio = 0.8", "area_ratio = 0.6"))
     found = columns_of(path)

@@ -167,7 +167,7 @@ def test_a_site_is_interpreted_from_the_command_line(
     assert main(["interpret", "mine.toml", "--laboratory", "triaxial.csv"]) == 0
     told = capsys.readouterr()
     assert told.out.startswith("2 to 10 m: su (isotropic")
-    assert "not given" not in told.out
+    assert "not given and assumed: rate_factor, sensitivity" in told.out
     assert "no design value" in told.err
     written = sorted(it.name for it in (folder / "results").iterdir())
     assert written == [f"mine_interpretation.{it}" for it in ("csv", "html", "nc", "png", "svg")]
