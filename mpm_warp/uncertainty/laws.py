@@ -64,6 +64,9 @@ GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 largest share of the effect of growth."""
 BOTTOM, TOP = 0.3, 0.5
 """Half widths of the effects of bottom and top, over them."""
+TOP_ANISOTROPY = 0.46
+"""Half width, over sqrt(-Delta) (Ir / A^2)^1.5, of what the top leaves where the horizontal stress
+is the larger: the most that twice the extent above changes at Ir 25 to 300, Delta -0.4 to -0.9."""
 INERTIA = 0.05
 """Half width of S."""
 TESTED_INDICES = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
@@ -129,7 +132,7 @@ class ErrorLaws:
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
             "domain": DOMAIN * factor * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
-            "top": TOP * self.top,
+            "top": TOP * self.top + self._top_in_high_stress,
             "speed": INERTIA * self.inertia,
             "range": self._beyond_range,
         }
@@ -175,6 +178,12 @@ class ErrorLaws:
     def _nearness(self) -> Value:
         """Ir / H^2 of the bottom of the window."""
         return self.rigidity_index / (self.below * self.below)
+
+    @property
+    def _top_in_high_stress(self) -> Value:
+        """Half width of what the top leaves where Delta is below 0, shape [...]."""
+        nearness: Value = (self.rigidity_index / self.above**2) ** TOP_POWER
+        return TOP_ANISOTROPY * np.sqrt(np.maximum(0.0, -self.stress_anisotropy)) * nearness
 
     @property
     def top(self) -> Value:

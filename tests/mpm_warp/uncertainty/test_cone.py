@@ -121,6 +121,7 @@ def test_only_cells_of_three_rows_are_wide() -> None:
         ("domain", {"domain_radius": 20.0}),
         ("bottom", {"domain_below": 10.0}),
         ("top", {"penetration": 50.0}),
+        ("top", {"stress_anisotropy": -0.1}),
         ("speed", {"speed_ratio": 0.1}),
         ("bound", {"poissons_ratio_bound": 0.48}),
     ],
