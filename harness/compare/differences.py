@@ -6,8 +6,8 @@ the laws were off alike everywhere; it would then cancel in a difference. It is 
 random cases of `studies/held_out_default.csv` the errors have a mean of 0.01 and a standard
 deviation of 0.03, so that two of them have a correlation of 0.09 (0.22 with `accuracy = "quick"`).
 Parts are therefore added as squares, which is too much rather than too little wherever errors of
-two cases have the same sign. All 276 differences of these cases, and all their ratios, are inside,
-99 % within 0.8 of it.
+two cases have the same sign. All 276 differences of these cases, and all their ratios, are
+within 0.8 of it.
 """
 
 import dataclasses

@@ -55,7 +55,7 @@ class Sounding(SoundingTest):
     """
 
     summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""

@@ -151,8 +151,7 @@ def test_differences_and_ratios_of_random_cases_are_inside() -> None:
         ):
             found.append(abs(value - truth) / half)
     assert len(pairs) == 276
-    assert max(found) <= 1.0
-    assert np.mean(np.array(found) <= 0.8) == pytest.approx(0.99, abs=0.006)
+    assert max(found) <= 0.8
     errors = fine - np.array(known)[:, 0]
     # Of two cases: their mean square in common over the whole mean square.
     assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.09, abs=0.005)
