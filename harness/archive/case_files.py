@@ -19,12 +19,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
 from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING, Role
-from harness.archive.netcdf_files import (
-    opened,
-    read_attributes,
-    read_netcdf,
-    write_netcdf,
-)
+from harness.archive.netcdf_files import opened, read_attributes, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
 from harness.study.cases import Case
 from harness.study.study import Study

@@ -32,12 +32,7 @@ from harness.pictures.cases import (
 from harness.pictures.convergence import convergence_figure, shows_convergence
 from harness.pictures.curve import curve_figure, map_figure, shows_curve, shows_map
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
-from harness.pictures.effects import (
-    effects_figure,
-    shows_effects,
-    shows_tornado,
-    tornado_figure,
-)
+from harness.pictures.effects import effects_figure, shows_effects, shows_tornado, tornado_figure
 from harness.pictures.sounding import shows_sounding, sounding_figure
 from harness.pictures.stability import shows_stability
 from harness.pictures.stability_map import stability_figure

@@ -15,13 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import (
-    COMPLETED,
-    MISSING,
-    limits_of,
-    over_cases,
-    varied_names,
-)
+from harness.archive.conventions import COMPLETED, MISSING, limits_of, over_cases, varied_names
 from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.study.designs import ONE_AT_A_TIME
 from harness.study.study import STABILITY_MAP

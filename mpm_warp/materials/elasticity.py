@@ -16,19 +16,7 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, checked
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import (
-    half,
-    one,
-    quarter,
-    real,
-    third,
-    two,
-    vec1,
-    vec2,
-    vec4,
-    vec5,
-    vec7,
-)
+from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec1, vec2, vec4, vec5, vec7
 from mpm_warp.materials.material import Law, Material
 
 SHEAR_MODULUS, BULK_MODULUS = 0, 1

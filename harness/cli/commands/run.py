@@ -31,14 +31,7 @@ from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device, spoken_time
 from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
-from harness.run.verify import (
-    HEADING,
-    as_dataset,
-    checks_of,
-    quick,
-    table_rows,
-    verified_in_turn,
-)
+from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows, verified_in_turn
 from harness.study.description import tell_of_unusual_values
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of

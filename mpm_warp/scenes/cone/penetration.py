@@ -68,11 +68,6 @@ class PenetrationCurves:
         self.forces: list[PenetrometerForces] = []
         self._sampled_at = 0.0
 
-    @property
-    def next_distance(self) -> float:
-        """Travel at which the next sample is due [m]."""
-        return (len(self._moved) + 1) * (SAMPLE_SPACING * self.radius)
-
     def sample(self) -> None:
         """Record the mean forces since the sample before."""
         reached = self._simulation.travel

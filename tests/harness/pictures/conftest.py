@@ -159,6 +159,11 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     return made
 
 
+def legend(figure: Figure) -> list[str]:
+    """What the legends of a figure say."""
+    return [text.get_text() for shown in figure.legends for text in shown.get_texts()]
+
+
 @functools.cache
 def drawn(kind: str) -> tuple[xr.Dataset, dict[str, Figure]]:
     """A made-up result with its pictures, which take long to draw: each is drawn once."""

@@ -7,9 +7,8 @@ from matplotlib.figure import Figure
 
 from harness.pictures.convergence import approach, convergence_figure, shows_convergence
 from harness.pictures.work_precision import shows_work_precision, study_figure
-from tests.harness.pictures.conftest import figures
 
-from .conftest import MADE, result
+from .conftest import MADE, figures, legend, result
 
 CELLS = (2.0, 4.0, 8.0, 16.0)
 WIDTHS = 1.0 / np.array(CELLS)
@@ -45,9 +44,7 @@ def test_each_series_has_its_limit_at_the_end_of_refinement() -> None:
     (axes,) = figure.axes
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "white"]
     assert [line.get_ydata()[0] for line in hollow] == pytest.approx([10.0, 11.5], abs=1e-3)
-    (legend,) = figure.legends
-    told = [text.get_text() for text in legend.get_texts()]
-    assert told == ["$α$ = 0: order 1.00, limit 10", "$α$ = 1: order 1.00, limit 11.5"]
+    assert legend(figure) == ["$α$ = 0: order 1.00, limit 10", "$α$ = 1: order 1.00, limit 11.5"]
     assert [text.get_text() for text in axes.get_xticklabels()][:2] == ["∞", "16"]
 
 
@@ -58,8 +55,7 @@ def test_an_error_is_drawn_on_logarithmic_axes_with_its_order() -> None:
     made["error"] = "cell_count", [0.04, 0.01, 0.0025], labels
     figure = convergence_figure(made)
     assert figure.axes[0].get_yscale() == "log"
-    (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["computed: order 2.00"]
+    assert legend(figure) == ["computed: order 2.00"]
 
 
 @pytest.mark.parametrize(
@@ -81,13 +77,18 @@ def fronts(figure: Figure) -> list[list[list[float]]]:
     return [line.get_xydata().tolist() for line in lines]
 
 
-def told(figure: Figure) -> list[str]:
-    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+def timed(
+    dims: str | tuple[str, ...], error: object, run_time: object, scene: str, **coords: object
+) -> xr.Dataset:
+    """A result of completed cases with errors and run times."""
+    made = xr.Dataset({"error": (dims, error), "run_time": (dims, run_time)}, coords)
+    made["status"] = dims, np.full(made["error"].shape, "completed")
+    return made.assign_attrs(scene=scene)
 
 
 def test_each_soil_has_a_front_of_its_own(two_soils: xr.Dataset) -> None:
     figure = study_figure(two_soils)
-    assert told(figure) == [
+    assert legend(figure) == [
         r"$I_{\mathrm{r}}$ = 50",
         r"$I_{\mathrm{r}}$ = 100",
         "not completed",
@@ -98,17 +99,9 @@ def test_each_soil_has_a_front_of_its_own(two_soils: xr.Dataset) -> None:
 
 
 def test_points_tell_all_settings_that_vary() -> None:
-    shape = ("cells_per_radius", "particles_per_cell")
-    dataset = xr.Dataset(
-        {
-            "error": (shape, [[0.1, 0.2], [0.03, 0.01]]),
-            "run_time": (shape, [[1.0, 1.5], [2.0, 8.0]]),
-            "status": (shape, [["completed"] * 2] * 2),
-        },
-        coords={"cells_per_radius": [2, 4], "particles_per_cell": [4, 9]},
-        attrs={"scene": "cone_penetration"},
-    )
-    figure = study_figure(dataset)
+    settings = {"cells_per_radius": [2, 4], "particles_per_cell": [4, 9]}
+    error, run_time = [[0.1, 0.2], [0.03, 0.01]], [[1.0, 1.5], [2.0, 8.0]]
+    figure = study_figure(timed(tuple(settings), error, run_time, "cone_penetration", **settings))
     (front,) = fronts(figure)
     assert front == [[1.0, 0.1], [2.0, 0.03], [8.0, 0.01]]
     beside = [text.get_text() for text in figure.axes[0].texts]
@@ -133,60 +126,43 @@ def test_pictures_of_a_result_with_finest_error(two_soils: xr.Dataset) -> None:
 
 
 def test_each_scene_of_several_has_its_own_front() -> None:
-    dataset = xr.Dataset(
-        {
-            "error": ("case", [0.1, 0.01, 0.5, 0.3]),
-            "run_time": ("case", [1.0, 2.0, 1.5, 3.0]),
-            "status": ("case", ["completed"] * 4),
-        },
-        coords={
-            "case": range(4),
-            "scene": ("case", ["thick_cylinder"] * 2 + ["cavity_sphere"] * 2),
-            "cell_count": ("case", [5.0, 10.0, np.nan, np.nan]),
-            "cells_per_radius": ("case", [np.nan, np.nan, 4.0, 8.0]),
-        },
-        attrs={"scene": "thick_cylinder cavity_sphere"},
+    dataset = timed(
+        "case",
+        [0.1, 0.01, 0.5, 0.3],
+        [1.0, 2.0, 1.5, 3.0],
+        "thick_cylinder cavity_sphere",
+        case=range(4),
+        cell_count=("case", [5.0, 10.0, np.nan, np.nan]),
+        cells_per_radius=("case", [np.nan, np.nan, 4.0, 8.0]),
     )
-    figure = study_figure(dataset)
+    scenes = ["thick_cylinder"] * 2 + ["cavity_sphere"] * 2
+    figure = study_figure(dataset.assign_coords(scene=("case", scenes)))
     assert fronts(figure) == [[[1, 0.1], [2, 0.01]], [[1.5, 0.5], [3, 0.3]]]
-    assert told(figure) == ["thick cylinder", "cavity sphere"]
+    assert legend(figure) == ["thick cylinder", "cavity sphere"]
 
 
 def test_a_soil_that_gives_a_value_stands_beside_one_that_leaves_it_to_the_scene() -> None:
     parameter = {"role": "parameter", "units": "1"}
-    dataset = xr.Dataset(
-        {
-            "error": ("case", [0.2, 0.02, 0.3, 0.03], {"role": "error"}),
-            "run_time": ("case", [1.0, 2.0, 1.1, 2.1]),
-            "status": ("case", ["completed"] * 4),
-        },
-        coords={
-            "step_count": ("case", [10, 100, 10, 100], parameter),
-            "ductility": ("case", [np.nan, np.nan, 2.0, 2.0], parameter),
-        },
-        attrs={"scene": "material_point", "design": "list"},
+    dataset = timed(
+        "case",
+        [0.2, 0.02, 0.3, 0.03],
+        [1.0, 2.0, 1.1, 2.1],
+        "material_point",
+        step_count=("case", [10, 100, 10, 100], parameter),
+        ductility=("case", [np.nan, np.nan, 2.0, 2.0], parameter),
     )
-    assert len(fronts(study_figure(dataset))) == 2
-    assert told(study_figure(dataset)) == [
-        r"$ξ_{\mathrm{95}}$ = derived",
-        r"$ξ_{\mathrm{95}}$ = 2",
-    ]
+    dataset["error"].attrs["role"] = "error"
+    figure = study_figure(dataset.assign_attrs(design="list"))
+    assert len(fronts(figure)) == 2
+    assert legend(figure) == [r"$ξ_{\mathrm{95}}$ = derived", r"$ξ_{\mathrm{95}}$ = 2"]
 
 
 def test_a_point_is_a_measured_error_and_never_a_half_width() -> None:
     """It ranks cases, as the upper end of a thin line."""
-    shape = ("cells_per_radius",)
-    dataset = xr.Dataset(
-        {
-            "error": (shape, [0.01, 0.03]),
-            "run_time": (shape, [1.0, 2.0]),
-            "status": (shape, ["completed"] * 2),
-            "cone_factor": (shape, [10.0, 10.0], {"role": "headline"}),
-            "cone_factor_uncertainty": (shape, [2.0, 0.5], {"role": "uncertainty"}),
-        },
-        coords={"cells_per_radius": [2, 4]},
-        attrs={"scene": "cone_penetration"},
-    )
+    along = "cells_per_radius"
+    dataset = timed(along, [0.01, 0.03], [1.0, 2.0], "cone_penetration", cells_per_radius=[2, 4])
+    dataset["cone_factor"] = along, [10.0, 10.0], {"role": "headline"}
+    dataset["cone_factor_uncertainty"] = along, [2.0, 0.5], {"role": "uncertainty"}
     figure = study_figure(dataset)
     assert fronts(figure) == [[[1.0, 0.01], [2.0, 0.03]]]
     (lines,) = figure.axes[0].collections

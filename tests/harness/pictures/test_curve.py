@@ -18,14 +18,10 @@ from harness.pictures.curve import curve_figure
 from harness.pictures.drawing.literature import draw_experience
 from harness.pictures.drawing.plot_parts import empty_figure
 
-from .conftest import MADE, REFERENCES, one_at_a_time, result
+from .conftest import MADE, REFERENCES, legend, one_at_a_time, result
 
 LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
 ENVELOPE = "envelope of the literature (no confidence interval)"
-
-
-def legend(figure: Figure) -> list[str]:
-    return [text.get_text() for shown in figure.legends for text in shown.get_texts()]
 
 
 def written(figure: Figure) -> list[str]:

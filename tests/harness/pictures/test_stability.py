@@ -16,7 +16,7 @@ from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.stability import short_reason, stability_rows
 from harness.pictures.stability_map import stability_figure
-from tests.harness.pictures.conftest import figures
+from tests.harness.pictures.conftest import figures, legend
 
 BAD_VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
@@ -212,9 +212,7 @@ def test_the_picture_has_a_mark_for_each_case_and_a_bar_where_it_is_stable() -> 
     assert figure.axes[1].get_xscale() == "linear"
     (text,) = figure.axes[0].texts
     assert "above: 0.3 (factor 10), inaccurate" in text.get_text()
-    (legend,) = figure.legends
-    told = [text.get_text() for text in legend.get_texts()]
-    assert told == ["completed", "inaccurate", "diverged", "default", "stable"]
+    assert legend(figure) == ["completed", "inaccurate", "diverged", "default", "stable"]
 
 
 def test_the_share_of_the_limit_colours_what_completed() -> None:

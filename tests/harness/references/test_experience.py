@@ -8,13 +8,7 @@ import pytest
 from harness.cli.main import main
 from harness.references.cone_factors import CONE_FACTORS
 from harness.references.experience import EXPERIENCE, HOLDS, Experience, Factor
-from harness.references.registry import (
-    WIDTH,
-    all_entries,
-    experience_ids,
-    one_entry,
-    reference_ids,
-)
+from harness.references.registry import WIDTH, all_entries, experience_ids, one_entry, reference_ids
 from tests.harness.conftest import Refusal
 
 # By hand: log10 1.2 = 0.0791812, log10 6.3 = 0.7993405, ln 0.5 = -0.6931472, ln 1.1 = 0.0953102.

@@ -33,8 +33,8 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
     monkeypatch.setattr(ContactForces, "take", noted)
     curves = PenetrationCurves(simulation, radius=SMOOTH.cone_radius, unsteady=1.0, tolerance=0.0)
     way, work = 0.0, 0.0
-    for _ in range(10):
-        simulation.travel_to(curves.next_distance)
+    for number in range(1, 11):
+        simulation.travel_to(number * SAMPLE_SPACING * SMOOTH.cone_radius)
         curves.sample()
         upward = float(taken[-1][:, 0] @ scene[SurfaceContact].normals[:, 1])
         assert curves.forces[-1].upward == pytest.approx(upward, rel=ROUNDING)
@@ -51,7 +51,7 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
 def test_a_step_past_several_samples_gives_each_the_same_forces() -> None:
     simulation = Simulation(SMOOTH.build())
     curves = PenetrationCurves(simulation, radius=SMOOTH.cone_radius, unsteady=1.0, tolerance=0.0)
-    simulation.travel_to(curves.next_distance)
+    simulation.travel_to(SAMPLE_SPACING * SMOOTH.cone_radius)
     curves.sample()
     curves.sample()
     assert curves.forces[0].upward == curves.forces[1].upward
