@@ -16,8 +16,10 @@ import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material, built_name
+from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parameters import parameters_of
@@ -32,6 +34,8 @@ MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
 """The laws of clay with which further runs were tested: in them the error follows width of cells
 and speed as the further runs take it. In a law of one's own the speed may change the soil itself,
 and softening may have no width but that of a cell: no further run could tell that from an error."""
+LAWS_OF_CONES = (*MEASURED_LAWS, Anisotropic, ModifiedCamClay)
+"""The laws with which further runs of cone tests were; in them too speed acts by inertia alone."""
 RECORDS = (EnergyAudit, EnergyBalance, History)
 """Parts of a scene that only record, and change no result."""
 PARTS = (
@@ -79,12 +83,15 @@ def expected_scene(test: Any) -> Scene | None:
     return built
 
 
-def why_not_as_measured(built: Scene, expected: Scene | None) -> list[str]:
+def why_not_as_measured(
+    built: Scene, expected: Scene | None, laws: tuple[type[Material], ...] = MEASURED_LAWS
+) -> list[str]:
     """Why the error was not measured for what was built, as "word: sentence"; nothing where it was.
 
     Args:
         built: the scene of the run.
         expected: what the catalogue builds of the same parameters; None where it allows none.
+        laws: the laws that it was measured with.
     """
     if expected is None:
         return ["scene: no scene of the catalogue has these parameters"]
@@ -95,7 +102,7 @@ def why_not_as_measured(built: Scene, expected: Scene | None) -> list[str]:
             word, what = _called(other)
             reasons[word] = f"{word}: the error is not known with the {what} built, {difference}"
     if not reasons:
-        return _why_law_not_measured(built.material)
+        return _why_law_not_measured(built.material, laws)
     # What comes first in this order may be why the others differ: a stiffer soil has faster waves.
     first = next(word for word in (*(word for _, word, _ in PARTS), OTHER) if word in reasons)
     return [reasons[first]]
@@ -111,8 +118,8 @@ def why_not_tresca(material: Material) -> list[str]:
     return [f"law: the error is known in tresca, not in {name}, but {measured}"]
 
 
-def _why_law_not_measured(material: Material) -> list[str]:
-    if type(material) not in MEASURED_LAWS:
+def _why_law_not_measured(material: Material, laws: tuple[type[Material], ...]) -> list[str]:
+    if type(material) not in laws:
         return [f"law: nobody has measured the error in {built_name(material)}"]
     if isinstance(material, EinavRandolph) and material.criterion not in MEASURED_LAWS:
         criterion = material.criterion.__name__

@@ -27,7 +27,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
-from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
+from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.further_runs import ALONE, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
     LARGEST_CELL,
@@ -180,7 +180,7 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
     parts["speed"] += APPROACH * run.factor
     parts["bound"] = BOUND * run.factor * run.bounded
     reasons = [
-        *(why_not_as_measured(built, expected) or _why_laws_do_not_hold(built)),
+        *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_laws_do_not_hold(built)),
         *those_that_hold(laws.why_none_holds(largest_cell=WIDEST_CELL)),
         *run.why_not_settled,
     ]

@@ -51,7 +51,7 @@ from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
-from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.built import LAWS_OF_CONES, expected_scene, why_not_as_measured
 from mpm_warp.uncertainty.laws import ErrorLaws
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
@@ -188,9 +188,12 @@ class ConePenetration(ConeTest):
             report(0.0)
             return test.record(simulation, report, shown)
 
-        if self.uncertainty == "known" or why_not_as_measured(self.build(), self._expected):
+        if self.uncertainty == "known" or why_not_as_measured(
+            self.build(), self._expected, LAWS_OF_CONES
+        ):
             return run(self, progress)
-        return further_runs.with_measured_error(self, run, progress)
+        measured = further_runs.with_measured_error(self, run, progress)
+        return measured.assign(cone_factors_by_mode(self, measured))
 
     compute_with_snapshots = compute
 

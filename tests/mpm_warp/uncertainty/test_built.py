@@ -27,7 +27,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.penetration import TBarPenetration
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone
-from mpm_warp.uncertainty.built import why_not_as_measured
+from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
 from tests.mpm_warp.conftest import MEASURABLE
 
@@ -247,7 +247,7 @@ def test_the_laws_of_this_package_are_called_by_their_names() -> None:
     assert built_name(ConePenetration(material="von_mises").build().material) == "von_mises"
 
 
-def test_nothing_is_known_of_clay_with_strength_by_direction() -> None:
+def test_in_clay_with_strength_by_direction_only_further_runs_of_a_cone_tell_the_error() -> None:
     offered: Any = ConePenetration.offered()
     directed = {
         "material": "anisotropic",
@@ -263,3 +263,5 @@ def test_nothing_is_known_of_clay_with_strength_by_direction() -> None:
         assert why_not_as_measured(scene, scene)[0].startswith(
             f"law: nobody has measured the error {named}"
         )
+        of_cone = why_not_as_measured(scene, scene, LAWS_OF_CONES)
+        assert of_cone[:1] == ([] if not changing else why_not_as_measured(scene, scene))

@@ -11,6 +11,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.uncertainty import further_runs
 from mpm_warp.uncertainty.cone import DIFFERENCES, NOISE
 from mpm_warp.uncertainty.further_runs import with_measured_error
 from tests.mpm_warp.conftest import MEASURABLE
@@ -171,3 +172,17 @@ def test_a_case_is_run_with_its_further_runs() -> None:
     size, whole = dataclasses.replace(test, uncertainty="known").run_size(), test.run_size()
     assert whole.particle_updates > 5.0 * size.particle_updates
     assert whole.byte_count > size.byte_count
+
+
+def test_factors_by_each_strength_are_corrected_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    def corrected(case: Any, run: Any, progress: Progress) -> xr.Dataset:
+        made = run(dataclasses.replace(case, uncertainty="known"), progress)
+        return made.assign(cone_factor=made.cone_factor + 1.0)
+
+    monkeypatch.setattr(further_runs, "with_measured_error", corrected)
+    clay: Any = {"material": "anisotropic", "strength_compression": 20e3}
+    clay |= {"strength_extension": 10e3, "strength_simple_shear": 15e3}
+    results = ConePenetration.offered()(**MEASURABLE, **clay).run()
+    share = float(results.cone_factor_by_compression / results.cone_factor)
+    assert share == pytest.approx(results.undrained_shear_strength / 20e3)
+    assert float(results.Bq * results.cone_factor) == pytest.approx(float(results.N_du))

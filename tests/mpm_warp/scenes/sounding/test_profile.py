@@ -222,6 +222,23 @@ def test_cam_clay_by_depth_has_the_strength_and_the_state_of_its_place() -> None
         assert float(stiffness) == pytest.approx(0.6 * 50.0 * p, rel=1e-9)
 
 
+def test_friction_and_slopes_by_depth_are_those_of_their_rows() -> None:
+    """At a row of the table strength and stiffness are those of the law with its numbers."""
+    names = "critical_state_ratio [1], compression_slope [1], swelling_slope [1]"
+    profile = f"depth [m], mean_effective_stress [kPa], {names}; 0, 50, 1.2, 0.3, 0.03; "
+    profile += "4, 50, 0.8, 0.2, 0.05; 8, 50, 0.8, 0.2, 0.05"
+    sounding = offered(material="modified_cam_clay", profile=profile, from_depth=1.0, to_depth=5.0)
+    for depth, ratio, compression, swelling in ((0.0, 1.2, 0.3, 0.03), (4.0, 0.8, 0.2, 0.05)):
+        su = ratio * 50e3 / math.sqrt(3.0) * 0.5 ** (1.0 - swelling / compression)
+        assert float(sounding.ground.strength_at(np.array(depth))) == pytest.approx(su, rel=1e-9)
+        modulus = float(sounding.ground.shear_modulus_at(np.array(depth)))
+        assert modulus == pytest.approx(0.6 * 2.0 * 50e3 / swelling, rel=1e-9)
+    at = sounding.build().material.properties_at(np.array([0.0, sounding.start_depth - 4.0]))
+    own = {"critical_state_ratio": 0.8, "compression_slope": 0.2, "swelling_slope": 0.05}
+    of_row = offered(material="modified_cam_clay", mean_effective_stress=50e3, **own).build()
+    np.testing.assert_allclose(at, of_row.material.properties, rtol=1e-12)
+
+
 def test_uniform_cam_clay_is_that_of_the_cone() -> None:
     """To the bit; what the ground says is in the parameters of the sounding too."""
     given: dict[str, Any] = {"isotropic_overconsolidation_ratio": 3.0}
