@@ -247,7 +247,7 @@ def test_the_laws_of_this_package_are_called_by_their_names() -> None:
     assert built_name(ConePenetration(material="von_mises").build().material) == "von_mises"
 
 
-def test_in_clay_with_strength_by_direction_only_further_runs_of_a_cone_tell_the_error() -> None:
+def test_nothing_is_known_of_clay_with_strength_by_direction() -> None:
     offered: Any = ConePenetration.offered()
     directed = {
         "material": "anisotropic",
@@ -263,5 +263,10 @@ def test_in_clay_with_strength_by_direction_only_further_runs_of_a_cone_tell_the
         assert why_not_as_measured(scene, scene)[0].startswith(
             f"law: nobody has measured the error {named}"
         )
-        of_cone = why_not_as_measured(scene, scene, LAWS_OF_CONES)
-        assert of_cone[:1] == ([] if not changing else why_not_as_measured(scene, scene))
+        assert why_not_as_measured(scene, scene, LAWS_OF_CONES)
+
+
+def test_further_runs_tell_the_error_of_a_cone_in_cam_clay_and_of_no_other_body() -> None:
+    scene = ConePenetration.offered()(material="modified_cam_clay").build()
+    assert why_not_as_measured(scene, scene, LAWS_OF_CONES) == []
+    assert why_not_as_measured(scene, scene) == why_not_known(scene, scene) != []

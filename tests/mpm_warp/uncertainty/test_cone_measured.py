@@ -180,9 +180,8 @@ def test_factors_by_each_strength_are_corrected_too(monkeypatch: pytest.MonkeyPa
         return made.assign(cone_factor=made.cone_factor + 1.0)
 
     monkeypatch.setattr(further_runs, "with_measured_error", corrected)
-    clay: Any = {"material": "anisotropic", "strength_compression": 20e3}
-    clay |= {"strength_extension": 10e3, "strength_simple_shear": 15e3}
+    clay: Any = {"material": "modified_cam_clay"}
     results = ConePenetration.offered()(**MEASURABLE, **clay).run()
     share = float(results.cone_factor_by_compression / results.cone_factor)
-    assert share == pytest.approx(results.undrained_shear_strength / 20e3)
+    assert share == pytest.approx(2.0 / math.sqrt(3.0))
     assert float(results.Bq * results.cone_factor) == pytest.approx(float(results.N_du))
