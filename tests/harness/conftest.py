@@ -1,5 +1,6 @@
 """Studies that run in no time."""
 
+import contextlib
 import itertools
 import os
 import time
@@ -44,10 +45,6 @@ material = ["tresca", "von_mises"]
 
 Refusal = Callable[[list[str]], str]
 """Runs a command that is to be refused, and gives the one line with which it is."""
-Written = Callable[[Study, Path], dict[str, tuple[int, int]]]
-"""What tells the file of each completed case from one written later, by the cases' keys."""
-WaitForEnd = Callable[[int], None]
-"""Waits until all processes of a group have ended, which must be soon."""
 Depth = Callable[[int, int], int]
 """Chooses between the number of cases by default and that with ``--deep``."""
 
@@ -146,30 +143,19 @@ def refusal(capsys: pytest.CaptureFixture[str]) -> Refusal:
     return refused
 
 
-@pytest.fixture
-def written() -> Written:
-    def marks(study: Study, out: Path) -> dict[str, tuple[int, int]]:
-        folder = case_files.case_folder(out, study)
-        done = [case for case in study.cases if case_files.is_complete(folder, case)]
-        stats = {case.key: case_files.case_file(folder, case).stat() for case in done}
-        return {key: (stat.st_ino, stat.st_mtime_ns) for key, stat in stats.items()}
-
-    return marks
+def written(study: Study, out: Path) -> dict[str, tuple[int, int]]:
+    """What tells the file of each completed case from one written later, by the cases' keys."""
+    folder = case_files.case_folder(out, study)
+    done = [case for case in study.cases if case_files.is_complete(folder, case)]
+    stats = {case.key: case_files.case_file(folder, case).stat() for case in done}
+    return {key: (stat.st_ino, stat.st_mtime_ns) for key, stat in stats.items()}
 
 
-@pytest.fixture
-def wait_for_end() -> WaitForEnd:
-    def is_alive(group: int) -> bool:
-        try:
+def wait_for_end(group: int) -> None:
+    """Wait until all processes of a group have ended, which must be soon."""
+    deadline = time.monotonic() + 30
+    with contextlib.suppress(ProcessLookupError):
+        while True:
             os.killpg(group, 0)
-        except ProcessLookupError:
-            return False
-        return True
-
-    def wait(group: int) -> None:
-        deadline = time.monotonic() + 30
-        while is_alive(group) and time.monotonic() < deadline:
+            assert time.monotonic() < deadline
             time.sleep(0.01)
-        assert not is_alive(group)
-
-    return wait

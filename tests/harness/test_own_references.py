@@ -35,8 +35,12 @@ range = { Ir = [80, 200] }
 FORMULA = '[references.it]\nformula = "Ir"\nlabel = "l"\nsource = "s"\n'
 
 
+Computed = Callable[[str], xr.Dataset]
+"""Makes the result of a study of three cases, given its text."""
+
+
 @pytest.fixture
-def computed(tmp_path: Path) -> Callable[[str], xr.Dataset]:
+def computed(tmp_path: Path) -> Computed:
     """Collects a study whose cone factors are given, and reads its file; the study is gone then."""
 
     def made(text: str) -> xr.Dataset:
@@ -53,7 +57,7 @@ def computed(tmp_path: Path) -> Callable[[str], xr.Dataset]:
 
 
 def test_it_has_its_value_within_its_range_and_none_outside(
-    computed: Callable[[str], xr.Dataset],
+    computed: Computed,
 ) -> None:
     result = computed(STUDY)
     np.testing.assert_allclose(result.reference_our_lab, [np.nan, 11.5, 11.5], rtol=1e-15)
@@ -61,7 +65,7 @@ def test_it_has_its_value_within_its_range_and_none_outside(
 
 
 def test_the_table_shows_it_and_says_where_it_does_not_hold(
-    computed: Callable[[str], xr.Dataset],
+    computed: Computed,
 ) -> None:
     table = result_table(computed(STUDY))
     (outside, *_), (within, *_) = (
@@ -74,7 +78,7 @@ def test_the_table_shows_it_and_says_where_it_does_not_hold(
     assert "measured" in table
 
 
-def test_the_picture_draws_it_within_its_range(computed: Callable[[str], xr.Dataset]) -> None:
+def test_the_picture_draws_it_within_its_range(computed: Computed) -> None:
     figure = figures(computed(STUDY))["curve"]
     (axes,) = figure.axes
     assert "Our <laboratory> 2026" in [it.get_text() for it in axes.texts]
@@ -86,14 +90,14 @@ def test_the_picture_draws_it_within_its_range(computed: Callable[[str], xr.Data
     assert "is drawn within its range: Ir 80 to 200." in caption
 
 
-def test_the_page_lists_it(computed: Callable[[str], xr.Dataset]) -> None:
+def test_the_page_lists_it(computed: Computed) -> None:
     text, _ = page([computed(STUDY)])
     for told in ("Our &lt;laboratory&gt; 2026", "10 + alpha_c + apex_angle / 60", "measured"):
         assert f"<td>{told}</td>" in text
 
 
 def test_it_may_have_a_tolerance_which_holds_within_its_range(
-    computed: Callable[[str], xr.Dataset],
+    computed: Computed,
 ) -> None:
     text = STUDY + '[compare]\nreferences = ["lu_2004", "our_lab"]\ntolerance = { our_lab = 0.05 }'
     (missed,) = misses(computed(text))
@@ -108,7 +112,7 @@ def test_it_is_inherited_from_a_base_and_changed_there(tmp_path: Path) -> None:
 
 
 def test_a_damaged_one_in_a_result_is_reported_in_a_line(
-    computed: Callable[[str], xr.Dataset], tmp_path: Path, refusal: Refusal
+    computed: Computed, tmp_path: Path, refusal: Refusal
 ) -> None:
     result = computed(STUDY)
     result.reference_our_lab.attrs["formula"] = "__import__('os')"

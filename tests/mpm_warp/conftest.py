@@ -183,16 +183,11 @@ def crash(request: pytest.FixtureRequest) -> str:
     return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
 
 
-@pytest.fixture(scope="session")
-def refused() -> Callable[[Callable[[], object], type[Exception], str], None]:
+def refused(do: Callable[[], object], error: type[Exception], word: str) -> None:
     """Do what is to be refused: in one short line that has a word."""
-
-    def check(do: Callable[[], object], error: type[Exception], word: str) -> None:
-        with pytest.raises(error) as refusal:
-            do()
-        message = str(refusal.value)
-        assert word in message
-        assert "\n" not in message
-        assert len(message) < 300
-
-    return check
+    with pytest.raises(error) as refusal:
+        do()
+    message = str(refusal.value)
+    assert word in message
+    assert "\n" not in message
+    assert len(message) < 300

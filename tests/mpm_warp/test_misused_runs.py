@@ -27,6 +27,7 @@ from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
+from tests.mpm_warp.conftest import refused
 
 NAN, INF = float("nan"), float("inf")
 CONE = ConePenetration(cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3)
@@ -61,8 +62,6 @@ CALLS: Mapping[str, tuple[str, list[Any]]] = {
 
 Misuse = tuple[Callable[[], object], type[Exception], str]
 """What is done, the exception that it ends in, and the word that tells the argument."""
-Refused = Callable[[Callable[[], object], type[Exception], str], None]
-"""Does what is to be refused so, with this word."""
 
 
 @functools.cache
@@ -158,9 +157,7 @@ TAKES_ONE: Mapping[str, Callable[[Any], object]] = {
 
 
 @pytest.mark.parametrize("name", MISUSES)
-def test_a_misuse_ends_in_one_line_that_names_the_argument(
-    name: str, crash: str, refused: Refused
-) -> None:
+def test_a_misuse_ends_in_one_line_that_names_the_argument(name: str, crash: str) -> None:
     assert not crash
     do, error, word = MISUSES[name]
     refused(do, error, word)

@@ -35,6 +35,7 @@ from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import refused
 
 NAN, INF = float("nan"), float("inf")
 SIDE = np.array([4, 9, 14, 19])
@@ -275,8 +276,6 @@ IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
 """Parts with nodes, which are checked when a scene is made of them, and their word for them."""
 Misuse = tuple[Callable[[], object], str]
 """What is done, and the word of the message that tells the argument."""
-Refused = Callable[[Callable[[], object], type[Exception], str], None]
-"""Does what is to be refused so, with this word."""
 
 
 def run(made: object) -> None:
@@ -306,9 +305,7 @@ MISUSES = dict(misuses())
 
 
 @pytest.mark.parametrize("name", MISUSES)
-def test_a_value_is_refused_in_one_line_that_names_the_argument(
-    name: str, crash: str, refused: Refused
-) -> None:
+def test_a_value_is_refused_in_one_line_that_names_the_argument(name: str, crash: str) -> None:
     assert not crash
     do, word = MISUSES[name]
     refused(do, SceneError, word)

@@ -15,7 +15,7 @@ from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import Written
+from tests.harness.conftest import written
 
 pytestmark = pytest.mark.slow
 
@@ -72,7 +72,7 @@ def full_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_a_full_disk_ends_the_run_and_loses_nothing(
-    full_disk: Path, small_file: Path, small: Study, written: Written
+    full_disk: Path, small_file: Path, small: Study
 ) -> None:
     filler = full_disk / "filler"
     assert main([*arguments(small_file, full_disk), "--set", "adhesion_factor=[0]"]) == 0

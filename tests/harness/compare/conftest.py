@@ -19,38 +19,37 @@ HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 FACTORS = (10.0, 11.0, 12.0)
 
 
+Two = Callable[..., list[xr.Dataset]]
+"""Makes two results, the second with the cone factors and settings that it is given."""
+
+
+def collected(
+    folder: Path, factors: tuple[float, ...] = FACTORS, settings: tuple[str, ...] = ()
+) -> xr.Dataset:
+    """A study of three cases whose cone factors are given; one not a number has failed."""
+    path = folder / "s.toml"
+    path.write_text(HEAD + "[vary]\nadhesion_factor = [0, 0.5, 1]\n")
+    study = load_study(str(path), settings)
+    out = case_folder(folder, study)
+    prepare(out)
+    for case, factor in zip(study.cases, factors, strict=True):
+        result = xr.Dataset(
+            {
+                "cone_factor": ((), factor, {"role": "headline"}),
+                "error": ((), factor / 1000, {"role": "error"}),
+                "run_time": ((), 1.0, {"role": "measured"}),
+            }
+        )
+        if np.isnan(factor):
+            write_case(out, case, xr.Dataset(), "diverged", "too fast")
+        else:
+            write_case(out, case, result, COMPLETED)
+    return with_references(collect(study, out), [cone_factor_reference("lu_2004")])
+
+
 @pytest.fixture
-def collected() -> Callable[..., xr.Dataset]:
-    """Makes a study of three cases whose cone factors are given; one not a number has failed."""
-
-    def made(
-        folder: Path, factors: tuple[float, ...] = FACTORS, settings: tuple[str, ...] = ()
-    ) -> xr.Dataset:
-        path = folder / "s.toml"
-        path.write_text(HEAD + "[vary]\nadhesion_factor = [0, 0.5, 1]\n")
-        study = load_study(str(path), settings)
-        out = case_folder(folder, study)
-        prepare(out)
-        for case, factor in zip(study.cases, factors, strict=True):
-            result = xr.Dataset(
-                {
-                    "cone_factor": ((), factor, {"role": "headline"}),
-                    "error": ((), factor / 1000, {"role": "error"}),
-                    "run_time": ((), 1.0, {"role": "measured"}),
-                }
-            )
-            if np.isnan(factor):
-                write_case(out, case, xr.Dataset(), "diverged", "too fast")
-            else:
-                write_case(out, case, result, COMPLETED)
-        return with_references(collect(study, out), [cone_factor_reference("lu_2004")])
-
-    return made
-
-
-@pytest.fixture
-def two(collected: Callable[..., xr.Dataset], tmp_path: Path) -> Callable[..., list[xr.Dataset]]:
-    """Makes two such studies, the second with other cone factors and settings."""
+def two(tmp_path: Path) -> Two:
+    """Makes two such studies in folders of their own."""
 
     def made(*changed: float, settings: tuple[str, ...] = ()) -> list[xr.Dataset]:
         folders = [tmp_path / "one", tmp_path / "other"]

@@ -1,6 +1,6 @@
 """Cone factors beside the literature and bands of experience; the table of a terminal."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -17,6 +17,7 @@ from harness.compare.compared import (
 from harness.compare.differences import differences
 from harness.compare.result_table import cone_factor_table
 from harness.references.registry import cone_factor_reference, experience_entry
+from tests.harness.compare.conftest import Two
 
 THREE = tuple(map(cone_factor_reference, ("lu_2004", "teh_houlsby_1991", "yu_2000")))
 
@@ -237,7 +238,7 @@ def test_the_table_has_one_line_for_all_bands(two_soils: xr.Dataset) -> None:
     )
 
 
-def test_bands_are_no_results_that_are_compared(two: Callable[..., list[xr.Dataset]]) -> None:
+def test_bands_are_no_results_that_are_compared(two: Two) -> None:
     first, second = two(10.0, 11.0, 12.0)
     found, lonely = differences(with_experience(first, TWO), second)
     assert not lonely

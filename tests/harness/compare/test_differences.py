@@ -1,7 +1,6 @@
 """Two results side by side, case by case and bit by bit; tolerances that are kept and missed."""
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +12,11 @@ from harness.cli.main import main
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
 from harness.compare.differences import differences, differing, unshared
 from mpm_warp.parameters import parameter
+from tests.harness.compare.conftest import FACTORS, Two, collected
 from tests.harness.conftest import Refusal
 
-FACTORS = (10.0, 11.0, 12.0)
 
-
-def test_equal_results_do_not_differ(two: Callable[..., list[xr.Dataset]]) -> None:
+def test_equal_results_do_not_differ(two: Two) -> None:
     one, other = two(*FACTORS)
     found, lonely = differences(one, other.assign(run_time=2 * other["run_time"]))
     assert [(it.name, it.size) for it in found] == [("cone_factor", 0), ("error", 0)]
@@ -26,7 +24,7 @@ def test_equal_results_do_not_differ(two: Callable[..., list[xr.Dataset]]) -> No
 
 
 def test_the_largest_difference_is_named_with_its_case(
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     one, other = two(10.0, 11.11, 12.0)
     found, _ = differences(one, other.isel(adhesion_factor=slice(None, None, -1)))
@@ -36,7 +34,7 @@ def test_the_largest_difference_is_named_with_its_case(
 
 
 def test_a_case_that_failed_in_one_differs_without_bound(
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     found, lonely = differences(*two(10.0, np.nan, 12.0))
     assert {it.size for it in found} == {np.inf}
@@ -44,7 +42,7 @@ def test_a_case_that_failed_in_one_differs_without_bound(
 
 
 def test_a_status_that_differs_counts_where_no_number_does(
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     one, other = (it[["status", "adhesion_factor"]] for it in two(10.0, np.nan, 12.0))
     found, lonely = differences(one, other)
@@ -55,8 +53,7 @@ def test_a_status_that_differs_counts_where_no_number_does(
 def test_what_was_not_compared_is_not_passed(
     tmp_path: Path,
     refusal: Refusal,
-    collected: Callable[..., xr.Dataset],
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     path = tmp_path / "s.nc"
     write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]))
@@ -68,13 +65,13 @@ def test_what_was_not_compared_is_not_passed(
         differences(one.assign(nothing), other.assign(nothing))
 
 
-def test_cases_of_one_result_alone_are_told(two: Callable[..., list[xr.Dataset]]) -> None:
+def test_cases_of_one_result_alone_are_told(two: Two) -> None:
     one, other = two(*FACTORS)
     _, lonely = differences(one.isel(adhesion_factor=[0, 1]), other)
     assert lonely == ["only in the second: adhesion_factor=1.0"]
 
 
-def test_results_of_other_parameters_are_not_compared(two: Callable[..., list[xr.Dataset]]) -> None:
+def test_results_of_other_parameters_are_not_compared(two: Two) -> None:
     with pytest.raises(NothingToCompareError):
         differences(*two(*FACTORS, settings=("density=1800",)))
 
@@ -85,7 +82,7 @@ def without(dataset: xr.Dataset, name: str) -> xr.Dataset:
 
 
 def test_a_result_from_before_a_parameter_is_compared_at_its_default(
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     one, other = two(*FACTORS)
     older = without(one, "friction_coefficient")
@@ -111,7 +108,7 @@ class Derives:
 
 @pytest.mark.parametrize("derived", [np.nan, None])
 def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
-    derived: float | None, two: Callable[..., list[xr.Dataset]], monkeypatch: pytest.MonkeyPatch
+    derived: float | None, two: Two, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("harness.compare.differences.scene_class", lambda name: Derives)
     one, other = two(*FACTORS)
@@ -129,7 +126,7 @@ def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
 
 
 def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     one, other = two(*FACTORS, settings=("friction_coefficient=0.1",))
     with pytest.raises(NothingToCompareError):
@@ -137,7 +134,7 @@ def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(
 
 
 def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     varied = ("adhesion_factor=0.5", "friction_coefficient=[0.2, 0.1, 0]")
     one, other = two(10.0, 11.0, 11.11, settings=varied)
@@ -146,7 +143,7 @@ def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(
     assert sum(line.startswith("only in the second: ") for line in lonely) == 2
 
 
-def test_a_parameter_that_is_no_more_is_named(two: Callable[..., list[xr.Dataset]]) -> None:
+def test_a_parameter_that_is_no_more_is_named(two: Two) -> None:
     one, other = two(*FACTORS)
     older = one.assign(viscosity=((), 1.0, {"role": "parameter"}))
     assert differences(older, other) == differences(one, other)
@@ -161,7 +158,7 @@ def test_two_files_beside_each_other(
     capsys: pytest.CaptureFixture[str],
     tolerance: str,
     code: int,
-    two: Callable[..., list[xr.Dataset]],
+    two: Two,
 ) -> None:
     paths = [str(tmp_path / "one.nc"), str(tmp_path / "other.nc")]
     for path, dataset in zip(paths, two(10.0, 11.11, 12.0), strict=True):
@@ -197,14 +194,11 @@ def test_a_headline_is_a_measurement_where_the_scene_measures_the_machine() -> N
     assert differing(one, one + 1.0, measures_machine=True) == []
 
 
-HEAD = 'title = "t"\nscene = "cone_penetration"\n'
-
-
 def missed(dataset: xr.Dataset, **tolerances: float) -> list[str]:
     return misses(with_tolerances(dataset, tolerances))
 
 
-def test_the_bound_of_a_result(tmp_path: Path, collected: Callable[..., xr.Dataset]) -> None:
+def test_the_bound_of_a_result(tmp_path: Path) -> None:
     dataset = collected(tmp_path)
     assert missed(dataset, error=0.012) == []
     assert missed(dataset, error=0.0115) == [
@@ -212,7 +206,7 @@ def test_the_bound_of_a_result(tmp_path: Path, collected: Callable[..., xr.Datas
     ]
 
 
-def test_the_bound_of_a_deviation(tmp_path: Path, collected: Callable[..., xr.Dataset]) -> None:
+def test_the_bound_of_a_deviation(tmp_path: Path) -> None:
     dataset = collected(tmp_path)
     # 10 / 10.77 - 1, 11 / 11.42 - 1, 12 / 12.07 - 1
     assert missed(dataset, lu_2004=0.08) == []
@@ -220,9 +214,7 @@ def test_the_bound_of_a_deviation(tmp_path: Path, collected: Callable[..., xr.Da
     assert line.startswith("lu_2004: adhesion_factor=0.0: 0.071")
 
 
-def test_a_reference_is_not_asked_outside_its_validity(
-    tmp_path: Path, collected: Callable[..., xr.Dataset]
-) -> None:
+def test_a_reference_is_not_asked_outside_its_validity(tmp_path: Path) -> None:
     dataset = collected(tmp_path, settings=("rigidity_index=5",))
     assert missed(dataset, lu_2004=0.001) == ["lu_2004: applies to no case"]
     dataset = collected(tmp_path, settings=("adhesion_factor=0", "rigidity_index=[5, 100, 200]"))
@@ -233,12 +225,12 @@ def test_a_reference_is_not_asked_outside_its_validity(
     ]
 
 
-def test_what_failed_is_missed(tmp_path: Path, collected: Callable[..., xr.Dataset]) -> None:
+def test_what_failed_is_missed(tmp_path: Path) -> None:
     (line,) = missed(collected(tmp_path, (10.0, np.nan, 12.0)), error=1.0)
     assert line.startswith("error: adhesion_factor=0.5: nan")
 
 
-def test_what_is_not_there_is_missed(tmp_path: Path, collected: Callable[..., xr.Dataset]) -> None:
+def test_what_is_not_there_is_missed(tmp_path: Path) -> None:
     (line,) = missed(collected(tmp_path), eror=1.0)
     assert line == "eror: is neither a reference nor a result here; did you mean 'error'?"
 
@@ -249,7 +241,6 @@ def test_compare_ends_with_1_where_a_tolerance_is_missed(
     capsys: pytest.CaptureFixture[str],
     limit: float,
     code: int,
-    collected: Callable[..., xr.Dataset],
 ) -> None:
     dataset = collected(tmp_path).assign_attrs(design="full")
     write_study(tmp_path / "s.nc", with_tolerances(dataset, {"error": limit}))
@@ -258,7 +249,7 @@ def test_compare_ends_with_1_where_a_tolerance_is_missed(
 
 
 def test_collecting_keeps_the_tolerances_of_the_study(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], collected: Callable[..., xr.Dataset]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     collected(tmp_path)
     with (tmp_path / "s.toml").open("a") as file:

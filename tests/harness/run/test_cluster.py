@@ -19,7 +19,7 @@ from harness.compare.differences import differing
 from harness.run import cluster as cluster_module
 from harness.run.worker import compute
 from harness.study.study import Study
-from tests.harness.conftest import Refusal, Written, study_in
+from tests.harness.conftest import Refusal, study_in, written
 
 pytestmark = pytest.mark.slow
 
@@ -96,7 +96,6 @@ def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
     cluster: Cluster,
     twenty: Study,
     tmp_path: Path,
-    written: Written,
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
     worker, _ = cluster.add_workers(2)
@@ -121,7 +120,6 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     cluster: Cluster,
     twenty: Study,
     tmp_path: Path,
-    written: Written,
 ) -> None:
     out = tmp_path / "out"
     cluster.add_workers(2)

@@ -19,7 +19,7 @@ from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.compare.differences import differing
 from harness.study.study import Study
-from tests.harness.conftest import Depth, WaitForEnd, Written, study_in
+from tests.harness.conftest import Depth, study_in, wait_for_end, written
 
 pytestmark = pytest.mark.slow
 
@@ -82,7 +82,7 @@ def statuses_left(out: Path) -> list[str]:
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
 )
 def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
-    small_file: Path, tmp_path: Path, number: signal.Signals, code: int, wait_for_end: WaitForEnd
+    small_file: Path, tmp_path: Path, number: signal.Signals, code: int
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="[1/2]") as process:
@@ -104,7 +104,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
 
 @pytest.mark.parametrize("delay", [0.0, 0.1])
 def test_an_interrupt_while_workers_start_is_as_quiet(
-    small_file: Path, tmp_path: Path, delay: float, wait_for_end: WaitForEnd
+    small_file: Path, tmp_path: Path, delay: float
 ) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="harness: small: ", speeds="0.0001") as process:
@@ -118,9 +118,7 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     assert statuses_left(out) == []
 
 
-def test_a_run_whose_reader_has_gone_ends_quietly(
-    small_file: Path, tmp_path: Path, wait_for_end: WaitForEnd
-) -> None:
+def test_a_run_whose_reader_has_gone_ends_quietly(small_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     with running(small_file, out, until="harness: small: ") as process:
         assert process.stderr is not None
@@ -170,7 +168,7 @@ def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
 
 
 def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
-    tmp_path: Path, written: Written, wait_for_end: WaitForEnd, depth: Depth
+    tmp_path: Path, depth: Depth
 ) -> None:
     case_count, kills = depth(60, 200), depth(4, 10)
     study = many(tmp_path, case_count)
@@ -225,9 +223,7 @@ def worker_count(group: int) -> int:
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads Linux's /proc")
-def test_no_worker_outlives_its_parent(
-    tmp_path: Path, wait_for_end: WaitForEnd, depth: Depth
-) -> None:
+def test_no_worker_outlives_its_parent(tmp_path: Path, depth: Depth) -> None:
     study, moments = tmp_path / "long.toml", random.Random(0)
     study.write_text(LONG_STEPS)
     for _ in range(depth(2, 20)):

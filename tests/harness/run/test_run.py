@@ -13,7 +13,7 @@ from harness.cli.main import main
 from harness.run import run_study
 from harness.run.pool import run_cases
 from harness.study.study import load_study
-from tests.harness.conftest import Refusal, Written
+from tests.harness.conftest import Refusal, written
 
 pytestmark = pytest.mark.slow
 
@@ -103,7 +103,7 @@ def test_run_gives_a_dataset_a_table_and_pictures(
 
 
 def test_running_again_goes_on_where_it_stopped(
-    small_file: Path, tmp_path: Path, written: Written, capsys: pytest.CaptureFixture[str]
+    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
     study = load_study(str(small_file))

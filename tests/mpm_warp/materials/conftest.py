@@ -1,18 +1,14 @@
 """Laws of materials, through kernels that do nothing but call them."""
 
 import functools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pytest
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, zero
 from mpm_warp.materials.material import Law, Material
-
-Function = Callable[[Material, Floats], Floats]
 
 
 @functools.cache
@@ -44,13 +40,11 @@ def _apply(material: Material, stress: Floats) -> tuple[Floats, Floats]:
     return on_device.numpy(), measured.numpy()
 
 
-@pytest.fixture
-def returned() -> Function:
-    """From trial stresses to the stresses of a material without memory, both of shape [n, 4]."""
-    return lambda material, trial: _apply(material, np.array(trial))[0]
+def returned(material: Material, trial: Floats) -> Floats:
+    """Stresses of a material without memory from trial stresses, both of shape [n, 4]."""
+    return _apply(material, np.array(trial))[0]
 
 
-@pytest.fixture
-def yield_measures() -> Function:
-    """From stresses [n, 4] to measure and strength (f, k) of a material [n, 2]."""
-    return lambda material, stress: _apply(material, np.array(stress))[1]
+def yield_measures(material: Material, stress: Floats) -> Floats:
+    """Measure and strength (f, k) of a material [n, 2] at stresses [n, 4]."""
+    return _apply(material, np.array(stress))[1]

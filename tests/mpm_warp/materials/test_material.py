@@ -17,10 +17,10 @@ from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear
+from tests.mpm_warp.materials.conftest import returned, yield_measures
 
 STRENGTH = 2.5
 ELASTIC = {"shear_modulus": 100.0, "poissons_ratio": 0.3, "density": 4.0}
-Function = Callable[[Material, Floats], Floats]
 
 
 TRESCA, VON_MISES = (criterion(strength=STRENGTH, **ELASTIC) for criterion in (Tresca, VonMises))
@@ -49,9 +49,7 @@ def root_of_j2(stress: Floats) -> Floats:
 
 
 @pytest.mark.parametrize("clay", [TRESCA, VON_MISES])
-def test_returns_keep_pressure_directions_and_what_is_inside(
-    returned: Function, clay: Material
-) -> None:
+def test_returns_keep_pressure_directions_and_what_is_inside(clay: Material) -> None:
     trial = trials(20.0)
     after = returned(clay, trial)
     pressure = trial[:, [0, 1, 3]].sum(axis=1)
@@ -65,8 +63,6 @@ def test_returns_keep_pressure_directions_and_what_is_inside(
 
 @pytest.mark.parametrize(("clay", "measured"), [(TRESCA, greatest_shear), (VON_MISES, root_of_j2)])
 def test_what_is_returned_is_on_the_surface_that_the_law_itself_measures(
-    returned: Function,
-    yield_measures: Function,
     clay: Material,
     measured: Callable[[Floats], Floats],
 ) -> None:
@@ -90,7 +86,7 @@ def nearest_on_hexagon(values: Floats) -> Floats:
     return nearest
 
 
-def test_tresca_returns_to_the_nearest_point(returned: Function) -> None:
+def test_tresca_returns_to_the_nearest_point() -> None:
     trial = trials(20.0, 300)
     outside = np.ptp(principal(trial), axis=1) > 2.0 * STRENGTH
     after = principal(returned(TRESCA, trial[outside]))
@@ -99,30 +95,28 @@ def test_tresca_returns_to_the_nearest_point(returned: Function) -> None:
 
 
 @pytest.mark.parametrize("spread", [2.0, 20.0, 2e6])
-def test_tresca_ends_on_or_inside_its_surface(returned: Function, spread: float) -> None:
+def test_tresca_ends_on_or_inside_its_surface(spread: float) -> None:
     after = returned(TRESCA, trials(spread))
     rounding = 1e-15 * spread
     assert np.ptp(principal(after), axis=1).max() <= 2.0 * STRENGTH * (1 + 1e-14) + 10 * rounding
 
 
 @pytest.mark.parametrize("hoop", [50.0, -50.0])
-def test_tresca_with_equal_stresses_in_the_plane_returns_to_the_corner(
-    returned: Function, hoop: float
-) -> None:
+def test_tresca_with_equal_stresses_in_the_plane_returns_to_the_corner(hoop: float) -> None:
     after = returned(TRESCA, np.array([[0.0, 0.0, 0.0, hoop]]))
     mean, sign = hoop / 3.0, np.sign(hoop)
     plane, tt = mean - sign * 2.0 / 3.0 * STRENGTH, mean + sign * 4.0 / 3.0 * STRENGTH
     np.testing.assert_allclose(after, [[plane, plane, 0.0, tt]], rtol=1e-14)
 
 
-def test_von_mises_ends_on_its_surface_radially(returned: Function) -> None:
+def test_von_mises_ends_on_its_surface_radially() -> None:
     trial = trials(20.0)
     scale = np.minimum(1.0, STRENGTH / root_of_j2(trial))
     after = deviators(returned(VON_MISES, trial))
     np.testing.assert_allclose(after, deviators(trial) * scale[:, None], atol=1e-12)
 
 
-def test_a_material_that_never_yields_has_no_return(returned: Function) -> None:
+def test_a_material_that_never_yields_has_no_return() -> None:
     material = LinearElastic(**ELASTIC)
     assert material.law().yield_function is None
     trial = trials(1e6)

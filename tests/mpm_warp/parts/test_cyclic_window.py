@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import refused
 
 WINDOW = CyclicWindow(speed=2.0, ramp_travel=0.25, stroke=1.1)
 ROUNDING = 1e-12
@@ -114,7 +114,6 @@ def test_the_mass_of_the_ground_is_that_of_grid_and_stroke(travelling: Scene) ->
 
 def test_what_does_not_go_with_a_cyclic_window_is_refused(
     travelling: Scene,
-    refused: Callable[[Callable[[], object], type[Exception], str], None],
 ) -> None:
     far_field = FarField.around(travelling.grid, travelling.material)
     refused(lambda: travelling.with_parts(far_field), SceneError, "FarField")

@@ -1,7 +1,6 @@
 """The energy audit, by hand; the energy balance: works of nodes, cells and points, by hand."""
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from mpm_warp.planning import make_plan
 from mpm_warp.sampling import transferred_energy
 from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import refused
 
 ROUNDING = 1e-9
 """What sums over nodes and steps are exact to, generously."""
@@ -169,7 +169,6 @@ def test_a_scene_without_balance_has_none_of_it_and_the_same_run(
 @pytest.mark.parametrize("kind", [Window, SurfaceContact, EnergyAudit])
 def test_a_balance_needs_what_it_is_a_balance_of(
     balanced: Scene,
-    refused: Callable[[Callable[[], object], type[Exception], str], None],
     kind: type[Part],
 ) -> None:
     refused(lambda: balanced.without(kind), SceneError, "EnergyBalance: not without a")

@@ -2,7 +2,6 @@
 
 import functools
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -18,14 +17,13 @@ from mpm_warp.scenes.bearing.on_ground import (
     OnGround,
     StripFooting,
 )
+from tests.mpm_warp.scenes.conftest import order
 
 pytestmark = pytest.mark.slow
 
-Order = Callable[[Callable[[int], xr.Dataset], int], float]
-
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 0.5, 1.0])
-def test_cone_at_the_surface(adhesion_factor: float, order: Order) -> None:
+def test_cone_at_the_surface(adhesion_factor: float) -> None:
     @functools.cache
     def run(cells: int) -> xr.Dataset:
         return ConeBearing(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()
@@ -37,7 +35,7 @@ def test_cone_at_the_surface(adhesion_factor: float, order: Order) -> None:
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 1.0])
 @pytest.mark.parametrize("footing", [CircularFooting, StripFooting])
-def test_footing(footing: type[Footing], adhesion_factor: float, order: Order) -> None:
+def test_footing(footing: type[Footing], adhesion_factor: float) -> None:
     @functools.cache
     def run(cells: int) -> xr.Dataset:
         return footing(cells_per_radius=cells, adhesion_factor=adhesion_factor).run()

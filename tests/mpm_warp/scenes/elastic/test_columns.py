@@ -3,7 +3,6 @@
 import cmath
 import functools
 import math
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -13,10 +12,9 @@ from mpm_warp.scenes.elastic.column_wave import PERIOD, ElasticColumnWave
 from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
+from tests.mpm_warp.scenes.conftest import order
 
 pytestmark = pytest.mark.slow
-
-Order = Callable[[Callable[[int], xr.Dataset], int], float]
 
 
 @pytest.mark.parametrize("settlement_ratio", [1e-4, 1e-5])
@@ -35,9 +33,7 @@ def test_gravity_column_is_exact_for_small_strain(settlement_ratio: float) -> No
         (5, {"section": "plane_strain"}),
     ],
 )
-def test_thick_cylinder_is_of_second_order(
-    cells: int, changed: dict[str, Any], order: Order
-) -> None:
+def test_thick_cylinder_is_of_second_order(cells: int, changed: dict[str, Any]) -> None:
     @functools.cache
     def run(cells: int) -> xr.Dataset:
         return ThickCylinder(cell_count=cells, **changed).run()
@@ -65,7 +61,7 @@ def test_standing_wave_has_the_frequency_that_is_derived(cells: int) -> None:
     assert float(result.error) <= 2 * math.pi * low
 
 
-def test_standing_wave_is_of_second_order(order: Order) -> None:
+def test_standing_wave_is_of_second_order() -> None:
     assert order(lambda n: ElasticColumnWave(cell_count=n).run(), 20) == pytest.approx(2, abs=0.1)
 
 

@@ -1,20 +1,17 @@
 """Strain paths against the closed forms of their stress."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.scenes.conftest import order
 
 pytestmark = pytest.mark.slow
-
-Order = Callable[[Callable[[int], xr.Dataset], int], float]
 
 
 @pytest.mark.parametrize("material", ["tresca", "von_mises"])
@@ -28,7 +25,7 @@ def test_stress_on_strain_paths(material: str) -> None:
     assert float(result.yield_excess) <= 1e-9
 
 
-def test_rotation_is_of_second_order(order: Order) -> None:
+def test_rotation_is_of_second_order() -> None:
     assert order(lambda n: MaterialPoint(step_count=n).run(), 500) == pytest.approx(2, abs=0.1)
 
 

@@ -1,9 +1,6 @@
 """A sounding of next to no cost."""
 
 import dataclasses
-from collections.abc import Callable
-
-import pytest
 
 from mpm_warp.scenes.sounding.sounding import Sounding
 
@@ -20,14 +17,9 @@ COARSE = Sounding(
 )
 
 
-@pytest.fixture(scope="session")
-def changed() -> Callable[..., Sounding]:
+def changed(**changes: object) -> Sounding:
     """A sounding in a small window, coarse and fast, with other parameters.
 
     What it gives is a curve, but no good cone factor.
     """
-
-    def with_parameters(**changes: object) -> Sounding:
-        return dataclasses.replace(COARSE, **changes)
-
-    return with_parameters
+    return dataclasses.replace(COARSE, **changes)

@@ -1,7 +1,5 @@
 """What the ground of a sounding may have: softening, adhesion and stress by depth."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,8 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.scenes.sounding.conftest import changed
 
 pytestmark = pytest.mark.slow
 
@@ -39,7 +37,7 @@ UNIFORM_ADHESION = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.5; 
     ],
 )
 def test_uniform_clay_is_that_of_the_cone(
-    changed: Callable[..., Sounding], of_sounding: dict[str, float | str], of_cone: dict[str, float]
+    of_sounding: dict[str, float | str], of_cone: dict[str, float]
 ) -> None:
     """To the bit, by the forces of a cone test that goes as far, without an approach."""
     sounding = changed(to_depth=12.2, **of_sounding)
@@ -71,9 +69,7 @@ IN_SITU = (
 )
 
 
-def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves() -> None:
     """At the first step no node is pulled but those beside the body, and at the side of the border.
 
     A cell there that the border cuts has the mean stress, and each node holds that of its depth.
@@ -93,9 +89,7 @@ def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves(
     assert np.count_nonzero(pressure.max(axis=1) > 1e-9 * 30e3) <= 1
 
 
-def test_soil_and_springs_that_enter_have_the_stress_of_their_depth(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_soil_and_springs_that_enter_have_the_stress_of_their_depth() -> None:
     """Beside what ground without it has there: the second layer pulls sideways by 2 Delta su."""
     with_stress, without = (
         changed(profile=it) for it in (IN_SITU, IN_SITU.replace("-0.4", "0").replace("0.5", "0"))
@@ -113,9 +107,7 @@ def test_soil_and_springs_that_enter_have_the_stress_of_their_depth(
     assert held - free == pytest.approx(stretched, rel=1e-9)
 
 
-def test_the_resistance_goes_with_the_stress_of_the_ground_before(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_the_resistance_goes_with_the_stress_of_the_ground_before() -> None:
     """From a layer with a low vertical stress to one with a high one, three radii behind it."""
     row = "{}, 20, {}".format
     low, high, layers = (
@@ -133,9 +125,7 @@ def test_the_resistance_goes_with_the_stress_of_the_ground_before(
     assert abs(layers - high) < 0.5 * abs(low - high)
 
 
-def test_adhesion_factors_by_depth_are_those_of_the_soil_beside(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_adhesion_factors_by_depth_are_those_of_the_soil_beside() -> None:
     """In uniform clay that is smooth above 13 m and rough below: nodes, then the resistance."""
     by_depth = changed(
         profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0; 13, 20, 0; 13, 20, 1; "
@@ -167,9 +157,7 @@ def test_adhesion_factors_by_depth_are_those_of_the_soil_beside(
     assert float(least[below].mean()) < float(net[below].mean()) < float(most[below].mean())
 
 
-def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face() -> None:
     """Of ground the roughest of which the window does not pass."""
     sounding = changed(
         profile="depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.2; 90, 20, 0.2; "
@@ -183,9 +171,7 @@ def test_the_shaft_keeps_its_share_of_the_adhesion_of_the_face(
 
 
 @pytest.mark.parametrize("softening", [{}, SOFT])
-def test_eight_times_the_strength_gives_eight_times_the_curves(
-    changed: Callable[..., Sounding], softening: dict[str, float]
-) -> None:
+def test_eight_times_the_strength_gives_eight_times_the_curves(softening: dict[str, float]) -> None:
     """With eight times the density waves are as fast; a power of two changes no digit."""
     once, eightfold = (
         changed(
@@ -201,17 +187,13 @@ def test_eight_times_the_strength_gives_eight_times_the_curves(
         np.testing.assert_allclose(eightfold[name], 8.0 * once[name], rtol=1e-12)
 
 
-def test_ground_that_softens_resists_less_and_has_no_half_width(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_ground_that_softens_resists_less_and_has_no_half_width() -> None:
     soft, intact = (changed(to_depth=12.5, **it).run() for it in (SOFT, {}))
     assert (soft.net_resistance < intact.net_resistance).all()
     assert soft.net_resistance_uncertainty.isnull().all()
 
 
-def test_ground_that_softens_too_steeply_somewhere_is_refused(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_ground_that_softens_too_steeply_somewhere_is_refused() -> None:
     """The second layer is ten times as strong over its stiffness as the clay that is stiffest."""
     profile = (
         "depth [m], strength [kPa], shear_modulus [kPa]; 0, 10, 9000; 13, 10, 9000; "

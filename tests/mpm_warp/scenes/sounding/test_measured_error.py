@@ -1,6 +1,5 @@
 """The error of a sounding by further runs of cone tests in the clay at some of its depths."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.laws import TOP
 from mpm_warp.uncertainty.samples import SAMPLE_NOISE, MeasuredError, measured_by
+from tests.mpm_warp.scenes.sounding.conftest import changed
 
 SOFTENING: dict[str, Any] = {"remoulded_strength_ratio": 0.5, "ductility": 20.0}
 LAYERS = (
@@ -35,9 +35,7 @@ def measured(rigidity_index: float) -> xr.Dataset:
     return xr.Dataset(stated | {"why_no_uncertainty": variable("", unit=None, meaning="why")})
 
 
-def test_tests_are_in_clay_as_at_the_ends_and_beside_each_border(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_tests_are_in_clay_as_at_the_ends_and_beside_each_border() -> None:
     sounding = changed(
         uncertainty="measured", cells_per_radius=3.0, speed_ratio=0.05, profile=LAYERS, **SOFTENING
     )
@@ -102,9 +100,7 @@ def test_where_no_error_was_found_samples_are_marked() -> None:
 
 
 @pytest.mark.slow
-def test_a_sounding_runs_its_tests_and_takes_their_errors(
-    changed: Callable[..., Sounding], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_sounding_runs_its_tests_and_takes_their_errors(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
 
     def compute(test: ConePenetration, *_: object) -> xr.Dataset:

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 import re
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -20,6 +19,7 @@ from mpm_warp.scenes.sounding.curves import (
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.pore_pressure import shoulder_error
 from mpm_warp.uncertainty.samples import why_not_known
+from tests.mpm_warp.scenes.sounding.conftest import changed
 
 pytestmark = pytest.mark.slow
 
@@ -27,13 +27,11 @@ LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
 @pytest.fixture(scope="module")
-def layered(changed: Callable[..., Sounding]) -> xr.Dataset:
+def layered() -> xr.Dataset:
     return changed(profile=LAYERS).run()
 
 
-def test_a_uniform_profile_is_uniform_clay_in_plan_and_result(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_a_uniform_profile_is_uniform_clay_in_plan_and_result() -> None:
     by_table = changed(profile="depth [m], strength [kPa]; 0, 20; 20, 20", to_depth=12.2)
     plain = changed(to_depth=12.2)
     plans = [make_plan(it.build()) for it in (by_table, plain)]
@@ -110,9 +108,7 @@ def test_the_resistance_rises_towards_that_of_the_stronger_layer(layered: xr.Dat
     assert 1.5 < float(net[-5:].mean() / net[:5].mean()) < 3.0
 
 
-def test_stretches_have_the_samples_of_the_whole_and_an_overlap(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_stretches_have_the_samples_of_the_whole_and_an_overlap() -> None:
     whole = changed(to_depth=22.0)
     parts = [
         dataclasses.replace(whole, stretch_count=3, stretch_number=number, overlap=2.0)
@@ -122,7 +118,7 @@ def test_stretches_have_the_samples_of_the_whole_and_an_overlap(
     assert parts[1].start_depth == pytest.approx(whole.start_depth + 1.3)
 
 
-def test_two_stretches_agree_where_they_overlap(changed: Callable[..., Sounding]) -> None:
+def test_two_stretches_agree_where_they_overlap() -> None:
     """By the mean over the overlap, to the noise that samples have in such coarse cells."""
     first, second = (
         changed(
@@ -174,9 +170,7 @@ def test_two_stretches_agree_where_they_overlap(changed: Callable[..., Sounding]
         ),
     ],
 )
-def test_what_is_not_allowed_is_told_in_one_line(
-    changed: Callable[..., Sounding], changes: dict[str, object], message: str
-) -> None:
+def test_what_is_not_allowed_is_told_in_one_line(changes: dict[str, object], message: str) -> None:
     with pytest.raises(ParameterError, match=re.escape(message)) as refusal:
         changed(**changes)
     assert "\n" not in str(refusal.value)
@@ -190,15 +184,13 @@ def test_the_change_of_the_resistance_is_a_share_of_the_whole_change() -> None:
     assert np.isnan(share[[0, -1]]).all()
 
 
-def test_a_border_is_felt_before_and_behind_it(changed: Callable[..., Sounding]) -> None:
+def test_a_border_is_felt_before_and_behind_it() -> None:
     result = changed(from_depth=20.0, to_depth=40.0, layer_top=26.0, layer_strength_ratio=2.0).run()
     assert 0.0 < float(result.felt_before) < 6.0
     assert 0.0 < float(result.felt_behind) < 14.0
 
 
-def test_a_thin_layer_is_run_for_the_share_that_is_reached(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     """Thinner than what the cone feels: a part of its resistance, with a half width."""
     result = changed(
         from_depth=16.0,
@@ -222,9 +214,7 @@ def test_a_thin_layer_is_run_for_the_share_that_is_reached(
     assert "last_cone_factor" not in result
 
 
-def test_the_share_of_a_layer_that_softens_has_no_half_width(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
     depth = np.arange(16.0, 24.0, 0.1)
     recorded = xr.Dataset(coords={"depth": depth}).assign(
         net_resistance=("depth", np.where(abs(depth - 21.0) < 1.0, 300e3, 200e3))

@@ -1,7 +1,6 @@
 """Soundings that start with the tip at the surface of the ground."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from mpm_warp.sampling import soil_scene
 from mpm_warp.scenes.sounding.curves import error_of_samples, layer_values
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.scenes.sounding.conftest import changed
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ PASSED = 3.0 + math.sqrt(3.0) + 1.0
     ("from_depth", "start_depth"), [(0.0, 0.0), (0.3, 0.0), (2.04, -0.06), (10.2, 0.0)]
 )
 def test_curves_near_the_surface_begin_with_a_cone_above_it(
-    changed: Callable[..., Sounding], from_depth: float, start_depth: float
+    from_depth: float, start_depth: float
 ) -> None:
     """By less than a sample; at 3 + 2.5 + 3 + sqrt(3) radii there is room to start in place."""
     sounding = changed(from_depth=from_depth)
@@ -33,7 +33,7 @@ def test_curves_near_the_surface_begin_with_a_cone_above_it(
     assert in_place.start_depth == pytest.approx(10.24 - 5.5)
 
 
-def test_only_the_stretches_near_the_surface_start_there(changed: Callable[..., Sounding]) -> None:
+def test_only_the_stretches_near_the_surface_start_there() -> None:
     stretches = [
         changed(from_depth=0.0, to_depth=30.0, stretch_count=3, stretch_number=it, overlap=2.0)
         for it in (1, 2, 3)
@@ -42,9 +42,7 @@ def test_only_the_stretches_near_the_surface_start_there(changed: Callable[..., 
     assert [it.lead_count for it in stretches] == [0, 80, 55]
 
 
-def test_soil_is_below_the_surface_only_and_fills_the_window_in_the_end(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_soil_is_below_the_surface_only_and_fills_the_window_in_the_end() -> None:
     near, deep = (make_plan(changed(from_depth=it).build()) for it in (0.0, 12.0))
     cell, height = near.arrays["particle.cell"].initial, near.arrays["particle.position"].initial
     assert cell is not None
@@ -57,9 +55,7 @@ def test_soil_is_below_the_surface_only_and_fills_the_window_in_the_end(
         assert name not in deep.arrays
 
 
-def test_ground_under_stress_is_at_rest_below_its_surface(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_ground_under_stress_is_at_rest_below_its_surface() -> None:
     """Before the cone touches it. At its surface the side holds as much as there is of a full cell.
 
     That is told by the mass of the node, within what lumping makes of it: less than a tenth.
@@ -78,7 +74,7 @@ def test_ground_under_stress_is_at_rest_below_its_surface(
     assert at_side.max() < 0.1 * 0.8 * free
 
 
-def test_the_load_grows_with_the_square_of_the_depth(changed: Callable[..., Sounding]) -> None:
+def test_the_load_grows_with_the_square_of_the_depth() -> None:
     """As long as the soil that rises is below the shoulder nothing has a length.
 
     F / (su d^2) of `cone_self_similar`, smooth, at 12 cells per radius, is 5.1. The surface is
@@ -101,9 +97,7 @@ def test_the_load_grows_with_the_square_of_the_depth(changed: Callable[..., Soun
         assert mean == pytest.approx(5.1, rel=2.0 / 12.0 / (0.5 * (begin + end)))
 
 
-def test_deep_below_the_surface_the_cone_is_that_of_endless_ground(
-    changed: Callable[..., Sounding],
-) -> None:
+def test_deep_below_the_surface_the_cone_is_that_of_endless_ground() -> None:
     """By means over three radii, to what two stretches of a sounding in such cells differ by."""
     deep = changed(from_depth=20.0, to_depth=23.0).run()
     from_surface = changed(from_depth=0.0, to_depth=23.0).run()
@@ -126,7 +120,7 @@ def test_near_the_surface_the_error_is_not_known_and_the_reason_is_told() -> Non
     np.testing.assert_array_equal(error.correction == 0.0, before)
 
 
-def test_a_sounding_tells_where_the_surface_leaves(changed: Callable[..., Sounding]) -> None:
+def test_a_sounding_tells_where_the_surface_leaves() -> None:
     """Through a crust and ground whose strength grows from the surface on."""
     result = changed(
         from_depth=0.0, to_depth=2.0, undrained_shear_strength=5e3, strength_gradient=5e3
@@ -137,7 +131,7 @@ def test_a_sounding_tells_where_the_surface_leaves(changed: Callable[..., Soundi
     np.testing.assert_allclose(result.strength, 5e3 + 5e3 * result.depth)
 
 
-def test_a_layer_near_the_surface_has_no_share(changed: Callable[..., Sounding]) -> None:
+def test_a_layer_near_the_surface_has_no_share() -> None:
     """There is no resistance of undisturbed ground to hold it against."""
     near = changed(from_depth=0.0, layer_top=4.0, layer_strength_ratio=2.0)
     assert layer_values(near, near.run(), is_known=True) == {}
