@@ -194,6 +194,9 @@ def map_figure(dataset: xr.Dataset) -> Figure:
     figure = Figure(figsize=(Figure().get_figwidth(), MAP_HEIGHT))
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))
     _draw_contours(figure, left, studied)
+    if studied.headline == COMPARED:
+        draw_experience(right, dataset)
+        legend_above(figure, right)
     _draw_curves(right, studied)
     sound = np.isfinite(studied.computed).all()
     crosses = "" if sound else ", crosses did not complete"

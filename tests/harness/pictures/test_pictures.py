@@ -19,6 +19,8 @@ from matplotlib.transforms import Bbox
 import mpm_warp
 from harness.archive.study_files import write_study
 from harness.cli.main import main
+from harness.compare.compared import with_experience
+from harness.pictures.curve import map_figure
 from harness.pictures.drawing.caption import fixed
 from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image
 from harness.pictures.effects import effects_figure, tornado_figure
@@ -255,6 +257,17 @@ def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None
         "$α$ = 0.5",
         "$α$ = 1",
     ]
+
+
+def test_a_map_has_the_bands_of_experience_behind_its_curves() -> None:
+    figure = map_figure(with_experience(drawn("two parameters")[0], ["karlsrud_2005"]))
+    left, right = figure.axes[:2]
+    (band,) = right.patches
+    assert isinstance(band, Rectangle)
+    assert band.get_hatch()
+    assert not left.patches
+    (legend,) = figure.legends
+    assert "Karlsrud et al. 2005: Nkt 6.2 to 18.1" in legend.get_texts()[0].get_text()
 
 
 def test_a_picture_that_fails_takes_nothing_from_the_others(
