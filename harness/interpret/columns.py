@@ -285,7 +285,8 @@ def _refuse_impossible(path: Path, values: Mapping[str, Floats], places: np.ndar
         if wrong.any():
             raise StudyError(
                 f"{path}: {places[wrong][0]}: {name} = {values[name][wrong][0]:g} Pa, must be "
-                f"<= {largest:g}; look at its unit, or at `missing` of the site file"
+                f"within +-{largest:g}; look at its unit; a code for no value belongs under "
+                "`missing` of the site file, as missing = [-9999]"
             )
     below = values["qc"] < LOWEST_QC
     if below.any():

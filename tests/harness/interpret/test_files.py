@@ -173,9 +173,10 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     strength = found.strength.sel(percentile=50.0) / STRENGTH
     used = found.reason.values == 0
     assert used.sum() == 79  # of 81 depths one lacks qc and one u2
-    assert main(["status", "results/site_interpretation.nc"]) == 2
     told = "is not the result of a study, but of a measured test; `harness interpret site.toml`"
-    assert told in capsys.readouterr().err
+    for command in ("status", "report", "plot", "compare"):
+        assert main([command, "results/site_interpretation.nc"]) == 2
+        assert told in capsys.readouterr().err
     np.testing.assert_allclose(strength.values[used], 1.0, rtol=2e-4)
     assert main(["new", "mine", "--interpret", f"test.{kind}"]) == 0
     assert ("\narea_ratio = 0.8" in (folder / "mine.toml").read_text()) == (kind != "csv")
@@ -324,7 +325,8 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "no column": ("csv", replaced("fs [MPa]", "x [MPa]"), "has no column 'fs'"),
     "twice": ("csv", replaced("fs [MPa]", "qc [MPa]"), "2 columns may be qc: qc [MPa], qc [MPa]"),
     "unit of qc": ("csv", replaced("qc [MPa]", "qc [kPa]"), "nowhere above sigma_v0, 2.02e+05 Pa"),
-    "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be <="),
+    "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be"),
+    "a code": ("csv", replaced("\n1.5,", "\n1.5,-9999,0,0\n1.51,"), "as missing = [-9999]"),
     "no unit": ("csv", replaced("qc [MPa]", "qc"), "has no unit"),
     "no u2": ("csv", replaced("u2 [MPa]", "other [MPa]"), "has no u2"),
     "unknown unit": ("csv", replaced("[MPa]", "[psi]"), "has unit 'psi'; allowed: Pa, kPa, MPa"),
