@@ -4,7 +4,7 @@ The error of a method is measured for scenes that the catalogue builds. What a r
 another matter: a subclass may build a soil, a contact or a grid of its own, and its parameters keep
 their names. So a scene as built is held beside the scene that the catalogue builds of the same
 parameters, part by part. Where they are the same, the parameters say what was simulated, and the
-laws of the error may be asked. Where they are not, nobody has measured the error.
+laws of the error may be asked. Where they are not, the error is not known.
 """
 
 from collections.abc import Iterator, Sequence
@@ -120,10 +120,10 @@ def why_not_tresca(material: Material) -> list[str]:
 
 def _why_law_not_measured(material: Material, laws: tuple[type[Material], ...]) -> list[str]:
     if type(material) not in laws:
-        return [f"law: nobody has measured the error in {built_name(material)}"]
+        return [f"law: the error is not known in {built_name(material)}"]
     if isinstance(material, EinavRandolph) and material.criterion not in MEASURED_LAWS:
         criterion = material.criterion.__name__
-        return [f"law: nobody has measured the error in {criterion} clay whose strength changes"]
+        return [f"law: the error is not known in {criterion} clay whose strength changes"]
     return []
 
 

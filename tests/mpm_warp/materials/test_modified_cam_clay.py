@@ -10,7 +10,7 @@ import scipy
 
 import mpm_warp
 from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest, Scene
-from mpm_warp.errors import ParameterError, SimulationDiverged
+from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
 from mpm_warp.scenes.material.element_test import TESTS
@@ -244,6 +244,13 @@ def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> 
 def test_a_ground_outside_the_yield_surface_is_refused(anisotropy: float) -> None:
     with pytest.raises(ParameterError, match="the stress of the ground is outside the yield"):
         ElementTest(material="modified_cam_clay", stress_anisotropy=anisotropy)
+
+
+def test_a_strain_path_outside_the_yield_surface_is_refused() -> None:
+    """Of whoever builds the path by hand too, with no scene that looks at its parameters."""
+    stress = np.array([[STRESS, -STRESS, 0.0, 0.0]])
+    with pytest.raises(SceneError, match="the stress of the ground is outside the yield surface"):
+        StrainPaths(material=clay(), gradient=np.zeros((1, 5)), stress=stress, step_count=1)
 
 
 def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:

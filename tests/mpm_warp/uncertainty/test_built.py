@@ -261,7 +261,7 @@ def test_nothing_is_known_of_clay_with_strength_by_direction() -> None:
     ):
         scene = offered(**directed, **changing).build()
         assert why_not_as_measured(scene, scene)[0].startswith(
-            f"law: nobody has measured the error {named}"
+            f"law: the error is not known {named}"
         )
         assert why_not_as_measured(scene, scene, LAWS_OF_CONES)
 
