@@ -19,7 +19,7 @@ plane strain per unit thickness.
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +68,7 @@ class Grid:
     surface_radius: Floats
     fitted_radius: float
     planar: bool = False
-    polar: ClassVar[bool] = False
+    polar = False
     """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
 
     def __post_init__(self) -> None:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
@@ -26,7 +25,7 @@ class PolarGrid(Grid):
         SceneError: a value is not allowed, or the surface is not round.
     """
 
-    polar: ClassVar[bool] = True
+    polar = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -4,7 +4,6 @@ import dataclasses
 import math
 import time
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import warp as wp
@@ -80,9 +79,9 @@ class StepCost(CatalogueScene):
     are measurements: they are never the same twice.
     """
 
-    summary: ClassVar[str] = "speed of the simulator: particle updates per second, by stage"
-    version: ClassVar[int] = 9
-    runs_alone: ClassVar[bool] = True
+    summary = "speed of the simulator: particle updates per second, by stage"
+    version = 9
+    runs_alone = True
 
     size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
     physics: str = parameter(

@@ -17,7 +17,7 @@ are known from other cases. This is for cases whose error those do not give.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -82,14 +82,12 @@ class ConeRun(TestRun):
             `cone_factor_shear`.
     """
 
-    name: ClassVar[str] = "cone_factor"
-    description: ClassVar[str] = (
-        "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window"
-    )
-    differences: ClassVar[Mapping[str, str]] = DIFFERENCES
-    left_open: ClassVar[Mapping[str, float]] = dict.fromkeys(DIFFERENCES, LEFT_OPEN)
-    largest_correction: ClassVar[float] = LARGEST_CORRECTION
-    approach: ClassVar[float] = APPROACH
+    name = "cone_factor"
+    description = "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window"
+    differences = DIFFERENCES
+    left_open = dict.fromkeys(DIFFERENCES, LEFT_OPEN)
+    largest_correction = LARGEST_CORRECTION
+    approach = APPROACH
 
     laws: ErrorLaws
     strength: float

@@ -15,7 +15,7 @@ uncertainty.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 
@@ -60,12 +60,10 @@ class FullFlowRun(TestRun):
         recorded: `resistance_factor`, `resistance_factor_change` and `empty_cells`.
     """
 
-    name: ClassVar[str] = "resistance_factor"
-    description: ClassVar[str] = (
-        "resistance over projected area and su, corrected for mesh, speed and window"
-    )
-    differences: ClassVar[Mapping[str, str]] = DIFFERENCES
-    left_open: ClassVar[Mapping[str, float]] = LEFT_OPEN
+    name = "resistance_factor"
+    description = "resistance over projected area and su, corrected for mesh, speed and window"
+    differences = DIFFERENCES
+    left_open = LEFT_OPEN
 
     cells_per_radius: int
     relative_speed: float

@@ -75,7 +75,7 @@ def scene_names_at_once() -> list[str]:
     names = {it.name for it in entry_points(group="mpm_warp.scenes")}
     for file in folder.rglob("*.py"):
         for definition in re.split(r"^class ", file.read_text("utf-8"), flags=re.MULTILINE)[1:]:
-            if "\n    summary: ClassVar[str] = " in definition:
+            if "\n    summary = " in definition:
                 name = re.match(r"\w+", definition)
                 assert name is not None
                 names.add(re.sub(r"(?<!^)(?=[A-Z])", "_", name[0]).lower())

@@ -3,7 +3,6 @@
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -54,7 +53,7 @@ class Bearing(CatalogueScene):
     below a cell, where the free surface is as sharp as the grid.
     """
 
-    method: ClassVar[tuple[str, ...]] = (
+    method = (
         "cells_per_radius",
         "rigidity_index",
         "displacement",

@@ -95,7 +95,7 @@ class Footing(OnGround):
 
     planar: ClassVar[bool]
     """Whether strain is plane; otherwise the footing is circular."""
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    verifications = tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=(8, 16, 32),
@@ -160,9 +160,9 @@ class Footing(OnGround):
 class CircularFooting(Footing):
     """A rigid disc on weightless Tresca soil."""
 
-    summary: ClassVar[str] = "limit load of a circular footing, smooth and rough"
-    version: ClassVar[int] = 3
-    planar: ClassVar[bool] = False
+    summary = "limit load of a circular footing, smooth and rough"
+    version = 3
+    planar = False
 
     @property
     def exact_if_uniform(self) -> Exact:
@@ -177,9 +177,9 @@ class CircularFooting(Footing):
 class StripFooting(Footing):
     """A rigid strip on weightless Tresca soil, half of it: r is the distance from its middle."""
 
-    summary: ClassVar[str] = "limit load of a strip footing in plane strain, smooth and rough"
-    version: ClassVar[int] = 3
-    planar: ClassVar[bool] = True
+    summary = "limit load of a strip footing in plane strain, smooth and rough"
+    version = 3
+    planar = True
 
     @property
     def exact_if_uniform(self) -> Exact:
@@ -199,9 +199,9 @@ class ConeBearing(OnGround):
     In uniform soil the exact load is known for 60 degrees and the adhesion factors of `EXACT`.
     """
 
-    summary: ClassVar[str] = "limit load of a cone with its shoulder at the surface"
-    version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "limit load of a cone with its shoulder at the surface"
+    version = 3
+    verifications = tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=(4, 8, 16),

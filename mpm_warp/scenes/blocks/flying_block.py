@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -37,9 +36,9 @@ class FlyingBlock(CatalogueScene):
     measured by the distances between all of its material points.
     """
 
-    summary: ClassVar[str] = "elastic block in free flight, turning; momentum, spin and shape stay"
-    version: ClassVar[int] = 2
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    summary = "elastic block in free flight, turning; momentum, spin and shape stay"
+    version = 2
+    verifications = (
         Verification(
             resolution="step_count",
             resolutions=(1_000_000,),

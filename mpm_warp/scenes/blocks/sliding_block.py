@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -44,15 +43,15 @@ class SlidingBlock(BlockOnBase):
     The error is that of its acceleration, or the creep of a block that sticks.
     """
 
-    summary: ClassVar[str] = "elastic block on a base, driven until it slides; exact solution"
-    version: ClassVar[int] = 4
-    method: ClassVar[tuple[str, ...]] = (
+    summary = "elastic block on a base, driven until it slides; exact solution"
+    version = 4
+    method = (
         "cells_per_length",
         "particles_per_cell",
         "time_step_fraction",
         "damping_ratio",
     )
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    verifications = (
         _compared(0.01),
         _compared(0.03, grid_angle=20.0, grid_offset=0.3, stiffness_ratio=1.0),
         _compared(1e-4, friction=0.8),

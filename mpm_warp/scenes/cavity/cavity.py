@@ -42,7 +42,7 @@ class Cavity(ClayScene):
     4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 (Hill 1950); nothing is corrected for that.
     """
 
-    method: ClassVar[tuple[str, ...]] = ("cells_per_radius", "particles_per_cell", "speed_ratio")
+    method = ("cells_per_radius", "particles_per_cell", "speed_ratio")
     exponent: ClassVar[int]
     """m: 2 for the cylinder, 3 for the sphere."""
     factor: ClassVar[float]

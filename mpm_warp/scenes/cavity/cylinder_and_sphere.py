@@ -4,7 +4,6 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -66,14 +65,12 @@ class CavityCylinder(Cavity):
     anisotropy that is allowed.
     """
 
-    summary: ClassVar[str] = "pressure of an expanding cylindrical cavity in undrained clay"
-    version: ClassVar[int] = 6
-    verifications: ClassVar[tuple[Verification, ...]] = verifications(
-        0.015, (4, 8), HURRIED, LATE, SOON
-    )
-    exponent: ClassVar[int] = 2
-    factor: ClassVar[float] = 1.0
-    von_mises_strength: ClassVar[float] = 1.0
+    summary = "pressure of an expanding cylindrical cavity in undrained clay"
+    version = 6
+    verifications = verifications(0.015, (4, 8), HURRIED, LATE, SOON)
+    exponent = 2
+    factor = 1.0
+    von_mises_strength = 1.0
 
     stress_anisotropy: float = redefined(
         ConeInGround,
@@ -142,14 +139,12 @@ class CavitySphere(Cavity):
     free flow of Tresca soil parts from that and bears less.
     """
 
-    summary: ClassVar[str] = "pressure of an expanding spherical cavity in clay under equal stress"
-    version: ClassVar[int] = 6
-    verifications: ClassVar[tuple[Verification, ...]] = verifications(
-        0.02, (4, 6), HURRIED, LATE, SOON
-    )
-    exponent: ClassVar[int] = 3
-    factor: ClassVar[float] = 4.0 / 3.0
-    von_mises_strength: ClassVar[float] = math.sqrt(0.75)
+    summary = "pressure of an expanding spherical cavity in clay under equal stress"
+    version = 6
+    verifications = verifications(0.02, (4, 6), HURRIED, LATE, SOON)
+    exponent = 3
+    factor = 4.0 / 3.0
+    von_mises_strength = math.sqrt(0.75)
 
     def grid(self) -> PolarGrid:
         """Rays from the axis to the equator, to six times the radius of the plastic zone."""

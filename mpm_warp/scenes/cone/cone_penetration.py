@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Self
 
 import xarray as xr
 
@@ -73,10 +73,10 @@ class ConePenetration(ConeTest):
     over the vertical in-situ stress, which balances itself.
     """
 
-    summary: ClassVar[str] = "cone penetration test in undrained clay, to steady state"
-    version: ClassVar[int] = 14
-    comparable: ClassVar[str | None] = "cone_factor"
-    snapshots_over: ClassVar[str | None] = AXIS
+    summary = "cone penetration test in undrained clay, to steady state"
+    version = 14
+    comparable = "cone_factor"
+    snapshots_over = AXIS
 
     def __post_init__(self) -> None:
         super().__post_init__()

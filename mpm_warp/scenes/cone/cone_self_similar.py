@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -41,9 +40,9 @@ class ConeSelfSimilar(CatalogueScene):
     The grid travels down with the cone, through the surface of the ground, which cuts its cells.
     """
 
-    summary: ClassVar[str] = "load of a cone against its depth, from first touch"
-    version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    summary = "load of a cone against its depth, from first touch"
+    version = 3
+    verifications = (
         Verification(resolution="cells_per_radius", resolutions=(12, 16), bounds={"error": 0.05}),
     )
 

@@ -8,7 +8,6 @@ import math
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -137,7 +136,7 @@ class FittedToCone:
 class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
-    method: ClassVar[tuple[str, ...]] = (
+    method = (
         "accuracy",
         "cells_per_radius",
         "cell_growth",

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -48,9 +47,9 @@ class ElasticColumnWave(CatalogueScene):
     cells, 1.9e-4 at 20 and 2.1e-5 at 40.
     """
 
-    summary: ClassVar[str] = "pressure waves along a column: sudden load, standing wave"
-    version: ClassVar[int] = 5
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    summary = "pressure waves along a column: sudden load, standing wave"
+    version = 5
+    verifications = (
         Verification(
             resolution="cell_count",
             resolutions=(50, 100, 200),

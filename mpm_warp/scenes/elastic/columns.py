@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -91,9 +90,9 @@ class GravityColumn(CatalogueScene):
     u = -rho g (H z - z^2/2) / M.
     """
 
-    summary: ClassVar[str] = "column under its own weight, stress and settlement"
-    version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    summary = "column under its own weight, stress and settlement"
+    version = 3
+    verifications = (
         Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
     )
 

@@ -85,8 +85,8 @@ class Shock:
 class Impact(CatalogueScene):
     """A bar along the second axis that moves down on a wall and comes to rest behind a shock."""
 
-    method: ClassVar[tuple[str, ...]] = ("cell_count",)
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    method = ("cell_count",)
+    verifications = (
         Verification(
             resolution="cell_count", resolutions=(40, 80), bounds={"error": 0.02}, extreme=True
         ),
@@ -210,11 +210,11 @@ def shock_errors(
 class StruckBar(Impact):
     """A body, a bar of Poisson's ratio 0 and a cell thick, comes to rest on another, rigid one."""
 
-    summary: ClassVar[str] = "bar that strikes a wall at half its wave speed; shock relations"
-    version: ClassVar[int] = 2
-    modulus: ClassVar[float] = 2e6
-    density: ClassVar[float] = 1000.0
-    time_step_fraction: ClassVar[float] = 0.1
+    summary = "bar that strikes a wall at half its wave speed; shock relations"
+    version = 2
+    modulus = 2e6
+    density = 1000.0
+    time_step_fraction = 0.1
 
     def run_size(self) -> RunSize:
         """Cells around bar and wall, their points, and the steps until the shock has passed."""
@@ -256,11 +256,11 @@ class StruckBar(Impact):
 class StruckColumn(Impact):
     """Soil that falls on its base all at once; its top leaves cells behind as it comes down."""
 
-    summary: ClassVar[str] = "column that strikes its base at half its wave speed; shock relations"
-    version: ClassVar[int] = 3
-    modulus: ClassVar[float] = 1e7
-    density: ClassVar[float] = 1700.0
-    time_step_fraction: ClassVar[float] = 0.2
+    summary = "column that strikes its base at half its wave speed; shock relations"
+    version = 3
+    modulus = 1e7
+    density = 1700.0
+    time_step_fraction = 0.2
 
     @property
     def column(self) -> Column:

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -48,10 +47,10 @@ class StretchedBar(CatalogueScene):
     grows by the factor e in the time tau / (ln l - 1) at the fastest.
     """
 
-    summary: ClassVar[str] = "viscoelastic bar drawn out many times its length; closed form"
-    version: ClassVar[int] = 3
-    method: ClassVar[tuple[str, ...]] = ("cell_count",)
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    summary = "viscoelastic bar drawn out many times its length; closed form"
+    version = 3
+    method = ("cell_count",)
+    verifications = (
         Verification(
             resolution="cell_count",
             resolutions=(4,),

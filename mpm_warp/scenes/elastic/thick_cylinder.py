@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -42,9 +41,9 @@ class ThickCylinder(CatalogueScene):
     u(a) = p a / (2 G) ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2).
     """
 
-    summary: ClassVar[str] = "elastic thick-walled cylinder, stresses and wall displacement"
-    version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "elastic thick-walled cylinder, stresses and wall displacement"
+    version = 3
+    verifications = tuple(
         Verification(
             resolution="cell_count",
             resolutions=(10, 20, 40),

@@ -17,7 +17,6 @@ the soil has borne 2 n xi_p on the average when the body passes it, and so
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import scipy  # loads its optimisers where they are first used: no other scene waits for them
@@ -68,7 +67,7 @@ class CyclicPenetration(FullFlowPenetrometer):
     perfectly plastic clay resists each of them alike.
     """
 
-    verifications: ClassVar[tuple[Verification, ...]] = (
+    verifications = (
         Verification(
             resolution="cells_per_radius",
             resolutions=(2, 3),
@@ -83,7 +82,7 @@ class CyclicPenetration(FullFlowPenetrometer):
     )
 
     # Remoulded clay is weak: half the speed has a quarter of the inertia.
-    relative_speed: ClassVar[float] = 0.15
+    relative_speed = 0.15
     speed_ratio: float = redefined(
         FullFlowPenetrometer,
         "speed_ratio",
@@ -200,8 +199,8 @@ class CyclicBall(Ball, CyclicPenetration):
     passages. The first passage is that of `ball_penetration` without a shaft.
     """
 
-    summary: ClassVar[str] = "ball without a shaft, pushed down and pulled up in undrained clay"
-    version: ClassVar[int] = 1
+    summary = "ball without a shaft, pushed down and pulled up in undrained clay"
+    version = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,8 +210,8 @@ class CyclicTBar(TBar, CyclicPenetration):
     Its first passage is that of `t_bar_penetration`.
     """
 
-    summary: ClassVar[str] = "T-bar pushed down and pulled up in undrained clay, plane strain"
-    version: ClassVar[int] = 3
+    summary = "T-bar pushed down and pulled up in undrained clay, plane strain"
+    version = 3
 
     def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
         """The fit of practice, and the ductility that it tells."""

@@ -106,10 +106,10 @@ class FullFlowCylinder(FullFlow):
     pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `LIMIT_LOAD_SOURCE`.
     """
 
-    summary: ClassVar[str] = "force on a cylinder that soil flows around (T-bar), plane strain"
-    version: ClassVar[int] = 3
-    planar: ClassVar[bool] = True
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "force on a cylinder that soil flows around (T-bar), plane strain"
+    version = 3
+    planar = True
+    verifications = tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=(4, 8),
@@ -133,10 +133,10 @@ class FullFlowSphere(FullFlow):
     of a rough one, commonly quoted from Randolph, Martin & Hu (2000, GeoEng2000, Melbourne).
     """
 
-    summary: ClassVar[str] = "force on a sphere that soil flows around (ball penetrometer)"
-    version: ClassVar[int] = 1
-    planar: ClassVar[bool] = False
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "force on a sphere that soil flows around (ball penetrometer)"
+    version = 1
+    planar = False
+    verifications = tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=(4, 8),

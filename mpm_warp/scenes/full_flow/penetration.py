@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -46,7 +46,7 @@ LARGEST_CHANGE = 0.02
 class FullFlowPenetration(FullFlowPenetrometer):
     """A round body pushed at constant speed through clay, to steady flow."""
 
-    method: ClassVar[tuple[str, ...]] = (
+    method = (
         *FullFlowPenetrometer.method,
         "penetration",
         "uncertainty",
@@ -228,8 +228,8 @@ class _ResistanceCurve(ResistanceSamples):
 class BallPenetration(Ball, FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
-    summary: ClassVar[str] = "ball penetrometer pushed through undrained clay to steady flow"
-    version: ClassVar[int] = 3
+    summary = "ball penetrometer pushed through undrained clay to steady flow"
+    version = 3
 
     shaft_radius_ratio: float = parameter(
         0.316,
@@ -263,9 +263,9 @@ class TBarPenetration(TBar, FullFlowPenetration):
     In perfectly plastic clay its resistance is the limit load of `full_flow_cylinder`.
     """
 
-    summary: ClassVar[str] = "T-bar pushed through undrained clay to steady flow, plane strain"
-    version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "T-bar pushed through undrained clay to steady flow, plane strain"
+    version = 3
+    verifications = tuple(
         Verification(
             resolution="cells_per_radius",
             resolutions=(3, 4),

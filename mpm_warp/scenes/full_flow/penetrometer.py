@@ -69,7 +69,7 @@ class FullFlowPenetrometer(FieldClayScene):
         maximum=100,
     )
 
-    relative_speed: ClassVar[float] = 0.3
+    relative_speed = 0.3
     """Speed over sqrt(su / rho), by default: rho V^2 is 9 % of su."""
 
     def derived(self) -> Mapping[str, float]:

@@ -12,7 +12,6 @@ pressure is that at constant mean total stress: what shear alone makes of it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -46,9 +45,9 @@ SAMPLE_COUNT = 200
 class ElementTest(ClayScene):
     """A test of one material point in the laboratory, strain-controlled, of any law."""
 
-    summary: ClassVar[str] = "undrained element test: strength and stiffness of a law, by mode"
-    method: ClassVar[tuple[str, ...]] = ("step_count",)
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "undrained element test: strength and stiffness of a law, by mode"
+    method = ("step_count",)
+    verifications = tuple(
         Verification(
             resolution="step_count",
             resolutions=(1000, 10_000),

@@ -1,7 +1,6 @@
 """One material point on strain paths whose stress is known exactly."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -43,9 +42,9 @@ class MaterialPoint(ClayScene):
     strength.
     """
 
-    summary: ClassVar[str] = "one material point on strain paths, against exact stresses"
-    version: ClassVar[int] = 3
-    verifications: ClassVar[tuple[Verification, ...]] = tuple(
+    summary = "one material point on strain paths, against exact stresses"
+    version = 3
+    verifications = tuple(
         Verification(
             resolution="step_count",
             resolutions=(1000, 10_000),

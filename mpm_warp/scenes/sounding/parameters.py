@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -41,7 +40,7 @@ has left the window above, nothing of the surface is in it."""
 class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     """Ground, penetrometer and method of a sounding."""
 
-    method: ClassVar[tuple[str, ...]] = (
+    method = (
         "cells_per_radius",
         "cell_growth",
         "time_step_fraction",

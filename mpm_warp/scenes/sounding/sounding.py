@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -54,8 +54,8 @@ class Sounding(SoundingTest):
     are simulated: those over the vertical in-situ stress, which balances itself.
     """
 
-    summary: ClassVar[str] = "cone penetration through ground that changes with depth"
-    version: ClassVar[int] = 7
+    summary = "cone penetration through ground that changes with depth"
+    version = 7
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""
