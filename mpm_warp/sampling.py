@@ -101,6 +101,11 @@ def follow(
     return result
 
 
+def evenly(end: float, count: int) -> list[float]:
+    """So many moments at even distances, the last of them at the end."""
+    return [end * number / count for number in range(1, count + 1)]
+
+
 def even_steps(step_count: int, count: int = 20) -> list[int]:
     """Steps at even distances up to the last one, at which a run of many steps reports progress.
 

@@ -126,8 +126,8 @@ class Scene:
     Attributes:
         grid: the background grid; every cell that it says holds soil is full of it.
         material: the soil's constitutive model.
-        particles_per_side: particles along each side of a cell, >= 1.
-        time_step_fraction: time step over the critical one, dimensionless, > 0.
+        particles_per_side: particles along each side of a cell, >= 1; default: 2.
+        time_step_fraction: time step over the critical one, dimensionless, > 0; default: 0.85.
         bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
         stress_at_rest: stress (rr, zz, rz, tt) of the soil at the start [Pa], shape [4]; none by
             default. It rests where it has no shear, its radial part is the hoop part, and what
@@ -141,8 +141,8 @@ class Scene:
 
     grid: Grid
     material: Material
-    particles_per_side: int
-    time_step_fraction: float
+    particles_per_side: int = 2
+    time_step_fraction: float = 0.85
     bulk_viscosity: float | None = None
     stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4))
     parts: tuple[Part, ...] = ()

@@ -14,6 +14,7 @@ Other packages offer scenes by the entry point group `mpm_warp.scenes`, in their
 import functools
 import importlib
 import inspect
+import math
 import pkgutil
 import re
 from abc import ABC, abstractmethod
@@ -35,7 +36,7 @@ from mpm_warp.parameters import Value, check_names, check_parameters, nearest_na
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import material_as_built, parameter_variables
-from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 
@@ -127,9 +128,14 @@ class CatalogueScene(ABC):
     def build(self) -> Any:
         """The composition that is simulated: of soil in a grid, of bodies, or of another kind."""
 
+    @property
+    def end_time(self) -> float | None:
+        """Simulated time from start to end of soil in a grid [s]; None where it is not known."""
+        return None
+
     def run_size(self) -> RunSize | None:
         """How large a run is, worked out at once; None where any that is allowed is small."""
-        return None
+        return None if self.end_time is None else size_in_grid(self.build(), self.end_time)
 
     def plan(self) -> Plan:
         """The arrays and launches of a run."""
@@ -137,7 +143,9 @@ class CatalogueScene(ABC):
 
     def step_count_bound(self, plan: Plan) -> int | None:
         """Steps of a run of `plan` at most; None where that is not known beforehand."""
-        return None
+        if self.end_time is None or plan.control is not None:
+            return None
+        return math.ceil(self.end_time / plan.time_step)
 
     def run(
         self,

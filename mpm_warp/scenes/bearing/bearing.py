@@ -18,7 +18,6 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
-from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -39,7 +38,6 @@ PLATEAU_IS = (
 )
 LEAST_SAMPLES = 3
 """Samples that make a plateau, at least."""
-TIME_STEP_FRACTION = 0.85
 
 Exact = tuple[float, str]
 """A limit load over area and su, where it comes from, and how exact it is."""
@@ -121,9 +119,10 @@ class Bearing(CatalogueScene):
         """Nodes on the axis, on the side of the soil and below it."""
         return Fixed.on(grid, radial=["axis", "side", "bottom"], vertical=["bottom"])
 
-    def run_size(self) -> RunSize:
-        """Cells of the ground, and the steps to the end of the displacement."""
-        return size_in_grid(self.build(), self.final_displacement / self.speed)
+    @property
+    def end_time(self) -> float:
+        """See `CatalogueScene`."""
+        return self.final_displacement / self.speed
 
     def build(self) -> Scene:
         """The ground, and its contact with the body."""
@@ -131,8 +130,6 @@ class Bearing(CatalogueScene):
         return Scene(
             grid=grid,
             material=self.clay,
-            particles_per_side=2,
-            time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             parts=(self.fixed(grid), self.contact(grid)),
         )

@@ -13,7 +13,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
-from mpm_warp.sampling import Samples, follow
+from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
@@ -100,9 +100,7 @@ class FlyingBlock(CatalogueScene):
         """Set the block off and let it fly."""
         self._set_off(simulation)
         sampler = free_flight(simulation, self.cell_size)
-        steps = [
-            round(self.step_count * sample / SAMPLE_COUNT) for sample in range(1, SAMPLE_COUNT + 1)
-        ]
+        steps = [round(step) for step in evenly(self.step_count, SAMPLE_COUNT)]
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
         greatest = {
             name: variable(

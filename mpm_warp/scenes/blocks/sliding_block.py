@@ -11,7 +11,7 @@ from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import Value
-from mpm_warp.sampling import follow
+from mpm_warp.sampling import evenly, follow
 from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, BlockOnBase
 from mpm_warp.scenes.blocks.curves import SlidingCurves
 from mpm_warp.scenes.catalogue import Progress, Verification
@@ -91,10 +91,7 @@ class SlidingBlock(BlockOnBase):
         """Let the block come to rest under its normal load, then drive it."""
         simulation.advance_to(self.start)
         sampler = SlidingCurves(simulation, start=self.start, along=self._frame.along)
-        moments = [
-            self.start + self.duration * sample / SAMPLE_COUNT
-            for sample in range(1, SAMPLE_COUNT + 1)
-        ]
+        moments = [self.start + since for since in evenly(self.duration, SAMPLE_COUNT)]
         curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
         return curves.assign(sampler.balances()).assign(
             sampler.comparison(self.motion, length=self.length, settled_time=self.settled_time)

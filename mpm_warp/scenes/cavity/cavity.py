@@ -16,19 +16,17 @@ from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.results import curves, variable
-from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, follow, soil_scene
+from mpm_warp.sampling import PORE_PRESSURE_IS, evenly, excess_pore_pressure, follow, soil_scene
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.exact import ExactCavity
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
 STRENGTH = 1e3
 DENSITY = 1700.0
 SAMPLE_COUNT = 150
-TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,13 +116,11 @@ class Cavity(ClayScene):
         speed = self.speed_ratio * math.sqrt(self.strength / DENSITY)
         return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
 
-    def duration(self, wall: MovingWall) -> float:
+    @property
+    def end_time(self) -> float:
         """Time in which the wall gets to the final radius [s]."""
+        wall = self.wall
         return ((self.expansion - 1.0) * RADIUS + wall.ramp_travel) / wall.speed
-
-    def run_size(self) -> RunSize:
-        """Cells around the cavity; the steps are those with the first time step."""
-        return size_in_grid(self.build(), self.duration(self.wall))
 
     def build(self) -> Scene:
         """The soil around the cavity, and the wall that moves."""
@@ -133,7 +129,6 @@ class Cavity(ClayScene):
             grid=grid,
             material=material,
             particles_per_side=math.isqrt(self.particles_per_cell),
-            time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             stress_at_rest=self.stress_at_rest,
             parts=(*self.boundaries(grid, material), self.wall),
@@ -161,8 +156,7 @@ class Cavity(ClayScene):
         curve = PressureCurve(
             simulation, exact, lambda radius: wall_area(grid, radius) * self.strength
         )
-        duration = self.duration(self.wall)
-        moments = [duration * number / SAMPLE_COUNT for number in range(1, SAMPLE_COUNT + 1)]
+        moments = evenly(self.end_time, SAMPLE_COUNT)
         recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
         recorded = recorded.assign(self.shape(grid, curve.on_rows)).merge(
             pore_pressure_profile(simulation, exact)

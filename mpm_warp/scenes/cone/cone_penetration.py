@@ -14,7 +14,6 @@ from mpm_warp.parts.history import History
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.plan import Plan
 from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
@@ -158,18 +157,14 @@ class ConePenetration(ConeTest):
         return RunSize(
             cell_count=grid.cell_count,
             particle_count=round(slots),
-            step_count=self._time_to_the_end / time_step,
+            step_count=self.end_time / time_step,
             bytes_per_particle=POINT_BYTES + STATE_BYTES * len(self.clay.state) + audited,
             # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
             curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
         )
 
-    def step_count_bound(self, plan: Plan) -> int:
-        """Steps to the greatest penetration."""
-        return math.ceil(self._time_to_the_end / plan.time_step)
-
     @property
-    def _time_to_the_end(self) -> float:
+    def end_time(self) -> float:
         """Time to the greatest penetration [s]."""
         return self.window.time_to(self.penetration * self.cone_radius)
 
@@ -301,7 +296,7 @@ class ConePenetration(ConeTest):
         strength = self.undrained_shear_strength
         steady = steady_values(recorded, strength) | pore_pressure_factors(recorded, strength)
         bound = variable(
-            self.step_count_bound(simulation.plan),
+            math.ceil(self.end_time / simulation.plan.time_step),
             meaning="time steps to the greatest penetration",
         )
         results = recorded.assign(steady).assign(step_count_bound=bound)

@@ -13,7 +13,7 @@ from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
+from mpm_warp.sampling import ContactForces, Samples, evenly, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.cone.parameters import ConeTest
@@ -62,7 +62,6 @@ class ConeSelfSimilar(CatalogueScene):
         return Scene(
             grid=grid,
             material=self._material,
-            particles_per_side=2,
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             parts=(
@@ -131,7 +130,7 @@ class ConeSelfSimilar(CatalogueScene):
             return reached[-1], 2.0 * math.pi * (forces.face_normal + forces.face_shear)
 
         samples = Samples(sample, load_curve)
-        depths = [self._final_depth * it / SAMPLE_COUNT for it in range(1, SAMPLE_COUNT + 1)]
+        depths = evenly(self._final_depth, SAMPLE_COUNT)
         recorded = follow(simulation, depths, simulation.travel_to, [samples], progress)
         return recorded.assign(self._fitted(recorded, np.array(reached)))
 

@@ -27,7 +27,6 @@ PRESSURE = CONSTRAINED_MODULUS * STRAIN
 """Pressure of the sudden load [Pa]."""
 WAVE_SPEED = math.sqrt(CONSTRAINED_MODULUS / DENSITY)
 PERIOD = 4 * HEIGHT / WAVE_SPEED
-TIME_STEP_FRACTION = 0.85
 SAMPLE_BYTES = 700.0
 """Memory of a sample, from peaks of runs of 300 and 1000 cells [byte]."""
 MOST_SAMPLED_PERIODS = 10
@@ -94,8 +93,6 @@ class ElasticColumnWave(CatalogueScene):
         return Scene(
             grid=self._column.grid,
             material=confined(CONSTRAINED_MODULUS, POISSONS_RATIO, DENSITY),
-            particles_per_side=2,
-            time_step_fraction=TIME_STEP_FRACTION,
             parts=(
                 *([self._column.pressure_on_top(PRESSURE)] if sudden else []),
                 self._column.fixed,

@@ -13,11 +13,10 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import even_steps, follow, soil_scene
+from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
@@ -25,7 +24,6 @@ GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
-TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,9 +104,10 @@ class GravityColumn(CatalogueScene):
         modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
         return confined(modulus, self.poissons_ratio, DENSITY)
 
-    def run_size(self) -> RunSize:
-        """Cells of the column, and the steps until it is at rest."""
-        return size_in_grid(self.build(), PERIODS * 4 * HEIGHT / self.material.pressure_wave_speed)
+    @property
+    def end_time(self) -> float:
+        """See `CatalogueScene`: the time to come to rest [s]."""
+        return PERIODS * 4 * HEIGHT / self.material.pressure_wave_speed
 
     def build(self) -> Scene:
         """The column, its weight, and the damping that brings it to rest."""
@@ -118,8 +117,6 @@ class GravityColumn(CatalogueScene):
         return Scene(
             grid=self._column.grid,
             material=material,
-            particles_per_side=2,
-            time_step_fraction=TIME_STEP_FRACTION,
             parts=(Gravity(GRAVITY), Damping(damping), self._column.fixed),
         )
 
@@ -130,9 +127,7 @@ class GravityColumn(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the column come to rest, and compare stress and settlement with the exact ones."""
         position = simulation.array("particle.position").copy()
-        period = 4 * HEIGHT / soil_scene(simulation).material.pressure_wave_speed
-        step_count = round(PERIODS * period / simulation.plan.time_step)
-        steps = even_steps(step_count)
+        steps = even_steps(round(self.end_time / simulation.plan.time_step))
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         column = self._column
         mass = simulation.array("particle.mass")

@@ -22,7 +22,7 @@ from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.elastic.columns import Column, confined
-from mpm_warp.scenes.run_size import RunSize, size_in_grid, size_of_bodies
+from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
@@ -121,7 +121,7 @@ class Impact(CatalogueScene):
         return Shock(modulus=self.modulus, density=self.density, speed=speed)
 
     @property
-    def duration(self) -> float:
+    def end_time(self) -> float:
         """Time until the shock has passed the bar, up to a section's height [s]."""
         return TRAVEL * LENGTH / self.shock.front_speed
 
@@ -218,7 +218,7 @@ class StruckBar(Impact):
 
     def run_size(self) -> RunSize:
         """Cells around bar and wall, their points, and the steps until the shock has passed."""
-        crossings = self.duration * self.wave_speed / self.cell_size
+        crossings = self.end_time * self.wave_speed / self.cell_size
         return size_of_bodies(
             cell_count=10 * (self.cell_count + 10),
             particle_count=POINTS_PER_CELL**2 * (self.cell_count + 15),
@@ -267,16 +267,11 @@ class StruckColumn(Impact):
         """The column before the impact."""
         return Column(height=LENGTH, cell_count=self.cell_count)
 
-    def run_size(self) -> RunSize:
-        """Cells of the column, and about the steps until the shock has passed it."""
-        return size_in_grid(self.build(), self.duration)
-
     def build(self) -> Scene:
         """Soil in the column, which can move along its height alone."""
         return Scene(
             grid=self.column.grid,
             material=confined(self.modulus, POISSONS_RATIO, self.density),
-            particles_per_side=2,
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=BULK_VISCOSITY,
             parts=(self.column.fixed, FreeSurface()),

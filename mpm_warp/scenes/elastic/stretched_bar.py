@@ -13,7 +13,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import Samples, follow
+from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
@@ -133,7 +133,6 @@ class StretchedBar(CatalogueScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Draw the bar out, and compare stretch and stress with the closed form."""
-        moments = [self.duration * sample / SAMPLE_COUNT for sample in range(1, SAMPLE_COUNT + 1)]
         at_rest = self.lattice
         middle = np.abs(at_rest) < 0.25 * LENGTH
         rows = (POINTS_PER_CELL, len(at_rest))
@@ -146,6 +145,7 @@ class StretchedBar(CatalogueScene):
             return simulation.time, stretch, stress.min(), stress.max()
 
         samples = Samples(middle_half, self._curves)
+        moments = evenly(self.duration, SAMPLE_COUNT)
         recorded = follow(simulation, moments, simulation.advance_to, [samples], progress)
         last = recorded.isel(progress=-1)
         at_end = np.array([last.stress_least, last.stress_greatest]) / float(

@@ -17,7 +17,6 @@ from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
 from mpm_warp.scenes.clay import ClayScene
-from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 INNER_RADIUS = 1.0
@@ -27,7 +26,6 @@ STRAIN = 1e-5
 """Displacement of the wall over its radius, of an infinite body."""
 REST_TIME = 60.0
 """Time to come to rest, in inner radii over the shear wave speed."""
-TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,13 +74,9 @@ class ThickCylinder(CatalogueScene):
         )
 
     @property
-    def rest_time(self) -> float:
-        """Time to come to rest [s]."""
+    def end_time(self) -> float:
+        """See `CatalogueScene`: the time to come to rest [s]."""
         return REST_TIME * self.radius_ratio / self.material.shear_wave_speed
-
-    def run_size(self) -> RunSize:
-        """Cells of the ring, and the steps until it is at rest."""
-        return size_in_grid(self.build(), self.rest_time)
 
     def build(self) -> Scene:
         """The ring under pressure, damped until it is at rest."""
@@ -92,8 +86,6 @@ class ThickCylinder(CatalogueScene):
         return Scene(
             grid=grid,
             material=material,
-            particles_per_side=2,
-            time_step_fraction=TIME_STEP_FRACTION,
             parts=(self._load(grid), Damping(damping), self._fixed(grid)),
         )
 
@@ -133,8 +125,7 @@ class ThickCylinder(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the ring come to rest, and compare stresses and displacement with the exact ones."""
         position = simulation.array("particle.position").copy()
-        step_count = round(self.rest_time / simulation.plan.time_step)
-        steps = even_steps(step_count)
+        steps = even_steps(round(self.end_time / simulation.plan.time_step))
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         grid = soil_scene(simulation).grid
         displacement = _wall_displacement(grid, position, simulation.array("particle.position"))

@@ -27,7 +27,7 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     TBar,
 )
 from mpm_warp.scenes.full_flow.round_body import RoundBody
-from mpm_warp.scenes.run_size import RunSize, of_several
+from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty import full_flow, further_runs
@@ -85,11 +85,9 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return self.window.time_to(self.penetration * self.body.radius)
 
     def run_size(self) -> RunSize:
-        """See `FullFlowPenetrometer`; that of several runs where the uncertainty is measured."""
-        if self.uncertainty == "none":
-            return super().run_size()
-        tests = (self._alone, *self.further_tests().values())
-        return of_several([it.run_size() for it in tests])
+        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
+        tests = [] if self.uncertainty == "none" else self.further_tests().values()
+        return of_several([size_in_grid(it.build(), it.end_time) for it in (self, *tests)])
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""

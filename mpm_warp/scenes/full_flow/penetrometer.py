@@ -18,18 +18,15 @@ from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
-from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 NO_PARTING = 1000.0
 """In-situ stress over su, above any that the soil can pull with: it closes behind the body."""
-TIME_STEP_FRACTION = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,11 +91,6 @@ class FullFlowPenetrometer(FieldClayScene):
         """How the grid travels with the body."""
 
     @property
-    @abstractmethod
-    def end_time(self) -> float:
-        """Time from the first step to the end [s]."""
-
-    @property
     def speed(self) -> float:
         """Of the body in the run [m/s]."""
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
@@ -134,7 +126,6 @@ class FullFlowPenetrometer(FieldClayScene):
             grid=grid,
             material=self.clay,
             particles_per_side=math.isqrt(self.particles_per_cell),
-            time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             parts=(
                 # Around a window that rests nothing moves.
@@ -150,14 +141,6 @@ class FullFlowPenetrometer(FieldClayScene):
                 EnergyAudit(),
             ),
         )
-
-    def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the end."""
-        return size_in_grid(self.build(), self.end_time)
-
-    def step_count_bound(self, plan: Plan) -> int:
-        """Steps to the end."""
-        return math.ceil(self.end_time / plan.time_step)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,6 @@ from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.plan import Plan
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
@@ -229,10 +228,10 @@ class Sounding(SoundingTest):
             size, step_count=of_way * size.step_count, curve_bytes=of_way * size.curve_bytes
         )
 
-    def step_count_bound(self, plan: Plan) -> int:
-        """Steps to the last depth of the stretch."""
-        window = self._test.build()[Window]
-        return math.ceil(window.time_to(self.travel) / plan.time_step)
+    @property
+    def end_time(self) -> float:
+        """Time to the last depth of the stretch [s]."""
+        return self._test.window.time_to(self.travel)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, cone tests are run before."""

@@ -152,7 +152,7 @@ def test_a_sphere_in_clay_that_softens_stays_round(material: str) -> None:
     cavity = CavitySphere(cells_per_radius=3, expansion=1.5, material=material, **SOFT)
     scene = cavity.build()
     simulation = Simulation(scene)
-    simulation.advance_to(cavity.duration(cavity.wall))
+    simulation.advance_to(cavity.end_time)
     lost = simulation.array("particle.state")[:, 0].reshape(2 * scene.grid.row_count, -1)
     turn = 0.5 * math.pi / scene.grid.row_count
     assert float(lost.max()) > 0.9
