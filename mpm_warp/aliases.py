@@ -81,12 +81,7 @@ RESULTS = ("nc", "nkt", "qc", "qt", "qnet", "fs", "cone_factor", "bearing_capaci
 
 
 def what_to_give(word: str, known: Container[str]) -> str:
-    """A phrase that says which parameter a word of the field stands for; "" where none does.
-
-    Args:
-        word: what was given, in capitals or small letters.
-        known: names of the parameters that the scene has.
-    """
+    """A phrase that says which of the `known` parameters a word of the field means; "" for none."""
     small = word.lower()
     if small in RESULTS:
         return "; it is a result, not a parameter"

@@ -147,13 +147,7 @@ def parameter(
 
 
 def redefined(group: type, name: str, **changes: Any) -> Any:
-    """Declare a parameter of a group again, with another default, meaning or range.
-
-    Args:
-        group: a dataclass whose fields are parameters.
-        name: of the parameter in the group.
-        changes: what differs of the arguments of :func:`parameter`.
-    """
+    """Declare a parameter of a group again; `changes` are arguments of :func:`parameter`."""
     field = {field.name: field for field in dataclasses.fields(group)}[name]
     return parameter(**{"default": field.default, **field.metadata, **changes})
 
@@ -190,14 +184,9 @@ def _type_hints(owner: type) -> Mapping[str, Any]:
 
 
 def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:
-    """Validate every field of a scene, in place, and fill in those that are derived from others.
+    """Validate every field of a scene, in place; to be called from ``__post_init__``.
 
-    To be called from ``__post_init__``.
-
-    Args:
-        scene: an instance of a dataclass whose fields are parameters.
-        derived: gives the values of parameters for which none was given, by name; it is called
-            when all others are valid.
+    Then `derived` is called: it gives the values of parameters for which none was given, by name.
 
     Raises:
         ParameterError: a value is not allowed.
@@ -213,11 +202,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
-    """Give parameters values that are worked out from others, where none was given.
-
-    Args:
-        scene: an instance of a dataclass whose fields are parameters.
-        derived: values, by name.
+    """Give parameters of a scene values that are derived from others, where none was given.
 
     Raises:
         ParameterError: a value is not allowed.
@@ -245,14 +230,7 @@ def check_names(scene: type, names: Iterable[str]) -> None:
 
 
 def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """A phrase that names the nearest valid name.
-
-    Args:
-        name: what was given.
-        known: the valid names.
-        likeness: how like the nearest one must be, from 0, not at all, to 1, the same; where none
-            is, the phrase is empty.
-    """
+    """A phrase that names the nearest valid name; "" where none is as like, 0 to 1, the same."""
     close = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
     return f"; did you mean {close[0]!r}?" if close else ""
 
@@ -278,10 +256,5 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
 
 
 def nearest_parameter(name: str, known: Mapping[str, Parameter]) -> str:
-    """A phrase that says what to give instead: what a word of the field means, or the nearest name.
-
-    Args:
-        name: what was given.
-        known: the parameters that there are, by name.
-    """
+    """A phrase that says what to give instead: what a word of the field means, or the nearest."""
     return what_to_give(name, known) or nearest_name(name, known)

@@ -115,11 +115,7 @@ def stored_name(parameter: str, results: Collection[object]) -> str:
     """What a parameter is called in a dataset, where a result may have its name.
 
     One of `SHARED_NAMES` is called ``<name>_parameter`` whatever a run has left behind, so that a
-    run which failed says the same by its names as one that did not.
-
-    Args:
-        parameter: its name.
-        results: names of the results, dimensions among them.
+    run which failed says the same by its names as one that did not. Dimensions are results too.
     """
     is_shared = parameter in SHARED_NAMES or parameter in results
     return f"{parameter}{PARAMETER_SUFFIX}" if is_shared else parameter
@@ -128,10 +124,8 @@ def stored_name(parameter: str, results: Collection[object]) -> str:
 def material_as_built(material: str, law: str) -> str:
     """What the parameter `material` is stored as: the law built, where that is another.
 
-    Args:
-        material: the parameter, a yield criterion.
-        law: `built_law`, as `built_name` says it; "" where nothing was built. In clay whose
-            strength changes it is the law of that change, and the criterion is the parameter's.
+    The law is "" where nothing was built. In clay whose strength changes it is the law of that
+    change, and the criterion is the parameter's.
     """
     return material if law in ("", material, CHANGING_STRENGTH) else law
 
@@ -141,10 +135,6 @@ def parameter_variables(scene: object, results: Collection[object]) -> dict[str,
 
     They are called as :func:`stored_name` says. A number that is not given is not a number, a text
     that is not given is empty.
-
-    Args:
-        scene: a dataclass whose fields are parameters.
-        results: names of the results, dimensions among them.
     """
     return {
         stored_name(name, results): variable(

@@ -34,12 +34,7 @@ class Sampler(Protocol):
 
 
 class Samples:
-    """Samples numbers of a run, a row each time, and makes curves of them.
-
-    Args:
-        take: gives the numbers of a sample, always as many.
-        curves: makes a dataset of the numbers, each an array over the samples.
-    """
+    """Samples numbers of a run, a row each time; `curves` makes a dataset of their columns."""
 
     def __init__(
         self, take: Callable[[], Sequence[float]], curves: Callable[..., xr.Dataset]
@@ -107,11 +102,9 @@ def evenly(end: float, count: int) -> list[float]:
 
 
 def even_steps(step_count: int, count: int = 20) -> list[int]:
-    """Steps at even distances up to the last one, at which a run of many steps reports progress.
+    """Steps at even distances, up to the last, at which a run of so many reports progress.
 
-    Args:
-        step_count: steps of the run, >= 1.
-        count: how many of them are wanted, >= 1; there are fewer where there are fewer steps.
+    They are so many, fewer where there are fewer steps.
     """
     steps = np.linspace(0, step_count, count + 1).round().astype(int)
     even: list[int] = np.unique(steps)[1:].tolist()
@@ -162,11 +155,7 @@ def cost(simulation: Simulation) -> dict[str, xr.Variable]:
 
 
 class ContactForces:
-    """The forces of the soil at the nodes of a scene's contact, mean values since the last ones.
-
-    Args:
-        simulation: of a scene with contact.
-    """
+    """The forces of the soil at the nodes of a scene's contact, mean values since the last ones."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -221,12 +210,7 @@ def excess_pore_pressure(simulation: Simulation) -> Floats:
 
 
 def mean_of_points(simulation: Simulation, values: Floats) -> Floats:
-    """Means over the points of each cell by mass, not a number in an empty cell, [cell_count].
-
-    Args:
-        simulation: of soil in a grid.
-        values: of all slots of points, shape [slot_count].
-    """
+    """Means of values of all slots by mass in each cell, not a number where none, [cell_count]."""
     grid = soil_scene(simulation).grid
     cell = simulation.array("particle.cell")
     present = cell[:, 0] >= 0

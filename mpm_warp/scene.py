@@ -101,21 +101,14 @@ class Part(Checked):
     def enter(self, run: Run, scene: "Scene", position: Floats, travel: float) -> None:
         """Give a layer of soil that is about to enter what it has by this part.
 
-        Args:
-            run: with the values of the layer in the arrays "layer.x", for each "particle.x".
-            scene: that is run.
-            position: of its points in the grid [m], shape [point_count, 2].
-            travel: how far the grid has travelled down through the soil [m].
+        The run has its values in the arrays "layer.x", for each "particle.x". Its points are at
+        positions [m] of shape [point_count, 2] in the grid, which has travelled so far [m].
         """
 
     def follow(self, run: Run, scene: "Scene", travel: float, *, by_a_row: bool) -> None:
-        """Give the arrays of the part their values from here on, after a layer has entered.
+        """Give the arrays of the part their values after a layer has entered, so far down [m].
 
-        Args:
-            run: whose arrays the part has added.
-            scene: that is run.
-            travel: how far the grid has travelled down through the soil [m].
-            by_a_row: whether the soil has come into the next row of cells since the start.
+        With it the soil may have come into the next row of cells: `by_a_row`.
         """
 
 
@@ -201,10 +194,9 @@ class Scene:
         )
 
     def stress_at_rest_at(self, place: Floats) -> Floats:
-        """Stress (rr, zz, rz, tt) of the ground before, at places in it [Pa], shape [..., 4].
+        """Stress (rr, zz, rz, tt) of the ground before [Pa], at places (r, z) in it [m], [..., 4].
 
-        Args:
-            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
+        Of places see `Variation`.
         """
         stress = np.tile(self.stress_at_rest, (*place.shape[:-1], 1))
         if self.material.variation is not None:

@@ -50,10 +50,7 @@ class Snapshots:
     def begin(self, axis: str, quantity: tuple[str, str], same: Variables) -> None:
         """Begin a run; what was taken of another is forgotten.
 
-        Args:
-            axis: what moments are called.
-            quantity: their unit and meaning.
-            same: what is the same at all moments.
+        Moments are called as the `axis`, with a unit and a meaning; `same` is so at all of them.
         """
         unit, meaning = quantity
         self._axis = axis, variable([], unit=unit, meaning=meaning, dims=(axis,))
@@ -125,9 +122,6 @@ def grid_places(simulation: Simulation) -> dict[str, xr.Variable]:
 
 def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
     """Material points and nodal velocities of a run as it is now.
-
-    Args:
-        simulation: of soil in a grid, a scene with a `History`.
 
     Raises:
         TypeError: what is run is not soil in a grid.

@@ -154,10 +154,8 @@ class Body(Checked):
     def critical_time_step(self, cell_size: float, thinning: float = 1.0) -> float:
         """Time in which a wave crosses a cell, shorter where there is damping [s].
 
-        Args:
-            cell_size: side of a cell [m].
-            thinning: volume over that at rest. A body that is drawn out keeps its moduli; its
-                density falls, and its waves become faster.
+        `thinning` is the volume over that at rest: a body that is drawn out keeps its moduli, its
+        density falls, and its waves become faster.
         """
         crossing = cell_size / (self.material.pressure_wave_speed * math.sqrt(thinning))
         damping_ratio = (self.retardation_time or 0.0) / crossing

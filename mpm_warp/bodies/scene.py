@@ -79,12 +79,7 @@ class BodyScene:
         return len(self.bodies), self.grid.node_count
 
     def critical_time_step(self, volume: Floats | None = None) -> float:
-        """The critical time step [s]: the least of all bodies.
-
-        Args:
-            volume: of all particles as the bodies are drawn out by now, shape [particle_count];
-                None: at rest.
-        """
+        """The least of all bodies [s], with the volumes of all particles by now; None: at rest."""
         least = math.inf
         for particles, body in zip(self.particles_of_bodies, self.bodies, strict=True):
             thinning = 1.0 if volume is None else float(np.max(volume[particles] / body.volume))

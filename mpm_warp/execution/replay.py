@@ -186,12 +186,10 @@ class DeviceRun:
 
     @in_turn
     def replay(self, steps: range, threads: int) -> None:
-        """Take steps.
+        """Take steps of these numbers, which decide which are audited.
 
-        Args:
-            steps: step numbers; they decide which steps are audited.
-            threads: threads of the processor, >= 1. Fewer are used where the plan has fewer shares,
-                and only one where several were slower, as on a busy machine.
+        Fewer than so many threads of a processor are used where the plan has fewer shares, and only
+        one where several were slower, as on a busy machine.
         """
         if self._device.is_cuda:
             self._replay_one_by_one(steps)

@@ -38,11 +38,8 @@ def in_turn(function: Callable[Arguments, Result]) -> Callable[Arguments, Result
 def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> list[Launch]:
     """What one of several threads does of a launch; every part has items.
 
-    Args:
-        launch: a launch of a plan.
-        thread: number of the thread; thread 0 does the launches that are not shared.
-        threads: number of threads, >= 1.
-        share_count: number of shares of a launch that adds up sums, a multiple of `threads`.
+    Thread 0 does the launches that are not shared. One that adds up sums has so many shares, a
+    multiple of the number of threads.
     """
     if not launch.is_shared:
         parts = [launch.share(0, 1)] if thread == 0 else []
@@ -86,21 +83,14 @@ def barrier(arrivals: wp.array[wp.int64], thread: int):
 
     What a thread wrote before the barrier, all threads see after it (release and acquire). It waits
     actively, because the others arrive within a microsecond; after a thousand looks it lets other
-    processes have the core, in case one of the threads has none.
-
-    Args:
-        arrivals: how many barriers each thread has reached, or `LEFT`, shape [threads].
-        thread: number of this thread.
+    processes have the core, in case one of the threads has none. `arrivals` holds how many barriers
+    each thread has reached, or `LEFT`.
     """
     _wait_for_all(arrivals, thread, LEFT)
 
 
 class WorkerThreads:
-    """The caller's thread and others, which are idle between two works and end with the process.
-
-    Args:
-        count: number of threads, the caller's included, >= 2.
-    """
+    """So many threads, the caller's among them; the others end with the process."""
 
     def __init__(self, count: int) -> None:
         self._lock = threading.Lock()

@@ -99,14 +99,9 @@ class PolarGrid(Grid):
         return walls
 
     def along_rays(self, stress: Floats) -> Floats:
-        """Stresses of the cells turned to the rays through their middles.
+        """Stresses (rr, zz, rz, tt) of cells [Pa], [cell_count, 4], turned to their middle rays.
 
-        Args:
-            stress: (rr, zz, rz, tt) of each cell [Pa], shape [cell_count, 4].
-
-        Returns:
-            Normal stresses along the ray, across it, and out of the plane [Pa],
-            shape [row_count, column_count, 3].
+        Normal ones along the ray, across it, and out of the plane, [row_count, column_count, 3].
         """
         middle = 0.5 * (self.rows[1:] + self.rows[:-1])[:, None]
         sine, cosine = np.sin(middle), np.cos(middle)

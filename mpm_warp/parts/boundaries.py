@@ -79,12 +79,7 @@ class Fixed(Part):
 
     @classmethod
     def where(cls, *, radial: Booleans, vertical: Booleans) -> Self:
-        """Nodes held where a mask says so, one mask a component.
-
-        Args:
-            radial: where the radial velocity is held, shape [row_count + 1, column_count + 1].
-            vertical: the same for the vertical velocity.
-        """
+        """Nodes held where masks of shape [row_count + 1, column_count + 1] say so."""
         free = np.where(np.stack([radial, vertical], axis=-1), 0.0, 1.0).reshape(-1, 2)
         nodes = np.flatnonzero(free.min(axis=-1) == 0.0)
         return cls(nodes=nodes, free=free[nodes])

@@ -50,11 +50,9 @@ UNIT_ROUNDING = 1e-6
 
 
 def nodal_areas(weight: Floats, length: Floats) -> Floats:
-    """Integrals of N w over a line of nodes, shape [node_count].
+    """Integrals of N w over a line of nodes, shape [node_count], by the lengths between them [m].
 
-    Args:
-        weight: w at the nodes, linear between them: r for areas per radian [m], 1 in plane strain.
-        length: of the edges between them [m], shape [node_count - 1].
+    The weight w is linear between nodes: r for areas per radian [m], 1 in plane strain.
     """
     to_lower = length * (weight[:-1] / 3.0 + weight[1:] / 6.0)
     to_upper = length * (weight[:-1] / 6.0 + weight[1:] / 3.0)
@@ -158,11 +156,7 @@ class SurfaceContact(Part):
         add_changing_adhesion(plan, scene, nodes=self.nodes, adhesion_forces=self.adhesion_forces)
 
     def share_in_touch(self, forces: Floats) -> float:
-        """Share of the area on which something has pressed.
-
-        Args:
-            forces: mean normal forces of the simulated stress over some time [N], [node_count].
-        """
+        """Share of the area on which something has pressed, by mean normal `forces` [N], [n]."""
         touching = forces > (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
         # All is added up as the area in touch is, so that all of it is exactly 1.
         area = float(self.normal_areas @ np.ones_like(touching))

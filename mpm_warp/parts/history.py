@@ -64,12 +64,7 @@ class History(Part):
 
 
 def displacement(run: Run, travel: float) -> Floats:
-    """Displacement of the point in each slot since it entered [m], shape [slot_count, 2].
-
-    Args:
-        run: whose points keep where they entered.
-        travel: how far the grid has travelled [m]; 0 where it rests.
-    """
+    """Displacement of each slot's point since it entered, the grid having travelled so far [m]."""
     moved: Floats = run.array("particle.position") - run.array(ORIGIN)
     moved[:, 1] -= travel
     return moved

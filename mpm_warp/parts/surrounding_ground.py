@@ -51,7 +51,7 @@ from mpm_warp.scene import Part, Scene
 class TravellingSource(Checked):
     """The motion and the stress that a body going down leaves in elastic ground far from it.
 
-    Positions are those in a grid that travels with the body.
+    Positions are (r, z) in a grid that travels with the body [m], shape [..., 2].
 
     Attributes:
         radius: of the shaft behind the body [m], > 0.
@@ -64,31 +64,20 @@ class TravellingSource(Checked):
     shear_modulus: float = checked(POSITIVE, unit="Pa")
 
     def velocity(self, position: Floats) -> Floats:
-        """Velocity of the ground over that of the body, dimensionless, shape [..., 2].
-
-        Args:
-            position: (r, z) in the grid [m], not that of the source itself, shape [..., 2].
-        """
+        """Velocity of the ground over that of the body at positions, dimensionless, [..., 2]."""
         x, distance = self._seen_from_source(position)
         return 0.25 * self.radius**2 * x / distance[..., None] ** 3
 
     def stress_since(self, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) that soil has got while the body went so far [Pa], [..., 4].
 
-        Args:
-            position: (r, z) in the grid where the soil is now [m], shape [..., 2]; off the axis
-                above the source.
-            travel: of the body [m], >= 0.
+        The soil is at these positions now: off the axis above the source.
         """
         at_first = position - np.array([0.0, travel])
         return self._stress(position) - self._stress(at_first)
 
     def traction_rate(self, position: Floats) -> Floats:
-        """Growth of (stress rr, stress rz) of soil per travel of the body [Pa/m], shape [..., 2].
-
-        Args:
-            position: (r, z) in the grid [m], shape [..., 2].
-        """
+        """Growth of (stress rr, stress rz) of soil per travel of the body [Pa/m], [..., 2]."""
         x, distance = self._seen_from_source(position)
         r, z = x[..., 0], x[..., 1]
         gradients = [distance**-3 - 3.0 * r**2 / distance**5, -3.0 * r * z / distance**5]
@@ -188,10 +177,7 @@ class SurroundingGround(Part):
     def stress(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) of elastic ground when the body has gone so far [Pa], [..., 4].
 
-        Args:
-            scene: the soil, and its stress before the body comes.
-            position: (r, z) in the grid [m], shape [..., 2].
-            travel: of the body [m], >= 0.
+        It is at positions (r, z) in the grid [m], shape [..., 2], with that before the body came.
         """
         own = self._stiffness_ratio(scene, position, travel)[..., None]
         before = scene.stress_at_rest_at(_place(position, travel))

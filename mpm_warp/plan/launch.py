@@ -94,11 +94,7 @@ class Launch:
         return replace(self, dim=dim, arguments=tuple(arguments))
 
     def call(self, arrays: Mapping[str, Any]) -> tuple[tuple[int, ...], list[Any]]:
-        """What the kernel is called with: over which threads, and its arguments.
-
-        Args:
-            arrays: those of the plan on a device, by name.
-        """
+        """What the kernel is called with, by the arrays on a device: threads, and arguments."""
 
         def on_device(item: Any) -> Any:
             if isinstance(item, ShareRow):

@@ -36,10 +36,6 @@ class TimeStepControl:
     def following(self, time_step: float, array: Callable[[str], NDArray[Any]]) -> float:
         """The time step to go on with [s]; it stays what it is while it is nearly right.
 
-        Args:
-            time_step: of the steps so far [s].
-            array: gives arrays of the run by name.
-
         Raises:
             Fault: the time step is beyond the critical one by now.
         """

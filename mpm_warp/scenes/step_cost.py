@@ -128,12 +128,7 @@ class StepCost(CatalogueScene):
         return dataclasses.replace(soil, material=material)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """Time the steps of a case, or of several together.
-
-        Args:
-            progress: receives the fraction done after each sample.
-            execution: the device alone is taken from it; the threads are those of the scene.
-        """
+        """Time the steps of a case, or of several together, on the device of the execution."""
         device = "cpu" if execution is None else execution.device
         if self.cases == 1:
             return self.record(self._stirred(Execution(device, self.threads)), progress)

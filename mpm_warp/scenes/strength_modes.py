@@ -29,11 +29,7 @@ STEP_COUNT = 2000
 def by_mode(test: FieldClayScene, **factors: xr.Variable) -> dict[str, xr.Variable]:
     """Factors over each su, and over the mean of the three, of a law that has its own strength.
 
-    The name of each factor then says which su it is over.
-
-    Args:
-        test: of a penetrometer.
-        factors: by name, over the su of the scene; N is also given as N_by_compression and so on.
+    Given over the su of the scene, N is also said as N_by_compression and so on.
     """
     if test.own_strength is None:
         return {}
@@ -66,10 +62,6 @@ def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str,
     """Nkt, N_du = (u2 - u0) / su and N_ke = (qt - u2) / su by mode, and Bq = N_du / Nkt.
 
     N_ke needs the effective stress of the ground, which a law of total stress does not have.
-
-    Args:
-        test: a cone test.
-        results: of it: `cone_factor` and `pore_pressure_factor_shoulder`, over the su of the scene.
     """
     net, excess = float(results.cone_factor), float(results.pore_pressure_factor_shoulder)
     factors = {"cone_factor": results.cone_factor.variable} | labelled(
@@ -98,11 +90,7 @@ def _effective_vertical_stress(test: FieldClayScene) -> float | None:
 
 
 def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:
-    """G over su in the element test of the law's su, of a law that has its own strength.
-
-    Args:
-        test: a cone test.
-    """
+    """G over su in the element test of the law's su, of a law that has its own strength."""
     if test.own_strength is None:
         return {}
     clay = test.own_clay

@@ -41,12 +41,8 @@ def seed_rows(grid: Grid, row_count: int, particles_per_side: int) -> Seed:
 
     At the centroids, the mass of each node comes out as the exact integral of its shape function
     where cells are upright; where they lean, along a cone, within 0.2 %.
-    Particles are ordered by height, then by radius: one layer of particles after the other.
-
-    Args:
-        grid: the grid; only where it holds soil are there particles.
-        row_count: number of rows, >= 1.
-        particles_per_side: along each side of a cell, >= 1.
+    Particles are ordered by height, then by radius: one layer of particles after the other. They
+    are only where the grid holds soil.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.
     rows = [_seed_row(grid, row, particles_per_side) for row in range(row_count)]

@@ -61,14 +61,9 @@ OTHER = "scene"
 
 
 def expected_scene(test: Any) -> Scene | None:
-    """What the catalogue builds of the parameters of a test.
+    """What the catalogue builds of the parameters of a test; None where it does not allow them.
 
-    Args:
-        test: a scene of the catalogue, or of a class that is derived from one of this package and
-            may build another scene.
-
-    Returns:
-        The scene; None where the catalogue's class does not allow the parameters.
+    The class of the test may be derived from one of this package, and build another scene.
     """
     own = __package__.partition(".")[0]
     catalogue: Any = next(it for it in type(test).__mro__ if it.__module__.partition(".")[0] == own)

@@ -148,12 +148,7 @@ class TestRun:
 def further_tests(
     test: TestT, changes: Mapping[str, Mapping[str, Any]], differences: Mapping[str, str]
 ) -> dict[str, TestT]:
-    """The tests to be run beside that of the case.
-
-    Args:
-        test: the case, its uncertainty not to be measured.
-        changes: the parameters that differ, by choice of the method.
-        differences: what is said of them, as "smaller cells", by the same.
+    """The tests that differ from a case, by choice of the method: parameters, and what is said.
 
     Raises:
         ParameterError: one of them is outside the allowed range.
@@ -175,14 +170,8 @@ def with_measured_error(
 ) -> xr.Dataset:
     """Run a test and its further tests, one after the other.
 
-    Args:
-        case: the test whose error is measured.
-        run: runs one test.
-        progress: receives the fraction done of all.
-
-    Returns:
-        The results of the test with its measured error, and what the further runs took, in
-        `run_time` and `particle_updates` too.
+    Its results have the measured error, and what the further runs took, in `run_time` and
+    `particle_updates` too.
     """
     further = case.further_tests()
     sizes = [it.run_size() for it in (case, *further.values())]
@@ -201,12 +190,7 @@ def with_measured_error(
 
 
 def one_after_the_other(sizes: Sequence[Any], progress: Progress) -> list[Progress]:
-    """What receives the progress of each of some runs, by the share of all that each takes.
-
-    Args:
-        sizes: of the runs, see `Test.run_size`.
-        progress: receives the fraction done of all.
-    """
+    """What receives the progress of each of some runs, by the share of all that each takes."""
     updates = [it.particle_updates for it in sizes]
     done = np.cumsum([0.0, *updates]) / sum(updates)
 

@@ -153,10 +153,8 @@ def stated_pressures(
 def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Variable]:
     """How far the sleeve friction over su may be below what was simulated.
 
-    Args:
-        recorded: `sleeve_friction_factor`.
-        remoulded: adhesion of the shaft in remoulded clay, over su; not a number where the strain
-            rate changes the strength, where there is friction, and in other laws.
+    It is bounded by the adhesion of the shaft in `remoulded` clay, over su; that is not a number
+    where the strain rate changes the strength, where there is friction, and in other laws.
     """
     name = "sleeve_friction_factor"
     return {

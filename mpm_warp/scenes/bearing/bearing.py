@@ -82,13 +82,7 @@ class Bearing(CatalogueScene):
 
     @abstractmethod
     def load(self, scene: Scene, nodal: Floats) -> float:
-        """Load over area and su.
-
-        Args:
-            scene: what is simulated.
-            nodal: normal and tangential forces from the soil at the nodes of its contact [N], shape
-                [node_count, 2].
-        """
+        """Load over area and su, of normal and tangential forces at the contact's nodes, [n, 2]."""
 
     @property
     def final_displacement(self) -> float:

@@ -45,12 +45,9 @@ class SlidingMotion:
         return self.driving_force > self.resistance
 
     def duration(self, travel: float) -> float:
-        """Time from the beginning of the drive until a sliding block has covered a distance [s].
+        """Time [s] from the beginning of the drive until a sliding block has gone so far [m].
 
         Where there is a `rise_time`, the distance covered while the force rises is left out.
-
-        Args:
-            travel: the distance [m].
         """
         excess = 1.0 - self.resistance / self.driving_force
         unit = travel * self.mass / self.driving_force
@@ -59,14 +56,9 @@ class SlidingMotion:
         return self.rise_time + math.sqrt(2.0 * unit / excess)
 
     def at(self, since: Floats) -> tuple[Floats, Floats, Floats]:
-        """Velocity [m/s], displacement [m] and base shear [N].
+        """Velocity [m/s], displacement [m] and base shear [N] at times since the drive began [s].
 
-        Args:
-            since: times since the driving force began [s]; where there is no `rise_time`, the last
-                one is the end of the rise.
-
-        Returns:
-            Three arrays of the shape of `since`.
+        Where there is no `rise_time`, the last time is the end of the rise.
         """
         rise = float(since[-1]) if self.rise_time is None else self.rise_time
         onset = min(self.resistance / self.driving_force, 1.0) * rise

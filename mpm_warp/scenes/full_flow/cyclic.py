@@ -331,14 +331,10 @@ class Degradation:
 
 
 def fitted_degradation(cycle: Floats, resistance: Floats) -> Degradation:
-    """The fit of least squares.
+    """The fit of least squares to N at numbers of cycles, which rise, more than `FITTED`.
 
     For each n_95 the best N_0 and delta solve a linear problem, so only n_95 is searched: from a
     tenth of a cycle to ten times the cycles that there are.
-
-    Args:
-        cycle: numbers of the cycles, rising, shape [passage_count], more than `FITTED`.
-        resistance: N there, positive, of that shape.
     """
 
     def solved(cycles: float) -> tuple[Floats, Floats]:
