@@ -37,15 +37,16 @@ class Samples:
     """Samples numbers of a run, a row each time; `curves` makes a dataset of their columns."""
 
     def __init__(
-        self, take: Callable[[], Sequence[float]], curves: Callable[..., xr.Dataset]
+        self, take: Callable[[], Sequence[float] | None], curves: Callable[..., xr.Dataset]
     ) -> None:
         self._take = take
         self._curves = curves
         self._rows: list[Sequence[float]] = []
 
     def sample(self) -> None:
-        """Take the numbers."""
-        self._rows.append(self._take())
+        """Take the numbers, if there are any."""
+        if (row := self._take()) is not None:
+            self._rows.append(row)
 
     def dataset(self) -> xr.Dataset:
         """The curves; no variables where there is no sample."""

@@ -2,7 +2,6 @@
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,8 +14,15 @@ from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.results import curves, variable
-from mpm_warp.sampling import PORE_PRESSURE_IS, evenly, excess_pore_pressure, follow, soil_scene
+from mpm_warp.results import Quantity, curves, labelled, variable
+from mpm_warp.sampling import (
+    PORE_PRESSURE_IS,
+    Samples,
+    evenly,
+    excess_pore_pressure,
+    follow,
+    soil_scene,
+)
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.exact import ExactCavity
@@ -152,13 +158,37 @@ class Cavity(ClayScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one, where that is known."""
-        grid, exact, wall_area = soil_scene(simulation).grid, self.exact, self.wall_area
-        curve = PressureCurve(
-            simulation, exact, lambda radius: wall_area(grid, radius) * self.strength
-        )
-        moments = evenly(self.end_time, SAMPLE_COUNT)
-        recorded = follow(simulation, moments, simulation.advance_to, [curve], progress)
-        recorded = recorded.assign(self.shape(grid, curve.on_rows)).merge(
+        grid, exact, strength = soil_scene(simulation).grid, self.exact, self.strength
+        times, radii, on_rows = [simulation.time], [RADIUS], list[Floats]()
+
+        def sample() -> tuple[float, float] | None:
+            """Expansion and pressure over su, means since the sample before; none in no time."""
+            if simulation.time == times[-1]:
+                return None  # one step may go past several samples
+            on_rows.append(simulation.array("wall.impulse") / (simulation.time - times[-1]))
+            simulation.assign("wall.impulse", 0.0)
+            times.append(simulation.time)
+            radii.append(float(simulation.array("wall.motion")[0, 2]))
+            middle = 0.5 * (radii[-2] + radii[-1])
+            unit_force = self.wall_area(grid, middle) * strength
+            return middle / RADIUS, on_rows[-1].sum() / unit_force
+
+        def curve(expansion: Floats, pressure: Floats) -> xr.Dataset:
+            found: dict[str, Quantity] = {
+                "cavity_pressure": (pressure, "1", "excess pressure over su")
+            }
+            if exact is not None:
+                found["cavity_pressure_exact"] = (
+                    exact.pressure(expansion),
+                    "1",
+                    "excess pressure over su, exact",
+                )
+            axis = (expansion, "1", "radius of the cavity over that at the start")
+            return curves("expansion", axis, **found)
+
+        moments, samples = evenly(self.end_time, SAMPLE_COUNT), Samples(sample, curve)
+        recorded = follow(simulation, moments, simulation.advance_to, [samples], progress)
+        recorded = recorded.assign(self.shape(grid, on_rows[-1])).merge(
             pore_pressure_profile(simulation, exact)
         )
         if exact is None:
@@ -183,60 +213,6 @@ class Cavity(ClayScene):
         return {}
 
 
-class PressureCurve:
-    """Samples the pressure in a cavity: means over the time since the sample before.
-
-    Args:
-        simulation: a run of a cavity.
-        exact: its exact pressures, or none.
-        unit_force: force on the wall per radian [N] of a pressure su, when it has a radius [m].
-
-    Attributes:
-        on_rows: normal forces on the wall by row of nodes in the last sample [N].
-    """
-
-    def __init__(
-        self,
-        simulation: Simulation,
-        exact: ExactCavity | None,
-        unit_force: Callable[[float], float],
-    ) -> None:
-        self._simulation = simulation
-        self._exact = exact
-        self._unit_force = unit_force
-        self._radius = RADIUS
-        self._sampled_at = simulation.time
-        self._expansion: list[float] = []
-        self._pressure: list[float] = []
-        self.on_rows = np.zeros(soil_scene(simulation).grid.row_count + 1)
-
-    def sample(self) -> None:
-        """Record the radius and the mean pressure since the sample before."""
-        simulation = self._simulation
-        if simulation.time == self._sampled_at:
-            return  # one step may go past several samples
-        radius = float(simulation.array("wall.motion")[0, 2])
-        self.on_rows = simulation.array("wall.impulse") / (simulation.time - self._sampled_at)
-        simulation.assign("wall.impulse", 0.0)
-        middle = 0.5 * (self._radius + radius)
-        self._expansion.append(middle / RADIUS)
-        self._pressure.append(self.on_rows.sum() / self._unit_force(middle))
-        self._radius, self._sampled_at = radius, simulation.time
-
-    def dataset(self) -> xr.Dataset:
-        """Pressure over su against radius over that at the start, computed and exact."""
-        expansion = np.array(self._expansion)
-        pressures = {"cavity_pressure": (np.array(self._pressure), "1", "excess pressure over su")}
-        if self._exact is not None:
-            exact = self._exact.pressure(expansion)
-            pressures["cavity_pressure_exact"] = (exact, "1", "excess pressure over su, exact")
-        return curves(
-            "expansion",
-            (expansion, "1", "radius of the cavity over that at the start"),
-            **pressures,
-        )
-
-
 def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> xr.Dataset:
     """Excess pore pressure at the end over the distance from the middle, beside the exact one."""
     grid = soil_scene(simulation).grid
@@ -247,21 +223,13 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> 
     volumes = simulation.array("cell.volume").reshape(by_rows.shape)
     pressure = np.average(by_rows, axis=0, weights=volumes)
     axis = (distance, "1", "distance from the middle over the radius of the cavity")
-    computed = (
-        pressure,
-        "Pa",
-        "excess pore pressure",
-        f"mean over each column of cells at the end; {PORE_PRESSURE_IS}",
-    )
+    where = f"mean over each column of cells at the end; {PORE_PRESSURE_IS}"
+    computed = (pressure, "Pa", "excess pore pressure", where)
+    profile = curves("distance", axis, excess_pore_pressure=computed)
     if exact is None:
-        return curves("distance", axis, excess_pore_pressure=computed)
+        return profile
     expected = exact.pore_pressure(distance, expansion=radius / exact.radius)
-    profile = curves(
-        "distance",
-        axis,
-        excess_pore_pressure=computed,
-        excess_pore_pressure_exact=(expected, "Pa", "excess pore pressure, exact"),
-    )
+    of_profile = (expected, "Pa", "excess pore pressure, exact")
     error = variable(
         np.abs(pressure - expected).max() / expected.max(),
         meaning="error of the excess pore pressure",
@@ -269,4 +237,5 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> 
         "innermost cell",
         role="error",
     )
-    return profile.assign(pore_pressure_error=error)
+    exactly = labelled(dims=("distance",), excess_pore_pressure_exact=of_profile)
+    return profile.assign(exactly).assign(pore_pressure_error=error)

@@ -153,7 +153,16 @@ class Impact(CatalogueScene):
 
         def at_end(time: Floats, front: Floats) -> xr.Dataset:
             stress, velocity = along_bar("stress"), along_bar("velocity")
-            recorded = shock_curves(shock, simulation.time, heights, stress, velocity)
+            passed = heights < shock.front_speed * simulation.time
+            exact_velocity = np.where(passed, 0.0, -shock.speed)
+            recorded = curves(
+                "place",
+                (heights, "m", "place in the unstrained bar"),
+                stress=(stress, "Pa", "stress at the end"),
+                stress_exact=(np.where(passed, shock.stress, 0.0), "Pa", "stress, exact"),
+                velocity=(velocity, "m s-1", "velocity at the end"),
+                velocity_exact=(exact_velocity, "m s-1", "velocity, exact"),
+            )
             # Between what the first touch has left at the wall and the width of the shock.
             behind = (heights > 0.25 * front[-1]) & (heights < 0.75 * front[-1])
             if time.size < 2:  # the run has ended before
@@ -164,21 +173,6 @@ class Impact(CatalogueScene):
         moments = [share * TRAVEL * heights[-1] / shock.front_speed for share in (0.5, 1.0)]
         samples = Samples(front, at_end)
         return follow(simulation, moments, simulation.advance_to, [samples], progress)
-
-
-def shock_curves(
-    shock: Shock, time: float, heights: Floats, stress: Floats, velocity: Floats
-) -> xr.Dataset:
-    """Stress and velocity along the bar at a time [s], and exact."""
-    passed = heights < shock.front_speed * time
-    return curves(
-        "place",
-        (heights, "m", "place in the unstrained bar"),
-        stress=(stress, "Pa", "stress at the end"),
-        stress_exact=(np.where(passed, shock.stress, 0.0), "Pa", "stress, exact"),
-        velocity=(velocity, "m s-1", "velocity at the end"),
-        velocity_exact=(np.where(passed, 0.0, -shock.speed), "m s-1", "velocity, exact"),
-    )
 
 
 def shock_errors(

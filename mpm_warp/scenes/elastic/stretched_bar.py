@@ -153,16 +153,15 @@ class StretchedBar(CatalogueScene):
         )
         error = np.abs(recorded.stretch / recorded.stretch_exact - 1.0).max()
         meaning = "greatest error of the stretch of the middle half"
-        stress_meaning = (
-            "greatest error of the stress of the middle half at its stretch, at the end"
-        )
+        of_stress = "greatest error of the stress of the middle half at its stretch, at the end"
         return recorded.assign(
             labelled(role="headline", error=(float(error), "1", meaning))
-            | labelled(role="error", stress_error=(np.abs(at_end - 1.0).max(), "1", stress_meaning))
+            | labelled(role="error", stress_error=(np.abs(at_end - 1.0).max(), "1", of_stress))
         )
 
     def _curves(self, time: Floats, stretch: Floats, least: Floats, greatest: Floats) -> xr.Dataset:
         """Stretch and stress of the middle half, and the closed form."""
+        exact = YOUNGS_MODULUS * np.log(stretch)
         return curves(
             "progress",
             (np.arange(1, len(time) + 1) / SAMPLE_COUNT, "1", "time over duration"),
@@ -170,11 +169,7 @@ class StretchedBar(CatalogueScene):
             stretch_exact=(self.stretch_at(time), "1", "stretch, closed form"),
             stress_least=(least, "Pa", "least stress of the middle half"),
             stress_greatest=(greatest, "Pa", "greatest stress of the middle half"),
-            stress_greatest_exact=(
-                YOUNGS_MODULUS * np.log(stretch),
-                "Pa",
-                "elastic stress at the stretch, closed form",
-            ),
+            stress_greatest_exact=(exact, "Pa", "elastic stress at the stretch, closed form"),
         )
 
     @property

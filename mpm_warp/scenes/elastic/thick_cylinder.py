@@ -22,8 +22,8 @@ from mpm_warp.simulation import Simulation
 INNER_RADIUS = 1.0
 SHEAR_MODULUS = 1e6
 DENSITY = 1700.0
-STRAIN = 1e-5
-"""Displacement of the wall over its radius, of an infinite body."""
+PRESSURE = 2 * SHEAR_MODULUS * 1e-5
+"""On the inner wall [Pa]; that of an infinite body would move by 1e-5 of its radius."""
 REST_TIME = 60.0
 """Time to come to rest, in inner radii over the shear wave speed."""
 
@@ -60,11 +60,6 @@ class ThickCylinder(CatalogueScene):
     cell_count: int = parameter(40, "cells across the wall", minimum=2, maximum=1000)
     radius_ratio: float = parameter(3.0, "outer over inner radius", minimum=1.1, maximum=100)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
-
-    @property
-    def pressure(self) -> float:
-        """Pressure on the inner wall [Pa]."""
-        return 2 * SHEAR_MODULUS * STRAIN
 
     @property
     def material(self) -> LinearElastic:
@@ -109,13 +104,11 @@ class ThickCylinder(CatalogueScene):
 
     def _load(self, grid: Grid) -> NodalLoad:
         """The pressure on the nodes of the inner wall: integrals of N n over it."""
-        rows = np.arange(grid.row_count + 1)
+        vectors = np.outer(np.full(2, 0.5 * INNER_RADIUS * np.ptp(grid.rows)), [1.0, 0.0])
         if isinstance(grid, PolarGrid):
             vectors = grid.wall_vectors
-        else:
-            vectors = np.outer(np.full(2, 0.5 * INNER_RADIUS * np.ptp(grid.rows)), [1.0, 0.0])
-        forces = self.pressure * vectors
-        return NodalLoad(nodes=grid.node(np.zeros_like(rows), rows), forces=forces)
+        nodes = grid.node(0, np.arange(grid.row_count + 1))
+        return NodalLoad(nodes=nodes, forces=PRESSURE * vectors)
 
     def _fixed(self, grid: Grid) -> Fixed:
         if grid.polar:  # two planes of symmetry
@@ -131,11 +124,9 @@ class ThickCylinder(CatalogueScene):
         displacement = _wall_displacement(grid, position, simulation.array("particle.position"))
         radius = np.linspace(INNER_RADIUS, grid.outer_radius, self.cell_count + 1)
         middles = 0.5 * (radius[1:] + radius[:-1])
-        stresses = simulation.array("cell.stress")
+        stress = simulation.array("cell.stress")[None, :, [0, 3, 1]]
         if isinstance(grid, PolarGrid):
-            stress = grid.along_rays(stresses)
-        else:
-            stress = stresses[None, :, [0, 3, 1]]
+            stress = grid.along_rays(simulation.array("cell.stress"))
         exact_stress, exact_displacement = self.exact(middles)
         weights = middles[:, None]
         difference = np.mean(np.sum(weights * (stress - exact_stress) ** 2, axis=(1, 2)))
@@ -145,22 +136,19 @@ class ThickCylinder(CatalogueScene):
             "the greater of the L2 norm of the error of radial, hoop and axial stress, over that "
             "of the exact ones, and the relative error of the displacement"
         )
-        meaning = "error of stresses and wall displacement"
+        shown = (error, "1", "error of stresses and wall displacement", description)
+        wall = "displacement of the inner wall"
         radii = labelled(dims=("radius",), radius=(middles, "m", "radius of the cell's middle"))
         results = xr.Dataset(
-            labelled(role="headline", error=(error, "1", meaning, description))
+            labelled(role="headline", error=shown)
             | labelled(
                 dims=("radius", "component"),
                 stress=(stress.mean(axis=0), "Pa", "stress, mean over the angle"),
                 stress_exact=(exact_stress, "Pa", "stress, exact"),
             )
             | labelled(
-                wall_displacement=(displacement, "m", "displacement of the inner wall"),
-                wall_displacement_exact=(
-                    exact_displacement,
-                    "m",
-                    "displacement of the inner wall, exact",
-                ),
+                wall_displacement=(displacement, "m", wall),
+                wall_displacement_exact=(exact_displacement, "m", f"{wall}, exact"),
             ),
             coords=radii | {"component": ["r", "t", "z"]},
         )
@@ -169,10 +157,10 @@ class ThickCylinder(CatalogueScene):
     def exact(self, radius: Floats) -> tuple[Floats, float]:
         """Stresses (r, t, z) at radii [Pa], tension positive, and the wall's displacement [m]."""
         a, b, nu = INNER_RADIUS, self.radius_ratio * INNER_RADIUS, self.poissons_ratio
-        q = self.pressure * a**2 / (b**2 - a**2)
+        q = PRESSURE * a**2 / (b**2 - a**2)
         ratio = (b / radius) ** 2
         stress = q * np.stack([1 - ratio, 1 + ratio, np.full_like(ratio, 2 * nu)], axis=-1)
-        wall = self.pressure * a / (2 * SHEAR_MODULUS) * ((1 - 2 * nu) * a**2 + b**2)
+        wall = PRESSURE * a / (2 * SHEAR_MODULUS) * ((1 - 2 * nu) * a**2 + b**2)
         return stress, wall / (b**2 - a**2)
 
 
