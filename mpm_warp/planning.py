@@ -50,7 +50,19 @@ def make_soil_plan(
 ) -> Plan:
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
     grid, window = scene.grid, scene.find(MovingGrid)
-    plan = _empty_plan(scene, share_count, time_step)
+    wave_speed = scene.material.pressure_wave_speed
+    # Soil carries its waves along.
+    flow_speed = 0.0 if window is None else window.first_speed
+    critical_time_step = float(grid.cell_lengths.min()) / (wave_speed + flow_speed)
+    if time_step is None:
+        time_step = scene.time_step_fraction * critical_time_step
+    plan = Plan(
+        share_count=share_count,
+        time_step=time_step,
+        longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
+        speed_limit=wave_speed,
+        particle_bounds=grid.particle_bounds,
+    )
     interpolated = scene.find(ConservativeInterpolation) is not None
     spare_fraction = 0.0 if window is None else window.spare_fraction_in(grid)
     add_points(plan, scene, spare_fraction=spare_fraction)
@@ -93,21 +105,3 @@ def has_mass_matrix_correction(scene: Scene) -> bool:
     surface = scene.find(FreeSurface)
     has_full_cells = surface is None or isinstance(surface, PassingSurface)
     return scene.particles_per_side > 1 and has_full_cells
-
-
-def _empty_plan(scene: Scene, share_count: int, time_step: float | None) -> Plan:
-    """The plan without arrays and launches: its time step and limits."""
-    wave_speed = scene.material.pressure_wave_speed
-    window = scene.find(MovingGrid)
-    # Soil carries its waves along.
-    flow_speed = 0.0 if window is None else window.first_speed
-    critical_time_step = float(scene.grid.cell_lengths.min()) / (wave_speed + flow_speed)
-    if time_step is None:
-        time_step = scene.time_step_fraction * critical_time_step
-    return Plan(
-        share_count=share_count,
-        time_step=time_step,
-        longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
-        speed_limit=wave_speed,
-        particle_bounds=scene.grid.particle_bounds,
-    )

@@ -189,7 +189,11 @@ class Simulation:
             ValueError: `travel` is not finite, or the scene has no window, or a cyclic one.
         """
         check_number("travel", travel, unit="m", error=ValueError)
-        inflow = self._window_inflow
+        inflow = next((actor for actor in self._between_steps if isinstance(actor, Inflow)), None)
+        if inflow is None:
+            travels = self.plan.find("window.motion") is not None
+            why = "has a window that turns: advance to a time" if travels else NOTHING_TRAVELS
+            raise ValueError(f"the scene {why}")
         while inflow.travel < travel:
             self.advance(inflow.steps_to(travel))
 
@@ -213,15 +217,6 @@ class Simulation:
         if control is not None and time_step != self.plan.time_step:
             self._changed_step, self._changed_time = self.step_count, self.time
             self._run.change_time_step(make_plan(self.scene, self._share_count, time_step))
-
-    @property
-    def _window_inflow(self) -> Inflow:
-        inflow = next((actor for actor in self._between_steps if isinstance(actor, Inflow)), None)
-        if inflow is None:
-            travels = self.plan.find("window.motion") is not None
-            why = "has a window that turns: advance to a time" if travels else NOTHING_TRAVELS
-            raise ValueError(f"the scene {why}")
-        return inflow
 
     def _steps_until(self, time: float) -> int:
         since_change = round((time - self._changed_time) / self.plan.time_step)

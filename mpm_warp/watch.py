@@ -5,8 +5,7 @@ has asked.
 """
 
 import functools
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,23 +100,14 @@ class ParticleWatch:
         return f"particle {particle} at {_text(self._run.array('particle.position')[particle])} m"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Before:
-    """What is recorded before the last step that a look is at.
+class _Before(NamedTuple):
+    """What is recorded before the last step that a look is at."""
 
-    Attributes:
-        particle: slots of a sample of the particles, shape [sample_count].
-        cell: the cells that these are in.
-        trace: sum of their normal stresses [Pa].
-        state: what they remember, shape [sample_count, state_count]; None where nothing.
-        speed: of the rigid body down through the soil [m/s].
-    """
-
-    particle: Integers
-    cell: Integers
-    trace: Floats
-    state: Floats | None
-    speed: float
+    particle: Integers  # slots of a sample of the particles
+    cell: Integers  # that each is in
+    trace: Floats  # sum of its normal stresses [Pa]
+    state: Floats | None  # what it remembers, shape [sample_count, state_count]
+    speed: float  # of the rigid body down through the soil [m/s]
 
 
 class SoilWatch(ParticleWatch):
@@ -154,7 +144,9 @@ class SoilWatch(ParticleWatch):
         if not (self._scene.find(FreeSurface) or self._parts):
             self._look_at_blocks(self._soil_in_blocks(mass))
         if self._before is not None:
-            self._look_at_contact(self._before.speed)
+            if (contact := self._scene.find(SurfaceContact)) is not None and not self._parts:
+                velocity = self._run.array("node.velocities")[contact.nodes, :2]
+                check_contact(contact, velocity, speed=self._before.speed)
             self._look_at_mean_stress(self._before)
             self._before = None
 
@@ -200,12 +192,6 @@ class SoilWatch(ParticleWatch):
                 "the start"
             )
 
-    def _look_at_contact(self, speed: float) -> None:
-        contact = self._scene.find(SurfaceContact)
-        if contact is not None and not self._parts:
-            velocity = self._run.array("node.velocities")[contact.nodes, :2]
-            check_contact(contact, velocity, speed=speed)
-
     def _look_at_mean_stress(self, before: _Before) -> None:
         """The mean stress has changed by what the law tells of the volume: it does not drift."""
         material, particle = self._scene.material, before.particle
@@ -213,9 +199,12 @@ class SoilWatch(ParticleWatch):
         motion = self._run.array("cell.motion").take(before.cell, axis=0)
         strain = motion[:, :4].astype(np.float64)
         after = self._state_of(particle)
+        own = np.tile(material.properties, (len(particle), 1))
+        if self._run.plan.find(PROPERTIES):
+            own = self._of("properties", particle)
         told = material.mean_stress_change(
             strain[:, 0] + strain[:, 1] + strain[:, 3],
-            self._properties_of(particle),
+            own,
             None if before.state is None or after is None else (before.state, after),
         )
         if told is None:
@@ -249,11 +238,6 @@ class SoilWatch(ParticleWatch):
 
     def _state_of(self, particle: Integers) -> Floats | None:
         return self._of("state", particle) if self._run.plan.find("particle.state") else None
-
-    def _properties_of(self, particle: Integers) -> Floats:
-        if self._run.plan.find(PROPERTIES):
-            return self._of("properties", particle)
-        return np.tile(self._scene.material.properties, (len(particle), 1))
 
     def _cell_of(self, particle: Integers) -> Integers:
         column, row = self._of("cell", particle).T

@@ -208,15 +208,13 @@ class DeviceRun:
     def _replay_one_by_one(self, steps: range) -> None:
         """Launch the graph of a step for each step, as on a GPU."""
         for step in steps:
-            wp.capture_launch(self._graph(step % AUDIT_INTERVAL == 0), self._stream)
-
-    def _graph(self, audited: bool) -> Any:
-        if audited not in self._graphs:
-            with wp.ScopedCapture(device=self._device) as capture:
-                for launch in (audited and self.plan.audited_step) or self.plan.step:
-                    self.launch(launch)
-            self._graphs[audited] = capture.graph
-        return self._graphs[audited]
+            audited = step % AUDIT_INTERVAL == 0
+            if audited not in self._graphs:
+                with wp.ScopedCapture(device=self._device) as capture:
+                    for launch in (audited and self.plan.audited_step) or self.plan.step:
+                        self.launch(launch)
+                self._graphs[audited] = capture.graph
+            wp.capture_launch(self._graphs[audited], self._stream)
 
     def _command(self, launch: Launch) -> Any:
         """Warp's recorded command of a launch, or of a share of one."""

@@ -9,8 +9,10 @@ from mpm_warp.arguments import Range, check_array
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 
-GAUSS_COUNT = 6
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 """Gauss points along each side of a cell: integrals of its sines and cosines to rounding."""
+ETA = 0.5 + 0.5 * POINTS
+"""Their natural coordinates."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,13 +70,11 @@ class PolarGrid(Grid):
         With g the linear function of a ray: (g sin^2, g' sin cos, g sin cos, g' sin^2, g) for the
         row's two rays, shape [row_count, 2, 5], and sin, shape [row_count].
         """
-        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
-        eta = 0.5 + 0.5 * points
         turn = np.diff(self.rows)[:, None]
-        angle = self.rows[:-1, None] + eta * turn
-        sine, cosine, weight = np.sin(angle), np.cos(angle), 0.5 * weights * turn
+        angle = self.rows[:-1, None] + ETA * turn
+        sine, cosine, weight = np.sin(angle), np.cos(angle), 0.5 * WEIGHTS * turn
         rays = []
-        for g, slope in ((1.0 - eta, -1.0 / turn), (eta, 1.0 / turn)):
+        for g, slope in ((1.0 - ETA, -1.0 / turn), (ETA, 1.0 / turn)):
             parts = (g * sine**2, slope * sine * cosine, g * sine * cosine, slope * sine**2)
             whole = np.broadcast_to(g, sine.shape)
             rays.append(np.stack([(p * weight).sum(axis=1) for p in (*parts, whole)], axis=-1))
@@ -86,16 +86,14 @@ class PolarGrid(Grid):
 
         In m2 per radian, or in m in plane strain; shape [row_count + 1, 2].
         """
-        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
-        eta = 0.5 + 0.5 * points
-        angle = self.rows[:-1, None] + eta * np.diff(self.rows)[:, None]
+        angle = self.rows[:-1, None] + ETA * np.diff(self.rows)[:, None]
         normals = np.stack([np.sin(angle), np.cos(angle)], axis=-1)
         radius = self.surface_radius[:-1, None]
-        length = radius * 0.5 * weights * np.diff(self.rows)[:, None]
+        length = radius * 0.5 * WEIGHTS * np.diff(self.rows)[:, None]
         vectors = normals * (self.weight(radius * np.sin(angle)) * length)[..., None]
         walls = np.zeros((len(self.rows), 2))
-        walls[:-1] += np.sum((1.0 - eta)[:, None] * vectors, axis=1)
-        walls[1:] += np.sum(eta[:, None] * vectors, axis=1)
+        walls[:-1] += np.sum((1.0 - ETA)[:, None] * vectors, axis=1)
+        walls[1:] += np.sum(ETA[:, None] * vectors, axis=1)
         return walls
 
     def along_rays(self, stress: Floats) -> Floats:
@@ -129,9 +127,8 @@ class PolarGrid(Grid):
         return np.concatenate(gradients), np.concatenate(volumes)
 
     def _integrals_of_row(self, number: int) -> tuple[Floats, Floats]:
-        points, weights = np.polynomial.legendre.leggauss(GAUSS_COUNT)
-        xi, eta = (g.ravel() for g in np.meshgrid(*2 * [0.5 + 0.5 * points]))
-        weight = 0.25 * np.outer(weights, weights).ravel()
+        xi, eta = (g.ravel() for g in np.meshgrid(ETA, ETA))
+        weight = 0.25 * np.outer(WEIGHTS, WEIGHTS).ravel()
         shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, points]
         column = np.arange(self.column_count)[:, None]
         row = np.full_like(column, number)

@@ -59,9 +59,10 @@ class EnergyAudit(Part):
         plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
         after, before = (
             plan.launch(
-                _make_kinetic_energy(first),
+                kinetic_energy,
                 grid.row_count + 1,
                 column_count=grid.column_count,
+                first=first,
                 sign=sign,
             )
             for first, sign in ((0, -1.0), (2, 1.0))
@@ -113,33 +114,26 @@ class EnergyBalance(Part):
         plan.audit(of_points, before="grid_to_particles")
 
 
-@functools.cache
-def _make_kinetic_energy(first: int) -> Any:
-    """The kernel, launched over rows of nodes, each of which keeps its own sum.
+@kernel
+def kinetic_energy(
+    column_count: int,
+    first: int,
+    sign: real,
+    node_mass: wp.array(dtype=real),
+    node_velocities: wp.array(dtype=vec4),
+    transfer_energy: wp.array(dtype=real),
+):
+    """Launched over rows of nodes, each of which keeps its own sum.
 
     The velocity begins at component `first`: at 0 after a step, at 2 before it.
     """
-
-    @kernel
-    def kinetic_energy(
-        column_count: int,
-        sign: real,
-        node_mass: wp.array(dtype=real),
-        node_velocities: wp.array(dtype=vec4),
-        transfer_energy: wp.array(dtype=real),
-    ):
-        j = wp.tid()
-        total = real(0.0)
-        for i in range(column_count + 1):
-            node = j * (column_count + 1) + i
-            v = node_velocities[node]
-            total += node_mass[node] * (
-                v[wp.static(first)] * v[wp.static(first)]
-                + v[wp.static(first + 1)] * v[wp.static(first + 1)]
-            )
-        transfer_energy[j] = transfer_energy[j] + half * sign * total
-
-    return kinetic_energy
+    j = wp.tid()
+    total = real(0.0)
+    for i in range(column_count + 1):
+        node = j * (column_count + 1) + i
+        v = node_velocities[node]
+        total += node_mass[node] * (v[first] * v[first] + v[first + 1] * v[first + 1])
+    transfer_energy[j] = transfer_energy[j] + half * sign * total
 
 
 @kernel

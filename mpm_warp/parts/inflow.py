@@ -52,7 +52,14 @@ def add_inflow(plan: Plan, scene: Scene, *, window_speed: float) -> None:
     gets "layer.x", its values in a layer that enters, and the launch "enter.x" to be ordered
     between steps, which writes them into the slots "layer.slots".
     """
-    _add_velocity_bound(plan, scene, window_speed)
+    plan.between_steps[VELOCITY_BOUND] = plan.launch(
+        bound_velocity,
+        len(plan.initial("particle.cell")),
+        stride=scene.grid.column_count + 1,
+        fitted_radius=scene.grid.fitted_radius,
+        W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed),
+        speed_limit=plan.speed_limit,
+    )
     plan.remedy += f", or {REMEDY}"
     cell = plan.initial("particle.cell")
     slots = np.flatnonzero(cell[:, 1] == 0)
@@ -206,18 +213,6 @@ def _make_enter_by_law(law: Law) -> Any:
         particle_stress[p] = sigma
 
     return enter_by_law
-
-
-def _add_velocity_bound(plan: Plan, scene: Scene, window_speed: float) -> None:
-    """Add the launch, over slots; `window_speed` is the greatest of the grid [m/s]."""
-    plan.between_steps[VELOCITY_BOUND] = plan.launch(
-        bound_velocity,
-        len(plan.initial("particle.cell")),
-        stride=scene.grid.column_count + 1,
-        fitted_radius=scene.grid.fitted_radius,
-        W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed),
-        speed_limit=plan.speed_limit,
-    )
 
 
 natural = make_location(polar=False).natural

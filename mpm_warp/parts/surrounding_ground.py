@@ -41,7 +41,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material
-from mpm_warp.parts.boundaries import FarField, raise_springs
+from mpm_warp.parts.boundaries import FarField, Fixed, raise_springs
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
@@ -159,16 +159,6 @@ class SurroundingGround(Part):
         modulus = self.material.ground_shear_modulus
         return self._far.spring * self.grid.outer_radius / (2.0 * modulus)
 
-    @cached_property
-    def _ends(self) -> tuple[Integers, Floats]:
-        """Nodes of bottom and top, and 1 where their velocity is free, else 0, [end_count, 2]."""
-        free = np.ones((self.grid.row_count + 1, self.grid.column_count + 1, 2))
-        free[0] = 0.0
-        free[-1, :, 1] = 0.0
-        of_nodes = free.reshape(-1, 2)
-        nodes = np.flatnonzero(of_nodes.min(axis=-1) == 0.0)
-        return nodes, of_nodes[nodes]
-
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
         if not np.array_equal(scene.grid.node_positions, self.grid.node_positions):
@@ -223,12 +213,12 @@ class SurroundingGround(Part):
         partly = plan.find("cell.full_mass") is not None
         plan.add_launch(_make_moving_side(partly), len(self.side))
         # After the side: a spring in a corner must not move what the bottom holds.
-        ends, free = self._ends
-        flow = self.source.velocity(scene.grid.node_positions[ends])
-        plan.add_array("end.nodes", "int", ends, nodes)
-        plan.add_array("end.free", "vec2", free)
-        plan.add_array("end.flow", "vec2", (1.0 - free) * flow)
-        plan.add_launch(moving_ends, len(ends))
+        ends = Fixed.on(self.grid, radial=["bottom"], vertical=["bottom", "top"])
+        flow = self.source.velocity(scene.grid.node_positions[ends.nodes])
+        plan.add_array("end.nodes", "int", ends.nodes, nodes)
+        plan.add_array("end.free", "vec2", ends.free)
+        plan.add_array("end.flow", "vec2", (1.0 - ends.free) * flow)
+        plan.add_launch(moving_ends, len(ends.nodes))
 
     def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
