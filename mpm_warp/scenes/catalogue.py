@@ -67,6 +67,28 @@ class Verification:
     extreme: bool = False
 
 
+def compared(
+    resolution: str,
+    resolutions: tuple[int, ...],
+    *settings: Mapping[str, Value],
+    least_order: float | None = None,
+    extreme: bool = False,
+    **bounds: float,
+) -> tuple[Verification, ...]:
+    """A `Verification` with each of the settings, or one with all by default; bounds by name."""
+    return tuple(
+        Verification(
+            resolution=resolution,
+            resolutions=resolutions,
+            bounds=bounds,
+            least_order=least_order,
+            settings=of_one,
+            extreme=extreme,
+        )
+        for of_one in settings or ({},)
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class CatalogueScene(ABC):
     """A scene that can be named, parametrised and run; its fields are its parameters.

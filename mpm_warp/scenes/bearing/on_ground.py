@@ -15,7 +15,7 @@ from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
-from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.catalogue import compared
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
@@ -95,15 +95,13 @@ class Footing(OnGround):
 
     planar: ClassVar[bool]
     """Whether strain is plane; otherwise the footing is circular."""
-    verifications = tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(8, 16, 32),
-            bounds={"error": 0.02},
-            least_order=0.9,
-            settings={"adhesion_factor": adhesion_factor},
-        )
-        for adhesion_factor in (0.0, 1.0)
+    verifications = compared(
+        "cells_per_radius",
+        (8, 16, 32),
+        {"adhesion_factor": 0.0},
+        {"adhesion_factor": 1.0},
+        error=0.02,
+        least_order=0.9,
     )
 
     adhesion_factor: float = parameter(0.0, "adhesion factor of the footing", choices=(0.0, 1.0))
@@ -201,15 +199,12 @@ class ConeBearing(OnGround):
 
     summary = "limit load of a cone with its shoulder at the surface"
     version = 3
-    verifications = tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(4, 8, 16),
-            bounds={"error": 0.02},
-            least_order=1.0,
-            settings={"adhesion_factor": adhesion_factor},
-        )
-        for adhesion_factor in EXACT
+    verifications = compared(
+        "cells_per_radius",
+        (4, 8, 16),
+        *({"adhesion_factor": adhesion_factor} for adhesion_factor in EXACT),
+        error=0.02,
+        least_order=1.0,
     )
 
     adhesion_factor: float = redefined(

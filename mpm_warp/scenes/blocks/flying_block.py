@@ -14,7 +14,7 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
 from mpm_warp.sampling import Samples, evenly, follow
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
@@ -38,13 +38,8 @@ class FlyingBlock(CatalogueScene):
 
     summary = "elastic block in free flight, turning; momentum, spin and shape stay"
     version = 2
-    verifications = (
-        Verification(
-            resolution="step_count",
-            resolutions=(1_000_000,),
-            bounds={"error": 1e-3, "momentum_error": 1e-9, "spin_error": 1e-3},
-            extreme=True,
-        ),
+    verifications = compared(
+        "step_count", (1_000_000,), error=1e-3, momentum_error=1e-9, spin_error=1e-3, extreme=True
     )
 
     cells_per_side: int = parameter(4, "cells along a side of the block", minimum=2, maximum=100)

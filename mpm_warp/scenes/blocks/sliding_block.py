@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -14,26 +15,18 @@ from mpm_warp.parameters import Value
 from mpm_warp.sampling import evenly, follow
 from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, BlockOnBase
 from mpm_warp.scenes.blocks.curves import SlidingCurves
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.simulation import Simulation
 
 BASE_CELLS = 3
 """Thickness of the base in cells."""
+VIOLENT: dict[str, Value] = {"height_ratio": 0.5, "drive": 2e4, "travel": 0.01}
+LONG: dict[str, Value] = {"height_ratio": 0.5, "friction": 0.8, "rest_time": 860.0}
+"""Of checks on a coarse grid."""
 
 
-def _compared(bound: float, **settings: Value) -> Verification:
-    return Verification(
-        resolution="cells_per_length",
-        resolutions=(10, 20),
-        bounds={"error": bound},
-        settings=settings,
-    )
-
-
-def _extreme(bound: float, **settings: Value) -> Verification:
-    """On a coarse grid, in a long run or a violent one."""
-    compared = _compared(bound, height_ratio=0.5, **settings)
-    return replace(compared, resolutions=(6,), extreme=True)
+_compared = partial(compared, "cells_per_length", (10, 20))
+_extreme = partial(compared, "cells_per_length", (6,), extreme=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,11 +45,11 @@ class SlidingBlock(BlockOnBase):
         "damping_ratio",
     )
     verifications = (
-        _compared(0.01),
-        _compared(0.03, grid_angle=20.0, grid_offset=0.3, stiffness_ratio=1.0),
-        _compared(1e-4, friction=0.8),
-        *(_extreme(0.01, stiffness_ratio=ratio, drive=2e4, travel=0.01) for ratio in (1e-6, 1e6)),
-        *(_extreme(1e-4, friction=0.8, grid_angle=angle, rest_time=860.0) for angle in (0.0, 20.0)),
+        *_compared(error=0.01),
+        *_compared({"grid_angle": 20.0, "grid_offset": 0.3, "stiffness_ratio": 1.0}, error=0.03),
+        *_compared({"friction": 0.8}, error=1e-4),
+        *_extreme(*({**VIOLENT, "stiffness_ratio": ratio} for ratio in (1e-6, 1e6)), error=0.01),
+        *_extreme(*({**LONG, "grid_angle": angle} for angle in (0.0, 20.0)), error=1e-4),
     )
 
     def build(self) -> BodyScene:

@@ -2,8 +2,8 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -17,43 +17,30 @@ from mpm_warp.parameters import Value, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.results import variable
 from mpm_warp.scene import Part
-from mpm_warp.scenes.catalogue import Verification
+from mpm_warp.scenes.catalogue import Verification, compared
 from mpm_warp.scenes.cavity.cavity import RADIUS, Cavity
 from mpm_warp.scenes.cone.parameters import ConeInGround
 
-LARGEST_PORE_PRESSURE_ERROR = 0.02
-"""Of the profile of excess pore pressure, over that at the wall."""
 SOILS: tuple[dict[str, Value], ...] = (
     {"rigidity_index": 50.0, "material": "tresca"},
     {"rigidity_index": 500.0, "material": "tresca"},
     {"rigidity_index": 50.0, "material": "von_mises"},
 )
 """Soft and stiff soil, and soil of von Mises."""
-SOON: dict[str, Value] = {"remoulded_strength_ratio": 0.2, "ductility": 1.0}
-LATE: dict[str, Value] = {"remoulded_strength_ratio": 0.2, "ductility": 10.0}
-HURRIED: dict[str, Value] = {"rate_factor": 0.1, "reference_strain_rate": 0.01}
-"""Clay that softens, sooner and later, and clay with a rate effect."""
+CHANGING: tuple[dict[str, Value], ...] = (
+    {"rate_factor": 0.1, "reference_strain_rate": 0.01},
+    {"remoulded_strength_ratio": 0.2, "ductility": 10.0},
+    {"remoulded_strength_ratio": 0.2, "ductility": 1.0},
+)
+"""Clay with a rate effect, and clay that softens, later and sooner."""
 LARGEST_ERROR_OF_CHANGING_CLAY = 0.01
 """Of the pressure over the whole curve, over the exact one at the end."""
 
 
-def verifications(
-    largest_error: float, resolutions: tuple[int, ...], *changing: Mapping[str, Value]
-) -> tuple[Verification, ...]:
-    """Perfectly plastic soils, and clays whose strength is `changing`, at two resolutions."""
-    bounds = (
-        *((soil, largest_error) for soil in SOILS),
-        *((clay, LARGEST_ERROR_OF_CHANGING_CLAY) for clay in changing),
-    )
-    return tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=resolutions,
-            bounds={"error": bound, "pore_pressure_error": LARGEST_PORE_PRESSURE_ERROR},
-            settings=settings,
-        )
-        for settings, bound in bounds
-    )
+def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
+    """Perfectly plastic soils, and clays whose strength changes, at two resolutions."""
+    at = partial(compared, "cells_per_radius", resolutions, pore_pressure_error=0.02)
+    return at(*SOILS, error=largest_error) + at(*CHANGING, error=LARGEST_ERROR_OF_CHANGING_CLAY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +54,7 @@ class CavityCylinder(Cavity):
 
     summary = "pressure of an expanding cylindrical cavity in undrained clay"
     version = 6
-    verifications = verifications(0.015, (4, 8), HURRIED, LATE, SOON)
+    verifications = verifications(0.015, (4, 8))
     exponent = 2
     factor = 1.0
     von_mises_strength = 1.0
@@ -141,7 +128,7 @@ class CavitySphere(Cavity):
 
     summary = "pressure of an expanding spherical cavity in clay under equal stress"
     version = 6
-    verifications = verifications(0.02, (4, 6), HURRIED, LATE, SOON)
+    verifications = verifications(0.02, (4, 6))
     exponent = 3
     factor = 4.0 / 3.0
     von_mises_strength = math.sqrt(0.75)

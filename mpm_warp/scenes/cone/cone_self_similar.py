@@ -15,7 +15,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, evenly, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
@@ -42,9 +42,7 @@ class ConeSelfSimilar(CatalogueScene):
 
     summary = "load of a cone against its depth, from first touch"
     version = 3
-    verifications = (
-        Verification(resolution="cells_per_radius", resolutions=(12, 16), bounds={"error": 0.05}),
-    )
+    verifications = compared("cells_per_radius", (12, 16), error=0.05)
 
     rigidity_index: float = redefined(ConeTest, "rigidity_index", minimum=10, maximum=1000)
     adhesion_factor: float = redefined(

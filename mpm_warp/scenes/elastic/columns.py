@@ -15,7 +15,7 @@ from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.simulation import Simulation
 
@@ -90,9 +90,7 @@ class GravityColumn(CatalogueScene):
 
     summary = "column under its own weight, stress and settlement"
     version = 3
-    verifications = (
-        Verification(resolution="cell_count", resolutions=(10, 20, 40), bounds={"error": 0.005}),
-    )
+    verifications = compared("cell_count", (10, 20, 40), error=0.005)
 
     cell_count: int = parameter(40, "cells along the height", minimum=2, maximum=1000)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)

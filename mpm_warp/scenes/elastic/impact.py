@@ -20,7 +20,7 @@ from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.elastic.columns import Column, confined
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
@@ -86,11 +86,7 @@ class Impact(CatalogueScene):
     """A bar along the second axis that moves down on a wall and comes to rest behind a shock."""
 
     method = ("cell_count",)
-    verifications = (
-        Verification(
-            resolution="cell_count", resolutions=(40, 80), bounds={"error": 0.02}, extreme=True
-        ),
-    )
+    verifications = compared("cell_count", (40, 80), error=0.02, extreme=True)
     modulus: ClassVar[float]
     """Modulus of uniaxial strain [Pa]."""
     density: ClassVar[float]

@@ -14,7 +14,7 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
@@ -50,14 +50,8 @@ class StretchedBar(CatalogueScene):
     summary = "viscoelastic bar drawn out many times its length; closed form"
     version = 3
     method = ("cell_count",)
-    verifications = (
-        Verification(
-            resolution="cell_count",
-            resolutions=(4,),
-            bounds={"error": 0.01, "stress_error": 0.01},
-            settings={"stretch": 20.0},
-            extreme=True,
-        ),
+    verifications = compared(
+        "cell_count", (4,), {"stretch": 20.0}, error=0.01, stress_error=0.01, extreme=True
     )
 
     stretch: float = parameter(4.0, "length at the end over that at rest", above=1, maximum=50)

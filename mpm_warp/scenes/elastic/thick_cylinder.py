@@ -15,7 +15,7 @@ from mpm_warp.parts.forces import Damping, NodalLoad
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, Verification
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.simulation import Simulation
 
@@ -41,15 +41,8 @@ class ThickCylinder(CatalogueScene):
 
     summary = "elastic thick-walled cylinder, stresses and wall displacement"
     version = 3
-    verifications = tuple(
-        Verification(
-            resolution="cell_count",
-            resolutions=(10, 20, 40),
-            bounds={"error": 0.01},
-            least_order=1.0,
-            settings=settings,
-        )
-        for settings in ({}, {"section": "plane_strain"})
+    verifications = compared(
+        "cell_count", (10, 20, 40), {}, {"section": "plane_strain"}, error=0.01, least_order=1.0
     )
 
     section: str = parameter(

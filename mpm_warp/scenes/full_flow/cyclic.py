@@ -28,7 +28,7 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
@@ -67,18 +67,11 @@ class CyclicPenetration(FullFlowPenetrometer):
     perfectly plastic clay resists each of them alike.
     """
 
-    verifications = (
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(2, 3),
-            bounds={"error": 0.01},
-            settings={
-                "adhesion_factor": 0.5,
-                "cycle_count": 2,
-                "stroke": 6.0,
-                "speed_ratio": 0.03,
-            },
-        ),
+    verifications = compared(
+        "cells_per_radius",
+        (2, 3),
+        {"adhesion_factor": 0.5, "cycle_count": 2, "stroke": 6.0, "speed_ratio": 0.03},
+        error=0.01,
     )
 
     # Remoulded clay is weak: half the speed has a quarter of the inertia.

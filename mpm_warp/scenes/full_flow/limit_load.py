@@ -17,7 +17,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.full_flow.round_body import upward_force
@@ -109,14 +109,11 @@ class FullFlowCylinder(FullFlow):
     summary = "force on a cylinder that soil flows around (T-bar), plane strain"
     version = 3
     planar = True
-    verifications = tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(4, 8),
-            bounds={"error": 0.01},
-            settings={"adhesion_factor": adhesion_factor},
-        )
-        for adhesion_factor in (0.0, 0.25, 0.5, 0.75, 1.0)
+    verifications = compared(
+        "cells_per_radius",
+        (4, 8),
+        *({"adhesion_factor": it} for it in (0.0, 0.25, 0.5, 0.75, 1.0)),
+        error=0.01,
     )
 
     @property
@@ -136,17 +133,13 @@ class FullFlowSphere(FullFlow):
     summary = "force on a sphere that soil flows around (ball penetrometer)"
     version = 1
     planar = False
-    verifications = tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(4, 8),
-            bounds={"error": 0.01},  # those of Tresca are given to a tenth
-            settings={"adhesion_factor": adhesion_factor, "material": material},
-        )
-        for material, adhesion_factor in (
-            ("von_mises", 1.0),
-            *(("tresca", it) for it in BOUNDS_OF_TRESCA),
-        )
+    verifications = compared(
+        "cells_per_radius",
+        (4, 8),
+        {"adhesion_factor": 1.0, "material": "von_mises"},
+        {"adhesion_factor": 0.0, "material": "tresca"},
+        {"adhesion_factor": 1.0, "material": "tresca"},
+        error=0.01,  # the bounds of Tresca are given to a tenth
     )
 
     material: str = redefined(ClayScene, "material", choices=tuple(CRITERIA))

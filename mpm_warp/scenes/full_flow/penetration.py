@@ -16,7 +16,7 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSourc
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import follow, soil_scene
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.cone.penetration import penetration_axis
 from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
@@ -263,14 +263,8 @@ class TBarPenetration(TBar, FullFlowPenetration):
 
     summary = "T-bar pushed through undrained clay to steady flow, plane strain"
     version = 3
-    verifications = tuple(
-        Verification(
-            resolution="cells_per_radius",
-            resolutions=(3, 4),
-            bounds={"error": 0.02},
-            settings={"adhesion_factor": adhesion_factor},
-        )
-        for adhesion_factor in (0.0, 0.5, 1.0)
+    verifications = compared(
+        "cells_per_radius", (3, 4), *({"adhesion_factor": it} for it in (0.0, 0.5, 1.0)), error=0.02
     )
 
     def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:

@@ -22,7 +22,7 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import Samples, follow
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene, FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.material.strain_paths import StrainPaths
@@ -47,15 +47,12 @@ class ElementTest(ClayScene):
 
     summary = "undrained element test: strength and stiffness of a law, by mode"
     method = ("step_count",)
-    verifications = tuple(
-        Verification(
-            resolution="step_count",
-            resolutions=(1000, 10_000),
-            bounds={"error": 1e-6},
-            settings={"material": material, "test": test},
-        )
-        for material in ("von_mises", "modified_cam_clay")
-        for test in TESTS
+    verifications = compared(
+        "step_count",
+        (1000, 10_000),
+        *({"material": "von_mises", "test": test} for test in TESTS),
+        *({"material": "modified_cam_clay", "test": test} for test in TESTS),
+        error=1e-6,
     )
 
     test: str = parameter(

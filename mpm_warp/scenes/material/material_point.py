@@ -12,7 +12,7 @@ from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
-from mpm_warp.scenes.catalogue import Progress, Verification
+from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene, FieldClayScene
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, StrainPath, known_paths
 from mpm_warp.scenes.material.strain_paths import StrainPaths
@@ -44,15 +44,14 @@ class MaterialPoint(ClayScene):
 
     summary = "one material point on strain paths, against exact stresses"
     version = 3
-    verifications = tuple(
-        Verification(
-            resolution="step_count",
-            resolutions=(1000, 10_000),
-            bounds={"error": 1e-6, "yield_excess": 1e-9},
-            least_order=1.9,
-            settings=settings,
-        )
-        for settings in ({}, *({"material": material, **CHANGING} for material in CRITERIA))
+    verifications = compared(
+        "step_count",
+        (1000, 10_000),
+        {},
+        *({"material": material, **CHANGING} for material in CRITERIA),
+        error=1e-6,
+        yield_excess=1e-9,
+        least_order=1.9,
     )
 
     undrained_shear_strength: float = redefined(
