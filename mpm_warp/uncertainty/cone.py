@@ -99,15 +99,10 @@ class ConeRun(TestRun):
         return float(self.recorded.cone_factor_simulated)
 
     @property
-    def has_settled(self) -> bool:
-        """Whether the cone has passed all soil beside the shaft."""
-        return bool(self.laws.way >= self.laws.above + ALL_PASSED)
-
-    @property
     def why_not_settled(self) -> list[str]:
         """Why the error of the run is not known whatever its laws; nothing where it has settled."""
         reason = "settling: soil that the cone has not passed is still beside it"
-        return [] if self.has_settled else [reason]
+        return those_that_hold({reason: self.laws.way < self.laws.above + ALL_PASSED})
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
         """What is still to come, what more points change, and the noise of all runs."""
@@ -142,7 +137,7 @@ class ConeRun(TestRun):
         """The cone factor, its normal part, and whether it has settled."""
         stated = super().stated(correction, parts, reasons)
         settled = (
-            float(self.has_settled),
+            float(not self.why_not_settled),
             "1",
             "whether the cone factor has settled",
             "1 where the cone has passed all soil beside the shaft, else 0",

@@ -75,16 +75,6 @@ class FullFlowRun(TestRun):
         """The resistance factor as simulated."""
         return float(self.recorded.resistance_factor)
 
-    @property
-    def change(self) -> float:
-        """Of the resistance factor over its last two radii."""
-        return float(self.recorded.resistance_factor_change) * self.factor
-
-    @property
-    def leaves_hole(self) -> bool:
-        """Whether there is a hole behind the body."""
-        return float(self.recorded.empty_cells) > 0.0
-
     def measures(self, case: Self) -> dict[str, float]:
         """h^2, V^1.4, their product, and 1 / E."""
         mesh = 1.0 / self.cells_per_radius**2
@@ -98,7 +88,8 @@ class FullFlowRun(TestRun):
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
         """What is still to come in all runs, what more points change, and what the poles add."""
-        to_come = STILL_TO_COME * np.array([it.change for it in runs])
+        changes = [float(it.recorded.resistance_factor_change) * it.factor for it in runs]
+        to_come = STILL_TO_COME * np.array(changes)
         finest = math.ceil(FINER * self.cells_per_radius)
         return {
             "steadiness": float(np.linalg.norm(weights * to_come)),
@@ -108,9 +99,8 @@ class FullFlowRun(TestRun):
 
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
         """Where one leaves a hole behind the body."""
-        if any(it.leaves_hole for it in runs.values()):
-            return ["hole: soil leaves one behind the body"]
-        return []
+        leaves_hole = any(float(it.recorded.empty_cells) > 0.0 for it in runs.values())
+        return ["hole: soil leaves one behind the body"] if leaves_hole else []
 
 
 def check_measurable(cells_per_radius: int) -> None:

@@ -85,6 +85,11 @@ class ConePenetration(ConeTest):
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
         strength, grid, material = self.undrained_shear_strength, self._grid, self.clay
+        source = TravellingSource(
+            radius=self.cone_radius,
+            height=SOURCE_HEIGHT * self.penetrometer.cone_height,
+            shear_modulus=material.ground_shear_modulus,
+        )
         return Scene(
             grid=grid,
             material=material,
@@ -94,7 +99,7 @@ class ConePenetration(ConeTest):
             stress_at_rest=self.stress_at_rest,
             parts=(
                 Fixed.on(grid, radial=["axis"]),
-                SurroundingGround(grid=grid, material=material, source=self._source),
+                SurroundingGround(grid=grid, material=material, source=source),
                 PenetrometerContact.of(
                     self.penetrometer,
                     grid,
@@ -119,14 +124,6 @@ class ConePenetration(ConeTest):
             columns=growing(size, span, 1.0 + self.cell_growth * size / radius),
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,
-        )
-
-    @property
-    def _source(self) -> TravellingSource:
-        return TravellingSource(
-            radius=self.cone_radius,
-            height=SOURCE_HEIGHT * self.penetrometer.cone_height,
-            shear_modulus=self.clay.ground_shear_modulus,
         )
 
     def run_size(self) -> RunSize:
@@ -276,11 +273,7 @@ class ConePenetration(ConeTest):
         views = []
         if snapshots is not None:
             parameters = parameter_variables(self, [AXIS])
-            views.append(
-                PenetrationSnapshots(
-                    simulation, snapshots=snapshots, curves=curves, parameters=parameters
-                )
-            )
+            views = [PenetrationSnapshots(simulation, snapshots, curves, parameters)]
         spacing = SAMPLE_SPACING * self.cone_radius
         sample_count = round(self.penetration / SAMPLE_SPACING)
         recorded = follow(

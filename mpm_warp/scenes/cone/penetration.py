@@ -95,7 +95,7 @@ class PenetrationCurves:
 
     def dataset(self) -> xr.Dataset:
         """Resistance, its shear part, friction of shaft and sleeve, and contact."""
-        base_area = 0.5 * self.radius**2
+        base_area, net = 0.5 * self.radius**2, "net cone resistance"
         normal, shear, shaft, share = (
             np.array([getattr(it, name) for it in self.forces])
             for name in ("face_normal", "face_shear", "shaft_shear", "contact_share")
@@ -108,14 +108,10 @@ class PenetrationCurves:
             penetration_resistance=(
                 without_slowing((normal + shear) / base_area, self._slowing),
                 "Pa",
-                "net cone resistance",
+                net,
                 "not a number where the penetrometer slows down at the end of its approach",
             ),
-            penetration_resistance_shear=(
-                shear / base_area,
-                "Pa",
-                "net cone resistance, shear part",
-            ),
+            penetration_resistance_shear=(shear / base_area, "Pa", f"{net}, shear part"),
             shaft_friction=(
                 shaft / self._contact.shaft_area,
                 "Pa",

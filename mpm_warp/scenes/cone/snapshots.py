@@ -30,7 +30,6 @@ class PenetrationSnapshots:
     def __init__(
         self,
         simulation: Simulation,
-        *,
         snapshots: Snapshots,
         curves: PenetrationCurves,
         parameters: Variables,

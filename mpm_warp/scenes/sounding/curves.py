@@ -60,6 +60,8 @@ def sounding_curves(
         sounding, depth, given.excess_pore_pressure_shoulder.values, by_laws
     )
     net = simulated + error.correction * around
+    at_depth = "when the tip is at the depth"
+    half_width = "half width, 95 %, of a sample; not a number where the error is not known"
     own = curves(
         "depth",
         (depth, "m", "depth of the tip"),
@@ -73,26 +75,26 @@ def sounding_curves(
             error.half_width,
             "Pa",
             "uncertainty of the net cone resistance",
-            "half width, 95 %, of a sample; not a number where the error is not known",
+            half_width,
         ),
         total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
         sleeve_friction=(
             given.sleeve_friction.values,
             "Pa",
             "sleeve friction",
-            "mean shear stress on the sleeve of 150 cm2 when the tip is at the depth",
+            f"mean shear stress on the sleeve of 150 cm2 {at_depth}",
         ),
         excess_pore_pressure=(
             pressure,
             "Pa",
             "excess pore pressure u2",
-            "behind the shoulder when the tip is at the depth",
+            f"behind the shoulder {at_depth}",
         ),
         excess_pore_pressure_uncertainty=(
             pressure_half_width,
             "Pa",
             "uncertainty of the excess pore pressure u2",
-            "half width, 95 %, of a sample; not a number where the error is not known",
+            half_width,
         ),
         cone_factor_at_tip=(net / strength, "1", "net resistance over strength at the tip"),
         cone_factor_around_tip=(
@@ -192,23 +194,16 @@ def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
     last = recorded.isel(depth=slice(-count, None))
     half_width = last.net_resistance_uncertainty / last.strength
     greatest = float(half_width.max(skipna=False))  # one that is not known is the greatest
-    described = f"mean over the last {count * SAMPLE_SPACING:g} radii"
-    return labelled(
-        role="headline",
-        last_cone_factor=(
-            float(last.cone_factor_at_tip.mean()),
-            "1",
-            "cone factor over strength at the tip, at the end",
-            described,
-        ),
-    ) | labelled(
-        role="uncertainty",
-        last_cone_factor_uncertainty=(
-            greatest,
-            "1",
-            "uncertainty of the cone factor at the end",
-            "half width, 95 %: the greatest of its samples",
-        ),
+    factor = (
+        float(last.cone_factor_at_tip.mean()),
+        "1",
+        "cone factor over strength at the tip, at the end",
+        f"mean over the last {count * SAMPLE_SPACING:g} radii",
+    )
+    described = "half width, 95 %: the greatest of its samples"
+    uncertainty = (greatest, "1", "uncertainty of the cone factor at the end", described)
+    return labelled(role="headline", last_cone_factor=factor) | labelled(
+        role="uncertainty", last_cone_factor_uncertainty=uncertainty
     )
 
 
@@ -217,17 +212,11 @@ def layer_values(
 ) -> dict[str, xr.Variable]:
     """Scalars of a sounding through a layer of the scene's parameters; none where there is none.
 
-    There are none of a sounding from the surface either.
-
-    Args:
-        sounding: what was run.
-        recorded: its curves over depth.
-        is_known: whether laws of the error hold for its clay.
+    There are none of a sounding from the surface either, which has no resistance of undisturbed
+    ground to compare it with. `is_known` says whether laws of the error hold for its clay.
     """
     top, ratio = sounding.layer_top, sounding.layer_strength_ratio
-    if top is None or sounding.profile is not None or ratio == 1.0:
-        return {}
-    if sounding.starts_at_surface:  # no resistance of undisturbed ground to compare it with
+    if top is None or sounding.profile is not None or ratio == 1.0 or sounding.starts_at_surface:
         return {}
     depth = recorded.depth.values
     without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
@@ -238,22 +227,20 @@ def layer_values(
         return _ways_felt(distance, share)
     in_layer = (distance > 0.0) & (distance < sounding.layer_thickness / sounding.cone_radius + 5.0)
     reached = float(np.nanmax(share[in_layer], initial=-math.inf))
-    return labelled(
-        role="headline",
-        layer_share=(
-            reached,
-            "1",
-            "share of the layer's resistance that is reached",
-            "greatest change, mean over a radius, over that in a layer without end",
-        ),
-    ) | labelled(
-        role="uncertainty",
-        layer_share_uncertainty=(
-            _half_width(sounding, reached, factor) if is_known else math.nan,
-            "1",
-            "uncertainty of the share of the layer's resistance",
-            "half width, 95 %",
-        ),
+    share_reached = (
+        reached,
+        "1",
+        "share of the layer's resistance that is reached",
+        "greatest change, mean over a radius, over that in a layer without end",
+    )
+    uncertainty = (
+        _half_width(sounding, reached, factor) if is_known else math.nan,
+        "1",
+        "uncertainty of the share of the layer's resistance",
+        "half width, 95 %",
+    )
+    return labelled(role="headline", layer_share=share_reached) | labelled(
+        role="uncertainty", layer_share_uncertainty=uncertainty
     )
 
 

@@ -3,9 +3,11 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
+from mpm_warp.arguments import in_words
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter, parameters_of, redefined
@@ -13,7 +15,7 @@ from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.law_by_depth import with_strength
-from mpm_warp.scenes.sounding.profile import Profile, columns_of, refused
+from mpm_warp.scenes.sounding.profile import PROFILE, Profile, columns_of, refused
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
@@ -160,7 +162,11 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         depth = np.array([0.0, *np.repeat(inside, 2), LAST_DEPTH])
         weight = {"unit_weight": np.full_like(depth, self.unit_weight)}
         if self.own_strength is not None:
-            self._check_uniform()
+            for name, absent in (("strength_gradient", 0.0), ("layer_top", None)):
+                if getattr(self, name) != absent:
+                    has_own = f"material = {self.material!r} has its own strength"
+                    where = "give its parameters by depth in a profile"
+                    raise ParameterError(name, f"{name}: {has_own}; {where}")
             return Profile.of(with_strength(self, {"depth": depth} | weight))
         strength = self.undrained_shear_strength + self.strength_gradient * depth
         if inside:
@@ -168,17 +174,6 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         modulus = self.rigidity_index * strength
         columns = {"depth": depth, "strength": strength, "shear_modulus": modulus}
         return Profile.of(columns | weight)
-
-    def _check_uniform(self) -> None:
-        """Check that no parameter changes the strength of a law that has its own, by depth."""
-        given = {"strength_gradient": self.strength_gradient > 0.0}
-        for name, is_given in (given | {"layer_top": self.layer_top is not None}).items():
-            if is_given:
-                raise ParameterError(
-                    name,
-                    f"{name}: material = {self.material!r} has its own strength; give its "
-                    "parameters by depth in a profile",
-                )
 
     @property
     def ground_passed(self) -> Profile:
@@ -291,51 +286,37 @@ def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
 
 def check_sounding(test: SoundingTest) -> None:
     """Raise `ParameterError` for the first depth, stretch, layer or property that does not fit."""
+
+    def refuse(name: str, why: str) -> NoReturn:
+        given = f"{name} = {in_words(getattr(test, name))}"
+        raise ParameterError(name, f"{given} is not allowed: {why}")
+
     if test.profile is not None:
         _check_limits(test, columns_of(test.profile))
+    spacing = f"{SAMPLE_SPACING:g} radii"
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
-        raise ParameterError(
-            "to_depth",
-            f"to_depth = {test.to_depth:g} is not allowed: must be > from_depth = "
-            f"{test.from_depth:g} by {SAMPLE_SPACING:g} radii",
-        )
+        refuse("to_depth", f"must be > from_depth = {test.from_depth:g} by {spacing}")
     if test.stretch_number > test.stretch_count:
-        raise ParameterError(
-            "stretch_number",
-            f"stretch_number = {test.stretch_number} is not allowed: must be <= "
-            f"stretch_count = {test.stretch_count}",
-        )
+        refuse("stretch_number", f"must be <= stretch_count = {test.stretch_count}")
     if test.stretch_count > test.sample_count:
-        raise ParameterError(
-            "stretch_count",
-            f"stretch_count = {test.stretch_count} is not allowed: must be <= "
-            f"{test.sample_count}, the samples of {SAMPLE_SPACING:g} radii from from_depth "
-            "to to_depth",
-        )
+        samples = f"{test.sample_count}, the samples of {spacing} from from_depth to to_depth"
+        refuse("stretch_count", f"must be <= {samples}")
     ground = test.ground
     first, last = float(ground.depth[0]), float(ground.depth[-1])
     if last < test.to_depth:
-        raise ParameterError(
-            "profile",
-            f"profile: ends at {last:g} m, must reach to_depth = {test.to_depth:g} m",
-        )
+        raise refused(f"ends at {last:g} m, must reach to_depth = {test.to_depth:g} m")
     if test.starts_at_surface and first > 0.0:
-        raise ParameterError(
+        refuse(
             "from_depth",
-            f"from_depth = {test.from_depth:g} is not allowed: must be >= "
-            f"{test.highest_in_place:.4g}, or the profile, which begins at {first:g} m, must "
-            "begin at 0, where the cone then starts",
+            f"must be >= {test.highest_in_place:.4g}, or the profile, which begins at {first:g} m, "
+            "must begin at 0, where the cone then starts",
         )
     thinnest, cell = ground.thinnest_layer, test.cell_size
     if thinnest < cell:
         raise ParameterError(
-            "layer_thickness" if test.profile is None else "profile",
+            "layer_thickness" if test.profile is None else PROFILE,
             f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
         )
     for name in ("adhesion_factor", "stress_anisotropy"):
-        value = getattr(test, name)
-        if getattr(ground, name) is not None and value != 0.0:
-            raise ParameterError(
-                name,
-                f"{name} = {value:g} is not allowed: the profile has it by depth; keep one of them",
-            )
+        if getattr(ground, name) is not None and getattr(test, name) != 0.0:
+            refuse(name, "the profile has it by depth; keep one of them")

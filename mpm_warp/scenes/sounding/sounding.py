@@ -88,17 +88,15 @@ class Sounding(SoundingTest):
         strength = float(ground.strength[chosen].max())
         shear_modulus = float(ground.shear_modulus[chosen].max())
         softest = float(ground.shear_modulus.min())
-        adhesion_factor = ground.greatest_adhesion_factor(self.adhesion_factor)
         greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
-        of_ground_and_start = {
-            "rigidity_index": shear_modulus / strength,
-            "undrained_shear_strength": strength,
-            "adhesion_factor": adhesion_factor,
-            "shaft_adhesion_factor": self.shaft_adhesion(adhesion_factor),
-            "stress_anisotropy": stress_anisotropy,
-            "in_situ_stress": float(
-                ground.vertical_stress_at(np.array(max(0.0, self.start_depth)))
-            ),
+        of_ground = self._in_ground(
+            strength,
+            shear_modulus,
+            ground.greatest_adhesion_factor(self.adhesion_factor),
+            stress_anisotropy,
+            ground.vertical_stress_at(np.array(max(0.0, self.start_depth))),
+        )
+        of_start = {
             "approach": 0.0,
             "steady_tolerance": 0.0,
             "uncertainty": "known",
@@ -107,16 +105,25 @@ class Sounding(SoundingTest):
         }
         of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
         test: Any = ConePenetration.offered()
-        built: ConePenetration = test(**self._in_common | of_ground_and_start | of_law)
+        common = [it for it in parameters_of(type(self)) if it in parameters_of(test)]
+        values = {name: getattr(self, name) for name in common}
+        # A window by default is that of the sounding; the test would derive another.
+        kept = {name: float(it) if isinstance(it, Derived) else it for name, it in values.items()}
+        built: ConePenetration = test(**kept | of_ground | of_start | of_law)
         return built
 
-    @property
-    def _in_common(self) -> dict[str, Any]:
-        """The parameters that a cone test has too, by the same names."""
-        known = parameters_of(ConePenetration.offered())
-        values = {name: getattr(self, name) for name in parameters_of(type(self)) if name in known}
-        # A window by default is that of the sounding; the test would derive another.
-        return {name: float(it) if isinstance(it, Derived) else it for name, it in values.items()}
+    def _in_ground(
+        self, strength: Any, shear_modulus: Any, adhesion: Any, anisotropy: Any, vertical: Any
+    ) -> dict[str, Any]:
+        """Parameters of a cone test in such clay, under such a vertical stress [Pa]."""
+        return {
+            "rigidity_index": float(shear_modulus) / float(strength),
+            "undrained_shear_strength": float(strength),
+            "adhesion_factor": float(adhesion),
+            "shaft_adhesion_factor": self.shaft_adhesion(float(adhesion)),
+            "stress_anisotropy": float(anisotropy),
+            "in_situ_stress": float(vertical),
+        }
 
     @property
     def clay(self) -> Material:
@@ -157,24 +164,15 @@ class Sounding(SoundingTest):
     def _test_at(self, depth: float) -> ConePenetration:
         """That test in uniform clay as the ground is at a depth [m], its error to be measured."""
         ground, at = self.ground, np.array(depth)
-        strength, shear_modulus, adhesion_factor, anisotropy, vertical = (
-            float(it)
-            for it in (
-                ground.strength_at(at),
-                ground.shear_modulus_at(at),
-                ground.adhesion_factor_at(at, self.adhesion_factor),
-                ground.stress_anisotropy_at(at, self.stress_anisotropy),
-                ground.vertical_stress_at(at),
-            )
-        )
-        changes: dict[str, Any] = {
+        shear_modulus = float(ground.shear_modulus_at(at))
+        changes = self._in_ground(
+            ground.strength_at(at),
+            shear_modulus,
+            ground.adhesion_factor_at(at, self.adhesion_factor),
+            ground.stress_anisotropy_at(at, self.stress_anisotropy),
+            ground.vertical_stress_at(at),
+        ) | {
             "uncertainty": "measured",
-            "rigidity_index": shear_modulus / strength,
-            "undrained_shear_strength": strength,
-            "adhesion_factor": adhesion_factor,
-            "shaft_adhesion_factor": self.shaft_adhesion(adhesion_factor),
-            "stress_anisotropy": anisotropy,
-            "in_situ_stress": vertical,
             "speed_ratio": math.sqrt(self.dynamic_pressure / shear_modulus),
             "steady_tolerance": STEADY_TOLERANCE,
             # By default, as in a test of its own.
@@ -186,9 +184,7 @@ class Sounding(SoundingTest):
     def build(self) -> Scene:
         """The scene of a cone test, in clay that varies; or of one from the surface."""
         scene = replace(self._test.build(), material=self.clay)
-        if not self.starts_at_surface:
-            return scene
-        return self._from_surface(scene)
+        return self._from_surface(scene) if self.starts_at_surface else scene
 
     def _from_surface(self, scene: Scene) -> Scene:
         """The scene of a cone test, with soil up to the surface of the ground only.
@@ -264,10 +260,7 @@ class Sounding(SoundingTest):
     ) -> xr.Dataset:
         """What `record` gives, with the error as measured, or as known where it was not."""
         curves = PenetrationCurves(
-            simulation,
-            radius=self.cone_radius,
-            unsteady=math.inf,
-            tolerance=0.0,
+            simulation, radius=self.cone_radius, unsteady=math.inf, tolerance=0.0
         )
         pressures = PorePressureCurves(
             simulation,
