@@ -178,6 +178,17 @@ def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
     )
 
 
+def check_own(owner: Any) -> None:
+    """Check the fields of a dataclass that are made by :func:`parameter`.
+
+    Raises:
+        ParameterError: a value is not allowed.
+    """
+    for field in dataclasses.fields(owner):
+        if "meaning" in field.metadata:
+            definition_of(type(owner), field).checked(getattr(owner, field.name))
+
+
 @functools.cache
 def _type_hints(owner: type) -> Mapping[str, Any]:
     return typing.get_type_hints(owner)

@@ -180,6 +180,7 @@ def to_surface(trial: real, size: real, square: real, rate: real, properties: ve
         return vec3(trial, two * trial, wp.min(one, trial / wp.sqrt(square)))
     # f > 0 at x = low, f < 0 at x = high; Newton's method from low, halving where it fails.
     # At first high is at or beyond the critical state, since ln y is between 1 - 1 / y and y - 1.
+    # Beyond it f has another root, by which the deviator would change its sign.
     is_wet = zero < N
     low, high, x = real(0.0), N / (wp.min(two * trial, size) * (a + b)), real(0.0)
     D = one * N
@@ -189,16 +190,17 @@ def to_surface(trial: real, size: real, square: real, rate: real, properties: ve
         D = N + rate * x
         below, DD = p * (p - pc), D * D
         f = square * N * N + below * DD
-        if wp.abs(f) <= tolerance * p * pc * DD:
+        is_before = (zero < N) == is_wet
+        if is_before and wp.abs(f) <= tolerance * p * pc * DD:
             break
-        if f > zero and (zero < N) == is_wet:
+        if f > zero and is_before:
             low = x
         else:
             high = x
         dN = -two * a * p - b * pc
         df = two * (square * N * dN + below * D * (dN + rate)) - p * (a * N + b * pc) * DD
         x -= f / df
-        if not ((x - low) * (x - high) < zero):
+        if not (is_before and (x - low) * (x - high) < zero):
             x = half * (low + high)
     share = N / D
     # What is left goes to the size of the surface.

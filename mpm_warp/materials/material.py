@@ -21,10 +21,11 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
-from mpm_warp.errors import SceneError
+from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
+from mpm_warp.parameters import check_own
 from mpm_warp.plan.plan import Plan
 
 PROPERTIES = "particle.properties"
@@ -99,6 +100,10 @@ class Material(Checked, ABC):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        try:
+            check_own(self)
+        except ParameterError as refusal:
+            raise SceneError(f"{type(self).__name__}: {refusal}") from None
         check_kind(f"{type(self).__name__}: variation", self.variation, (Variation, type(None)))
         by_ratios = self.variation is not None and self.variation.rows is None
         if by_ratios and type(self).properties_at is Material.properties_at:
@@ -215,6 +220,11 @@ class Material(Checked, ABC):
         Returns:
             None where the law does not tell, as by default.
         """
+        return None
+
+    @property
+    def deviator_at_rest(self) -> float | None:
+        """Vertical less horizontal stress in the ground before [Pa]; by default the scene's."""
         return None
 
     def mean_stress_change(

@@ -14,6 +14,13 @@ While the volume stays, from a yield y on and until the critical state, where p 
 
     p / p_y = ((M^2 + eta_y^2) / (M^2 + eta^2))^Lam,    eta = q / p
 
+The vertical overconsolidation ratio OCR gives R by the stress k when the vertical one was greatest.
+K0 has grown since then by OCR^sin(phi) (Mayne & Kulhawy 1982), from 1 - sin(phi) (Jaky 1944) where
+it is not given:
+
+    R = OCR (1 + 2 K0_k) / (1 + 2 K0) (1 + eta_k^2 / M^2),    sin(phi) = 3 M / (6 + M)
+    K0_k = K0 / OCR^sin(phi),   eta_k = 3 (1 - K0_k) / (1 + 2 K0_k)
+
 M is the same in all directions, or follows the Lode angle as the criterion of Matsuoka & Nakai
 (1974) does: 6 sin(phi) / (3 - sin(phi)) in compression, 6 sin(phi) / (3 + sin(phi)) in extension.
 """
@@ -58,7 +65,10 @@ class ModifiedCamClay(Material):
     """
 
     critical_state_ratio: float = parameter(
-        1.0, "slope M of the critical state line in compression, q over p'", above=0, below=3
+        1.0,
+        "slope M of the critical state line in compression, q over p'; 6 sin(phi) / (3 - sin(phi))",
+        above=0,
+        below=3,
     )
     compression_slope: float = parameter(
         0.2, "slope lambda of compression, specific volume over ln p'; above kappa", above=0
@@ -72,6 +82,18 @@ class ModifiedCamClay(Material):
     )
     isotropic_overconsolidation_ratio: float = parameter(
         1.0, "R, p_c over p' in the ground before", minimum=1
+    )
+    vertical_overconsolidation_ratio: float | None = parameter(
+        None,
+        "OCR, greatest effective vertical stress so far over that in the ground, in place of R",
+        minimum=1,
+    )
+    earth_pressure_at_rest: float | None = parameter(
+        None,
+        "K0, effective horizontal over vertical stress in the ground before, by which "
+        "stress_anisotropy follows where it is not given (default: none; with a vertical "
+        "overconsolidation ratio (1 - sin phi) OCR^sin phi)",
+        above=0,
     )
     effective_poissons_ratio: float = parameter(
         0.25, "Poisson's ratio nu' of the effective stress", minimum=0, below=0.5
@@ -93,6 +115,14 @@ class ModifiedCamClay(Material):
                 f"ModifiedCamClay: compression_slope = {self.compression_slope:g} must be > "
                 f"swelling_slope = {self.swelling_slope:g}"
             )
+        if self.vertical_overconsolidation_ratio and self.isotropic_overconsolidation_ratio != 1.0:
+            raise SceneError(
+                "ModifiedCamClay: vertical_overconsolidation_ratio = "
+                f"{self.vertical_overconsolidation_ratio:g} and isotropic_overconsolidation_ratio "
+                f"= {self.isotropic_overconsolidation_ratio:g}: keep one of them"
+            )
+        if self.deviator_at_rest is not None:
+            self.check_stress_at_rest(np.array([0.0, -self.deviator_at_rest, 0.0, 0.0]))
         if self.water_modulus <= 0.0:
             raise SceneError(
                 f"ModifiedCamClay: poissons_ratio = {self.poissons_ratio:g} of the undrained clay "
@@ -180,7 +210,33 @@ class ModifiedCamClay(Material):
     @property
     def size_ratio(self) -> float:
         """R, the size of the yield surface over p' in the ground before."""
-        return self.isotropic_overconsolidation_ratio
+        ratio, at_rest = self.vertical_overconsolidation_ratio, self._pressure_ratio
+        if ratio is None or at_rest is None:
+            return self.isotropic_overconsolidation_ratio
+        then = at_rest / ratio**self._sine_of_friction
+        mean = ratio * (1.0 + 2.0 * then) / (1.0 + 2.0 * at_rest)
+        over_slope = 3.0 * (1.0 - then) / (1.0 + 2.0 * then) / self.critical_state_ratio
+        return mean * (1.0 + over_slope**2)
+
+    @property
+    def deviator_at_rest(self) -> float | None:
+        """By p0' and K0 [Pa], where that is known."""
+        at_rest = self._pressure_ratio
+        if at_rest is None:
+            return None
+        return 3.0 * self.mean_effective_stress * (1.0 - at_rest) / (1.0 + 2.0 * at_rest)
+
+    @property
+    def _pressure_ratio(self) -> float | None:
+        """K0."""
+        ratio, sine = self.vertical_overconsolidation_ratio, self._sine_of_friction
+        if self.earth_pressure_at_rest is not None or ratio is None:
+            return self.earth_pressure_at_rest
+        return (1.0 - sine) * ratio**sine
+
+    @property
+    def _sine_of_friction(self) -> float:
+        return 3.0 * self.critical_state_ratio / (6.0 + self.critical_state_ratio)
 
     @property
     def _a(self) -> float:

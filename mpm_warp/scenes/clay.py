@@ -141,7 +141,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             raise ParameterError("material", str(refusal)) from None
 
     def _follow(self, strength: float) -> None:
-        """Let su and rigidity index be those of the law, and what is derived from them."""
+        """Let su, rigidity index and Delta be those of the law, and what is derived from them."""
         name = "undrained_shear_strength"
         su = getattr(self, name, None)
         if isinstance(su, Derived):
@@ -153,6 +153,14 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             index = self.own_clay.ground_shear_modulus / strength
             object.__setattr__(self, "rigidity_index", Derived(index))
             fill_in(self, {"rigidity_index": index})
+        if (deviator := self.own_clay.deviator_at_rest) is not None:
+            if not hasattr(self, "stress_anisotropy"):
+                raise ParameterError(
+                    "material",
+                    "this scene starts from stresses that are equal in all directions: give "
+                    "isotropic_overconsolidation_ratio, without K0",
+                )
+            fill_in(self, {"stress_anisotropy": deviator / (2.0 * strength)})
         fill_in(self, self.derived())
 
     def _check_other_laws(self) -> None:

@@ -21,6 +21,8 @@ from mpm_warp.scenes.catalogue import Verification, compared
 from mpm_warp.scenes.cavity.cavity import RADIUS, Cavity
 from mpm_warp.scenes.cone.parameters import ConeInGround
 
+MOST_ANISOTROPY = 0.5
+"""Of Tresca soil around a cylinder: the vertical stress then stays between the others."""
 SOILS: tuple[dict[str, Value], ...] = (
     {"rigidity_index": 50.0, "material": "tresca"},
     {"rigidity_index": 500.0, "material": "tresca"},
@@ -49,7 +51,8 @@ class CavityCylinder(Cavity):
 
     The axis is vertical. The pressure is that over the horizontal stress before. While the vertical
     stress stays between the others it does not matter to soil of Tresca, which is so for any stress
-    anisotropy that is allowed.
+    anisotropy that is allowed there. A sphere has no K0 start: soil would leave the rays, and no
+    exact pressure is known.
     """
 
     summary = "pressure of an expanding cylindrical cavity in undrained clay"
@@ -63,11 +66,7 @@ class CavityCylinder(Cavity):
         ConeInGround,
         "stress_anisotropy",
         meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
-        "over 2 su; not of von Mises soil",
-        above=None,
-        below=None,
-        minimum=-0.5,
-        maximum=0.5,
+        "over 2 su; not of von Mises soil, of Tresca -0.5 to 0.5",
     )
 
     def __post_init__(self) -> None:
@@ -82,6 +81,12 @@ class CavityCylinder(Cavity):
                     f"stress_anisotropy = {self.stress_anisotropy:g} must be 0 where {name} is "
                     f"{value}: there is no exact pressure",
                 )
+        if self.material in CRITERIA and abs(self.stress_anisotropy) > MOST_ANISOTROPY:
+            raise ParameterError(
+                "stress_anisotropy",
+                f"stress_anisotropy = {self.stress_anisotropy:g} must be >= {-MOST_ANISOTROPY:g} "
+                f"and <= {MOST_ANISOTROPY:g} in Tresca soil",
+            )
 
     @property
     def stress_at_rest(self) -> Floats:

@@ -13,7 +13,7 @@ import numpy as np
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
-from mpm_warp.parameters import parameter
+from mpm_warp.parameters import Derived, parameter
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
@@ -62,7 +62,7 @@ class ConeInGround:
         0.01785, "radius of the cone's base", unit="m", minimum=1e-6, maximum=1e3
     )
     stress_anisotropy: float = parameter(
-        0.0,
+        Derived(0.0),
         "stress anisotropy Delta in the ground before: vertical less horizontal stress over 2 su",
         above=-1,
         below=1,

@@ -10,7 +10,7 @@ import numpy as np
 from mpm_warp.arguments import in_words
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parameters import parameter, parameters_of, redefined
+from mpm_warp.parameters import Derived, parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
@@ -318,5 +318,7 @@ def check_sounding(test: SoundingTest) -> None:
             f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
         )
     for name in ("adhesion_factor", "stress_anisotropy"):
-        if getattr(ground, name) is not None and getattr(test, name) != 0.0:
+        value = getattr(test, name)
+        is_given = value != 0.0 and not isinstance(value, Derived)
+        if getattr(ground, name) is not None and is_given:
             refuse(name, "the profile has it by depth; keep one of them")

@@ -18,7 +18,8 @@ and ground_water [m], the depth of the water table. At each row they give
 
     Delta = (1 - K0) (sigma_v0 - u0) / (2 su),   u0 = 9.81 kN/m3 below the table
 
-and its effective stress is linear between rows: one of them should be at the water table.
+and its effective stress is linear between rows: one of them should be at the water table. A law of
+effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
 """
 
 import math
@@ -54,6 +55,10 @@ OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
 """What a column may be called too."""
 OF_EFFECTIVE_STRESS = ("K0", "ground_water")
 """Columns that give the stress anisotropy together."""
+MEAN_STRESS, EARTH_PRESSURE = "mean_effective_stress", "earth_pressure_at_rest"
+"""What a law of effective stress calls its p0' and K0; these columns give them too."""
+OF_REST = ("K0", EARTH_PRESSURE, "vertical_overconsolidation_ratio")
+"""Columns by which there is a stress anisotropy."""
 OWN = tuple(name for name in UNITS if name not in ("rigidity_index", *OF_EFFECTIVE_STRESS))
 """Columns that all ground may have."""
 FILLED_IN: Any = None
@@ -305,24 +310,41 @@ def columns_of(text: str) -> dict[str, Floats]:
         raise refused("has no rows below its header")
     table = np.array([_row(number, it, factors) for number, it in enumerate(lines, 1)])
     columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
-    return _with_anisotropy(columns) if columns.keys() & set(OF_EFFECTIVE_STRESS) else columns
+    if not columns.keys() & {*OF_EFFECTIVE_STRESS}:
+        return columns
+    vertical = effective_vertical_stress(columns)
+    if "strength" not in columns:  # of a law that has its own; see `with_strength`
+        return columns
+    _check_rows("strength", columns["strength"], POSITIVE)
+    return with_anisotropy(columns, (1.0 - columns["K0"]) * vertical)
 
 
-def _with_anisotropy(columns: dict[str, Floats]) -> dict[str, Floats]:
-    """Columns with the stress anisotropy in the place of K0 and ground water."""
-    for name in ("strength", *OF_EFFECTIVE_STRESS):
+def effective_vertical_stress(columns: Mapping[str, Floats]) -> Floats:
+    """sigma_v0 - u0 at the rows [Pa], of columns that have K0 and ground water."""
+    for name in OF_EFFECTIVE_STRESS:
         if name not in columns:
             raise refused(f"column {name} is missing; K0 and ground_water go together")
     if "stress_anisotropy" in columns:
         raise refused("has K0 and stress_anisotropy; keep one of them")
-    columns = {"unit_weight": np.full_like(columns["depth"], UNIT_WEIGHT)} | columns
-    for name in ("depth", "strength", "unit_weight", *OF_EFFECTIVE_STRESS):
+    columns = {"unit_weight": np.full_like(columns["depth"], UNIT_WEIGHT)} | dict(columns)
+    for name in ("depth", "unit_weight", *OF_EFFECTIVE_STRESS):
         _check_rows(name, columns[name], ALLOWED.get(name, POSITIVE))
     depth, weight = columns["depth"], columns["unit_weight"]
     between = np.diff(depth) * 0.5 * (weight[1:] + weight[:-1])
     stress = weight[0] * depth[0] + np.concatenate([[0.0], np.cumsum(between)])
     pressure = UNIT_WEIGHT_OF_WATER * np.maximum(0.0, depth - columns["ground_water"])
-    anisotropy = (1.0 - columns["K0"]) * (stress - pressure) / (2.0 * columns["strength"])
+    effective: Floats = stress - pressure
+    return effective
+
+
+def with_anisotropy(columns: Mapping[str, Floats], deviator: Floats) -> dict[str, Floats]:
+    """Columns with the stress anisotropy in the place of K0 and ground water.
+
+    Args:
+        columns: with the strength.
+        deviator: vertical less horizontal stress at the rows [Pa].
+    """
+    anisotropy = deviator / (2.0 * columns["strength"])
     _check_rows("stress_anisotropy by K0", anisotropy, ALLOWED["stress_anisotropy"])
     rest = {name: it for name, it in columns.items() if name not in OF_EFFECTIVE_STRESS}
     return rest | {"stress_anisotropy": anisotropy}
@@ -357,7 +379,9 @@ def replaced_by(text: str) -> set[str]:
     Raises:
         ParameterError: header or rows are malformed.
     """
-    return {*columns_of(text), *STIFFNESS}
+    columns = columns_of(text).keys()
+    by_rest = {"stress_anisotropy", MEAN_STRESS} if columns & {*OF_REST} else set()
+    return {*columns, *STIFFNESS} | by_rest
 
 
 def _header(line: str) -> dict[str, float]:

@@ -239,13 +239,49 @@ def test_friction_and_slopes_by_depth_are_those_of_their_rows() -> None:
     np.testing.assert_allclose(at, of_row.material.properties, rtol=1e-12)
 
 
-def test_uniform_cam_clay_is_that_of_the_cone() -> None:
+K0 = "depth [m], unit_weight [kN/m3], K0 [1], ground_water [m]; 1, 17, 0.8, 1; 3, 17, 0.8, 1; "
+K0 += "11, 17, 0.6, 1"
+P0 = "mean_effective_stress [kPa]"
+
+
+def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
+    """Both effective stresses are linear between the rows; the vertical ratio goes by their K0."""
+    own: dict[str, Any] = {"material": "modified_cam_clay", "vertical_overconsolidation_ratio": 3.0}
+    sounding = offered(profile=K0, from_depth=4.0, to_depth=6.0, **own)
+    at = np.array([3.0, 7.0, 11.0])
+    vertical = 17e3 * at - 9.81e3 * (at - 1.0)
+    horizontal = np.interp(at, at[[0, 2]], np.array([0.8, 0.6]) * vertical[[0, 2]])
+    mean, ground = (vertical + 2.0 * horizontal) / 3.0, sounding.ground
+    rows = np.searchsorted(ground.depth, at)
+    np.testing.assert_allclose(ground.depth[rows], at)
+    np.testing.assert_allclose(ground.of_law["mean_effective_stress"][rows], mean, rtol=1e-12)
+    delta = (vertical - horizontal) / (2.0 * ground.strength[rows])
+    np.testing.assert_allclose(ground.stress_anisotropy[rows], delta, rtol=1e-12)
+    clay = {"mean_effective_stress": mean[1], "earth_pressure_at_rest": (horizontal / vertical)[1]}
+    cone: Any = scene_class("cone_penetration")
+    test = cone(**own, **clay)
+    assert ground.strength[rows[1]] == pytest.approx(test.undrained_shear_strength, rel=1e-12)
+    assert ground.stress_anisotropy[rows[1]] == pytest.approx(test.stress_anisotropy, rel=1e-12)
+
+
+def test_k0_and_ground_water_give_the_stress_anisotropy_of_strengths_by_direction() -> None:
+    own: dict[str, Any] = {"strength_compression": 50e3, "strength_extension": 30e3}
+    own |= {"strength_simple_shear": 40e3, "from_depth": 3.0}
+    sounding = offered(material="anisotropic", profile=K0, **own)
+    vertical = 11.0 * 17e3 - 10.0 * 9.81e3
+    found = sounding.ground.stress_anisotropy[-1]
+    assert found == pytest.approx(0.4 * vertical / (2.0 * 50e3), rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", ["isotropic", "vertical"])
+def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
     """To the bit; what the ground says is in the parameters of the sounding too."""
-    given: dict[str, Any] = {"isotropic_overconsolidation_ratio": 3.0}
+    given: dict[str, Any] = {f"{ratio}_overconsolidation_ratio": 3.0}
     sounding = offered(material="modified_cam_clay", **given)
     cone: Any = scene_class("cone_penetration")
     test = cone(material="modified_cam_clay", **given)
     assert sounding.undrained_shear_strength == test.undrained_shear_strength
+    assert sounding.stress_anisotropy == test.stress_anisotropy
     built, expected = sounding.build().material, test.clay
     assert (built.properties, built.variation) == (expected.properties, None)
 
@@ -280,6 +316,15 @@ def test_uniform_cam_clay_is_that_of_the_cone() -> None:
             "at 0 m: ModifiedCamClay: compression_slope = 0.2 must be > swelling_slope = 0.3",
         ),
         ({"material": "modified_cam_clay", "profile": TEXT}, "column strength: .* leave it out"),
+        (
+            {"material": "modified_cam_clay", "profile": K0.replace("; 1,", "; 0,")},
+            "no effective vertical stress at 0 m, .* begin the ground deeper",
+        ),
+        (
+            {"material": "modified_cam_clay", "profile": K0.replace("unit_weight [kN/m3]", P0)},
+            "has K0 with ground_water and mean_effective_stress; keep one of them",
+        ),
+        ({"profile": K0}, "column strength is missing"),
         ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
         ({"material": "von_mises", "stress_anisotropy": 0.9}, "must be <= 34641 Pa in compression"),
         ({"profile": LIMITED.format(2e9, 17e3)}, "row 2: undrained_shear_strength = .*, in Pa"),
