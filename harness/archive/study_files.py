@@ -26,7 +26,7 @@ from harness.archive.provenance import OF_CASE, provenance_of_collector
 from harness.study.cases import Case
 from harness.study.distributions import Input
 from harness.study.study import STABILITY_MAP, Study
-from mpm_warp.parameters import Parameter, Value, did_you_mean, known_names
+from mpm_warp.parameters import Derived, Parameter, Value, did_you_mean, known_names
 from mpm_warp.results import material_as_built, stored_name
 
 Variables = dict[Hashable, xr.Variable]
@@ -142,7 +142,8 @@ def _parameters(
         elif len(set(values)) == 1:
             variables[stored] = xr.Variable((), filled[0], labels)
         else:
-            is_derived = definition.default is None and name not in assigned
+            can_follow = definition.default is None or isinstance(definition.default, Derived)
+            is_derived = can_follow and name not in assigned
             place = variables if is_derived else coordinates
             place[stored] = xr.Variable(CASE, filled, labels)
     return variables, coordinates

@@ -170,15 +170,18 @@ def test_parameters_that_a_scene_returns_are_those_of_the_case(folder: Path, sma
 def test_what_a_scene_derives_from_varied_parameters_is_no_coordinate(
     folder: Path, small: Study
 ) -> None:
+    """Not where a law gives it in place of a default either, as Cam clay its strength."""
     derived = []
     for case in small.cases:
         own = {"shaft_adhesion_factor": case.parameters["adhesion_factor"]}
+        own["undrained_shear_strength"] = 1e4 * (1.0 + own["shaft_adhesion_factor"])
         derived.append(dataclasses.replace(case, parameters={**case.parameters, **own}))
     vars(small)["cases"] = tuple(derived)
     complete(folder, derived)
     dataset = archive.collect(small, folder)
     assert dataset.shaft_adhesion_factor.values.tolist() == [0, 0.5, 1]
-    assert "shaft_adhesion_factor" not in dataset.coords
+    assert dataset.undrained_shear_strength.values.tolist() == [1e4, 1.5e4, 2e4]
+    assert not {"shaft_adhesion_factor", "undrained_shear_strength"} & set(dataset.coords)
     assert varied_names(dataset) == ["adhesion_factor"]
 
 
