@@ -67,7 +67,7 @@ def integrated(
         return np.array([*(2.0 * G * (direction - L * n_s)), -K * L * n_p, b * pc * L * n_p])
 
     start = clay.mean_effective_stress
-    state = np.array([*deviator, start, start * clay.isotropic_overconsolidation_ratio])
+    state = np.array([*deviator, start, start * clay.size_ratio])
     options = {"method": "LSODA", "rtol": 1e-10, "atol": 1e-9 * start, "dense_output": True}
     begin, first = 0.0, None
     if surface(0.0, state) < -1e-9 * start**2:
