@@ -35,17 +35,11 @@ from mpm_warp.plan.plan import Plan
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Load(Checked):
-    """Dead forces on the particles of a body, which rise linearly from zero and then stay.
+    """Dead forces on the particles of a body, which rise linearly from zero and then stay."""
 
-    Attributes:
-        forces: final force on each particle [N], shape [particle_count, 2].
-        start: time t_0 at which they begin to rise [s], >= 0.
-        rise_time: time T that they take to rise [s], > 0.
-    """
-
-    forces: Floats
-    start: float = checked(NOT_NEGATIVE, unit="s")
-    rise_time: float = checked(POSITIVE, unit="s")
+    forces: Floats  # final force on each particle [N], shape [particle_count, 2]
+    start: float = checked(NOT_NEGATIVE, unit="s")  # time t_0 at which they begin to rise [s], >= 0
+    rise_time: float = checked(POSITIVE, unit="s")  # time T that they take to rise [s], > 0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -164,15 +158,12 @@ class Body(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class InterfaceFrame:
-    """Coordinates along an interface and out of it.
+    """Coordinates along an interface and out of it."""
 
-    Attributes:
-        angle: from the first axis of the grid to the interface [rad]; only used in plane strain.
-        interface_radius: radius of an interface that is a cylinder around the axis [m], > 0; it
-            runs along z, and its outward side is the inner one. None in plane strain.
-    """
-
+    # from the first axis of the grid to the interface [rad]; only used in plane strain
     angle: float
+    # radius of an interface that is a cylinder around the axis [m], > 0; it runs along z, and its
+    # outward side is the inner one. None in plane strain
     interface_radius: float | None = None
 
     @property

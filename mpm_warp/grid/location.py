@@ -16,16 +16,11 @@ from mpm_warp.kernel_types import one, real, vec2, vec3, vec5, zero
 
 @dataclass(frozen=True)
 class Location:
-    """Device functions that place a particle in its cell.
+    """Device functions that place a particle in its cell."""
 
-    Attributes:
-        natural: (position, column, row, fitted radius) -> (xi, eta).
-        settle: (position, cell, columns, rows, fitted radius, cell counts) -> cell after a move.
-        outside_surface: (position, row) -> position, moved out of the surface where it was within.
-    """
-
-    natural: Any
-    settle: Any
+    natural: Any  # (position, column, row, fitted radius) -> (xi, eta)
+    settle: Any  # (position, cell, columns, rows, fitted radius, cell counts) -> cell after a move
+    # (position, row) -> position, moved out of the surface where it was within
     outside_surface: Any
 
 

@@ -22,15 +22,10 @@ OFFSET = Offset()
 
 @dataclass(frozen=True)
 class ShareRow:
-    """The argument that gives each share of a launch a row of its own of an array.
+    """The argument that gives each share of a launch a row of its own of an array."""
 
-    Attributes:
-        name: of the array.
-        number: of the share.
-    """
-
-    name: str
-    number: int = 0
+    name: str  # of the array
+    number: int = 0  # of the share
 
 
 def share_bounds(length: int, count: int) -> NDArray[np.integer[Any]]:
@@ -44,16 +39,11 @@ class Launch:
 
     A launch that has `OFFSET` among its arguments can be split along its first axis into shares,
     which may run at the same time: what they write does not overlap, or is their `ShareRow`.
-
-    Attributes:
-        kernel: a kernel of Warp.
-        dim: threads along each of its axes.
-        arguments: those of the kernel, in its order.
     """
 
-    kernel: Any
-    dim: tuple[int, ...]
-    arguments: tuple[Any, ...]
+    kernel: Any  # a kernel of Warp
+    dim: tuple[int, ...]  # threads along each of its axes
+    arguments: tuple[Any, ...]  # those of the kernel, in its order
 
     @property
     def name(self) -> str:

@@ -36,26 +36,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Array:
-    """One array on the device.
+    """One array on the device."""
 
-    Attributes:
-        kind: name of its type, "vec2" say.
-        dtype: that type of Warp.
-        shape: its lengths.
-        initial: what it holds when the run starts; None: zeros.
-        counts: how many there are of what its numbers are indices of, for each component; none
-            where they are no indices.
-        may_be_none: whether indices may be -1 all, for none.
-        least: lowest value that may be assigned.
-    """
-
-    kind: str
-    dtype: Any
-    shape: tuple[int, ...]
-    initial: np.ndarray | None
+    kind: str  # name of its type, "vec2" say
+    dtype: Any  # that type of Warp
+    shape: tuple[int, ...]  # its lengths
+    initial: np.ndarray | None  # what it holds when the run starts; None: zeros
+    # how many there are of what its numbers are indices of, for each component; none where they are
+    # no indices
     counts: tuple[int, ...] = ()
-    may_be_none: bool = False
-    least: float = -math.inf
+    may_be_none: bool = False  # whether indices may be -1 all, for none
+    least: float = -math.inf  # lowest value that may be assigned
 
     @property
     def byte_count(self) -> int:

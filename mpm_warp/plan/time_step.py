@@ -19,15 +19,11 @@ class TimeStepControl:
     """Keeps the time step at a fraction of the critical one, which the watch finds anew.
 
     Where the critical one has fallen from one look to the next it is expected to fall on as much.
-
-    Attributes:
-        first: the first time step, which none exceeds [s].
-        fraction: time step over the critical one, > 0.
-        critical: the critical time step [s], by a function that gives arrays of the run by name.
     """
 
-    first: float
-    fraction: float
+    first: float  # the first time step, which none exceeds [s]
+    fraction: float  # time step over the critical one, > 0
+    # the critical time step [s], by a function that gives arrays of the run by name
     critical: Callable[[Callable[[str], NDArray[Any]]], float]
 
     def __post_init__(self) -> None:

@@ -18,17 +18,11 @@ from mpm_warp.scene import Scene
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Seed:
-    """Particles as they are put into a grid, each standing for a part of its cell.
+    """Particles as they are put into a grid, each standing for a part of its cell."""
 
-    Attributes:
-        position: centroids (r, z) of the parts [m], shape [particle_count, 2].
-        volume: volumes of the parts per radian [m3], shape [particle_count].
-        cell: column and row of the cell, shape [particle_count, 2].
-    """
-
-    position: Floats
-    volume: Floats
-    cell: Integers
+    position: Floats  # centroids (r, z) of the parts [m], shape [particle_count, 2]
+    volume: Floats  # volumes of the parts per radian [m3], shape [particle_count]
+    cell: Integers  # column and row of the cell, shape [particle_count, 2]
 
     @property
     def particle_count(self) -> int:

@@ -61,11 +61,7 @@ TestT = TypeVar("TestT", bound=Test)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TestRun:
-    """A run of a test, as far as its error goes.
-
-    Attributes:
-        recorded: what came out.
-    """
+    """A run of a test, as far as its error goes."""
 
     name: ClassVar[str]
     """Of the value whose error it is, "cone_factor"."""
@@ -80,7 +76,7 @@ class TestRun:
     approach: ClassVar[float] = 0.0
     """Half width of what a hurried approach leaves, over the value; it goes with that of speed."""
 
-    recorded: xr.Dataset
+    recorded: xr.Dataset  # what came out
 
     @property
     @abstractmethod

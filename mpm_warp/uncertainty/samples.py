@@ -35,35 +35,23 @@ there on it falls with the depth at least: the lack of resistance falls with its
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SampleError:
-    """The error of samples.
+    """The error of samples."""
 
-    Attributes:
-        correction: what is to be added to the resistance, over the mean strength around the tip,
-            dimensionless, 0 where nothing is known; shape [n].
-        half_width: of 95 % [Pa], NaN where nothing is known; shape [n].
-        reason: why nothing is known of some samples, as "word: sentence", with their depths; "".
-    """
-
+    # what is to be added to the resistance, over the mean strength around the tip, dimensionless, 0
+    # where nothing is known; shape [n]
     correction: Floats
-    half_width: Floats
-    reason: str
+    half_width: Floats  # of 95 % [Pa], NaN where nothing is known; shape [n]
+    reason: str  # why nothing is known of some samples, as "word: sentence", with their depths; ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredError:
-    """The error of cone factors at some depths, measured by further runs; linear between them.
+    """The error of cone factors at some depths, measured by further runs; linear between them."""
 
-    Attributes:
-        depth: rising [m], shape [m].
-        correction: what is to be added to each cone factor, dimensionless, shape [m].
-        half_width: of 95 %, dimensionless, NaN where none was found; shape [m].
-        reasons: why none was found, each as "word: sentence".
-    """
-
-    depth: Floats
-    correction: Floats
-    half_width: Floats
-    reasons: tuple[str, ...] = ()
+    depth: Floats  # rising [m], shape [m]
+    correction: Floats  # what is to be added to each cone factor, dimensionless, shape [m]
+    half_width: Floats  # of 95 %, dimensionless, NaN where none was found; shape [m]
+    reasons: tuple[str, ...] = ()  # why none was found, each as "word: sentence"
 
     def at(self, depth: Floats) -> tuple[Floats, Floats]:
         """Correction and half width at depths [m] of shape [n], each of that shape.

@@ -25,19 +25,12 @@ DRIVE_RISE = 10.0
 
 @dataclass(frozen=True, kw_only=True)
 class SlidingMotion:
-    """A block sticks while its driving force F <= R = a A + mu N; then M dv/dt = F - R.
+    """A block sticks while its driving force F <= R = a A + mu N; then M dv/dt = F - R."""
 
-    Attributes:
-        mass: M [kg], > 0.
-        driving_force: final value of F, which rises linearly from zero [N], > 0.
-        resistance: R [N], >= 0.
-        rise_time: time in which F rises [s], > 0; None: F rises until the motion ends.
-    """
-
-    mass: float
-    driving_force: float
-    resistance: float
-    rise_time: float | None
+    mass: float  # M [kg], > 0
+    driving_force: float  # final value of F, which rises linearly from zero [N], > 0
+    resistance: float  # R [N], >= 0
+    rise_time: float | None  # time in which F rises [s], > 0; None: F rises until the motion ends
 
     @property
     def slides(self) -> bool:

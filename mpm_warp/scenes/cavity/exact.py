@@ -67,25 +67,16 @@ def strain_rate(strain: Floats, *, exponent: int, growth_rate: float, expansion:
 
 @dataclass(frozen=True, kw_only=True)
 class ExactCavity:
-    """The exact pressures of a cavity.
+    """The exact pressures of a cavity."""
 
-    Attributes:
-        clay: the clay.
-        rigidity_index: G/su of the clay.
-        wall: how the wall moves, in the time of the run.
-        radius: of the cavity at the start [m].
-        exponent: m, 2 for the cylinder and 3 for the sphere.
-        factor: k, 1 for the cylinder and 4/3 for the sphere.
-        strength_share: half the difference of the stresses along and across the wall at yield, over
-            the strength: 1 but for von Mises around a sphere.
-    """
-
-    clay: UndrainedClay
-    rigidity_index: float
-    wall: MovingWall
-    radius: float
-    exponent: int
-    factor: float
+    clay: UndrainedClay  # the clay
+    rigidity_index: float  # G/su of the clay
+    wall: MovingWall  # how the wall moves, in the time of the run
+    radius: float  # of the cavity at the start [m]
+    exponent: int  # m, 2 for the cylinder and 3 for the sphere
+    factor: float  # k, 1 for the cylinder and 4/3 for the sphere
+    # half the difference of the stresses along and across the wall at yield, over the strength: 1
+    # but for von Mises around a sphere
     strength_share: float
 
     def pressure(self, expansion: Floats) -> Floats:

@@ -28,15 +28,10 @@ PERIODS = 8.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
-    """A column of square cells on a fixed base, from z = 0 up.
+    """A column of square cells on a fixed base, from z = 0 up."""
 
-    Attributes:
-        height: height [m], > 0.
-        cell_count: cells along the height, >= 1.
-    """
-
-    height: float
-    cell_count: int
+    height: float  # height [m], > 0
+    cell_count: int  # cells along the height, >= 1
 
     @cached_property
     def grid(self) -> Grid:

@@ -49,16 +49,11 @@ class Shock:
     does not depend on heat),
 
         l = 1 - V / U,    -M ln l = rho U V,    so that (V / c)^2 = -(V / U) ln(1 - V / U).
-
-    Attributes:
-        modulus: M, of uniaxial strain [Pa], > 0.
-        density: rho of the unstrained bar [kg/m3], > 0.
-        speed: V [m/s], > 0.
     """
 
-    modulus: float
-    density: float
-    speed: float
+    modulus: float  # M, of uniaxial strain [Pa], > 0
+    density: float  # rho of the unstrained bar [kg/m3], > 0
+    speed: float  # V [m/s], > 0
 
     @cached_property
     def shortening(self) -> float:

@@ -303,19 +303,12 @@ class ResistanceLoops(ResistanceSamples):
 
 @dataclass(frozen=True, kw_only=True)
 class Degradation:
-    """The fit of a curve of degradation.
+    """The fit of a curve of degradation."""
 
-    Attributes:
-        intact: N_0, dimensionless.
-        remoulded_share: delta, dimensionless.
-        cycles: n_95, dimensionless.
-        misfit: root mean square of what the fit leaves of N over N_0.
-    """
-
-    intact: float
-    remoulded_share: float
-    cycles: float
-    misfit: float
+    intact: float  # N_0, dimensionless
+    remoulded_share: float  # delta, dimensionless
+    cycles: float  # n_95, dimensionless
+    misfit: float  # root mean square of what the fit leaves of N over N_0
 
     def resistance_factor(self, cycle: Floats) -> Floats:
         """N at numbers of cycles, dimensionless, of their shape."""

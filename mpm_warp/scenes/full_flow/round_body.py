@@ -17,17 +17,11 @@ pole would have one long chord, and an error that falls as the height only."""
 
 @dataclass(frozen=True, kw_only=True)
 class RoundBody:
-    """A ball below a thin smooth shaft, or a cylinder in plane strain, its centre at z = 0.
+    """A ball below a thin smooth shaft, or a cylinder in plane strain, its centre at z = 0."""
 
-    Attributes:
-        radius: R [m], > 0.
-        shaft_radius: radius of the shaft above [m], 0 <= radius < R; 0: there is none.
-        planar: whether it is a cylinder in plane strain; otherwise it is a ball.
-    """
-
-    radius: float
-    shaft_radius: float = 0.0
-    planar: bool = False
+    radius: float  # R [m], > 0
+    shaft_radius: float = 0.0  # radius of the shaft above [m], 0 <= radius < R; 0: there is none
+    planar: bool = False  # whether it is a cylinder in plane strain; otherwise it is a ball
 
     def surface_radius(self, height: Floats) -> Floats:
         """Distance of the surface from the line of travel at heights [m]; 0 where soil is on it."""
