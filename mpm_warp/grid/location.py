@@ -89,8 +89,4 @@ def make_location(polar: bool) -> Location:
             return (row[3] / distance) * x
         return x
 
-    return Location(
-        natural,
-        settle,
-        outside_surface_of_rays if polar else outside_surface_of_rows,
-    )
+    return Location(natural, settle, outside_surface_of_rays if polar else outside_surface_of_rows)

@@ -117,9 +117,7 @@ class CyclicWindow(MovingGrid):
             highest_row=grid.row_count - 1,
         )
         plan.add_launch(
-            rest_at_turn,
-            plan.arrays["particle.mass"].shape,
-            passage_time=self.passage_time,
+            rest_at_turn, plan.arrays["particle.mass"].shape, passage_time=self.passage_time
         )
         plan.add_launch(
             advance_cyclic_window,

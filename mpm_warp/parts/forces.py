@@ -29,11 +29,7 @@ class Gravity(Part):
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""
-        plan.add_launch(
-            gravity,
-            scene.grid.node_count,
-            change=self.acceleration * plan.time_step,
-        )
+        plan.add_launch(gravity, scene.grid.node_count, change=self.acceleration * plan.time_step)
 
 
 @kernel

@@ -78,9 +78,7 @@ def add_inflow(plan: Plan, scene: Scene, *, window_speed: float) -> None:
     law = scene.material.law()
     if law.yield_function is not None:
         plan.between_steps["enter.by_law"] = plan.launch(
-            _make_enter_by_law(law),
-            len(slots),
-            **scene.material.on_points(plan, law),
+            _make_enter_by_law(law), len(slots), **scene.material.on_points(plan, law)
         )
 
 

@@ -63,9 +63,7 @@ class MovingWall(RampedMotion):
             return float(lengths.min()) / speed
 
         plan.control = TimeStepControl(
-            first=plan.time_step,
-            fraction=scene.time_step_fraction,
-            critical=shortest_crossing_time,
+            first=plan.time_step, fraction=scene.time_step_fraction, critical=shortest_crossing_time
         )
 
     def add_contact(self, plan: Plan, scene: Scene) -> None:
@@ -85,12 +83,7 @@ class MovingWall(RampedMotion):
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
         """Add the launches that move the wall at the end of a step and draw the cells together."""
         grid = scene.grid
-        plan.add_launch(
-            move_wall,
-            grid.row_count + 1,
-            speed=self.speed,
-            ramp_time=self.ramp_time,
-        )
+        plan.add_launch(move_wall, grid.row_count + 1, speed=self.speed, ramp_time=self.ramp_time)
         geometry = {"fitted_radius": grid.fitted_radius, "column_count": grid.column_count}
         if isinstance(grid, PolarGrid):
             angular, caps = grid.angular_integrals

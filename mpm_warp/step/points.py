@@ -52,11 +52,7 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
     row, layer, column, across = (
         axis.ravel().astype(np.int32)
         for axis in np.meshgrid(
-            [number],
-            np.arange(n),
-            np.arange(grid.column_count),
-            np.arange(n),
-            indexing="ij",
+            [number], np.arange(n), np.arange(grid.column_count), np.arange(n), indexing="ij"
         )
     )
     gauss_xi, gauss_eta = (g.ravel() for g in np.meshgrid(GAUSS_POINTS, GAUSS_POINTS))

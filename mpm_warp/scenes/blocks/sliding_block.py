@@ -38,12 +38,7 @@ class SlidingBlock(BlockOnBase):
 
     summary = "elastic block on a base, driven until it slides; exact solution"
     version = 4
-    method = (
-        "cells_per_length",
-        "particles_per_cell",
-        "time_step_fraction",
-        "damping_ratio",
-    )
+    method = ("cells_per_length", "particles_per_cell", "time_step_fraction", "damping_ratio")
     verifications = (
         *_compared(error=0.01),
         *_compared({"grid_angle": 20.0, "grid_offset": 0.3, "stiffness_ratio": 1.0}, error=0.03),

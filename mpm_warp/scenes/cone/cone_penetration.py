@@ -18,11 +18,7 @@ from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.parameters import (
-    ConeTest,
-    slowing_penetration,
-    unsteady_penetration,
-)
+from mpm_warp.scenes.cone.parameters import ConeTest, slowing_penetration, unsteady_penetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import (
@@ -166,10 +162,7 @@ class ConePenetration(ConeTest):
         return self.window.time_to(self.penetration * self.cone_radius)
 
     def compute(
-        self,
-        progress: Progress,
-        execution: Execution | None,
-        snapshots: Snapshots | None = None,
+        self, progress: Progress, execution: Execution | None, snapshots: Snapshots | None = None
     ) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
 

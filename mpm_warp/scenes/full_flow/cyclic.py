@@ -90,9 +90,7 @@ class CyclicPenetration(FullFlowPenetrometer):
     def window(self) -> CyclicWindow:
         """The travel of the grid: the speed is reached in a radius after each turn."""
         return CyclicWindow(
-            speed=self.speed,
-            ramp_travel=self.body.radius,
-            stroke=self.stroke * self.body.radius,
+            speed=self.speed, ramp_travel=self.body.radius, stroke=self.stroke * self.body.radius
         )
 
     @property
@@ -271,8 +269,7 @@ class ResistanceLoops(ResistanceSamples):
         coordinates = labelled(
             dims=("cycle",), cycle=(cycle, "1", "number of the cycle", numbered)
         ) | labelled(
-            dims=("penetration",),
-            penetration=(place, "1", "penetration over radius of the body"),
+            dims=("penetration",), penetration=(place, "1", "penetration over radius of the body")
         )
         results = labelled(
             dims=("cycle", "penetration"),

@@ -46,11 +46,7 @@ LARGEST_CHANGE = 0.02
 class FullFlowPenetration(FullFlowPenetrometer):
     """A round body pushed at constant speed through clay, to steady flow."""
 
-    method = (
-        *FullFlowPenetrometer.method,
-        "penetration",
-        "uncertainty",
-    )
+    method = (*FullFlowPenetrometer.method, "penetration", "uncertainty")
 
     penetration: float = parameter(8.0, "penetration over radius", minimum=5, maximum=50)
     uncertainty: str = parameter(
@@ -73,11 +69,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
     @property
     def window(self) -> Window:
         """The travel of the grid: the speed is reached after a radius."""
-        return Window(
-            speed=self.speed,
-            ramp_travel=self.body.radius,
-            spare_fraction=SPARE_FRACTION,
-        )
+        return Window(speed=self.speed, ramp_travel=self.body.radius, spare_fraction=SPARE_FRACTION)
 
     @property
     def end_time(self) -> float:
