@@ -22,17 +22,17 @@ from mpm_warp.scenes.cone.parameters import ConeTest, slowing_penetration, unste
 from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import (
-    PorePressureCurves,
+    pore_pressure_curves,
     pore_pressure_factors,
     stated_beside_shaft,
 )
 from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
-    EnergyBalanceCurves,
     check_balance,
     check_bound,
     check_energy,
     check_levelled,
+    energy_balance_curves,
     with_energy_error,
 )
 from mpm_warp.scenes.run_size import (
@@ -249,7 +249,7 @@ class ConePenetration(ConeTest):
         built = soil_scene(simulation)
         window = built[Window]
         slowing = slowing_penetration(window, self.cone_radius)
-        pressures = PorePressureCurves(
+        pressures = pore_pressure_curves(
             simulation,
             penetrometer=self.penetrometer,
             adhesion_factor=lambda travel: self.shaft_adhesion_factor,
@@ -262,7 +262,7 @@ class ConePenetration(ConeTest):
             slowing=slowing,
             tolerance=self.steady_tolerance,
         )
-        balances = [EnergyBalanceCurves(simulation)] if self.energy_audit == "balance" else []
+        balances = [energy_balance_curves(simulation)] if self.energy_audit == "balance" else []
         views = []
         if snapshots is not None:
             parameters = parameter_variables(self, [AXIS])

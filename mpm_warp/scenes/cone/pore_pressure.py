@@ -26,7 +26,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.results import Quantity, curves, variable
-from mpm_warp.sampling import PORE_PRESSURE_IS, excess_pore_pressure, soil_scene
+from mpm_warp.sampling import PORE_PRESSURE_IS, Samples, excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetration import Slowing, penetration_axis, without_slowing
 from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penetrometer
@@ -62,67 +62,52 @@ Reading = tuple[Floats, Floats]
 """Numbers of cells, and the weights of their pressures."""
 
 
-class PorePressureCurves:
+def pore_pressure_curves(
+    simulation: Simulation,
+    *,
+    penetrometer: Penetrometer,
+    adhesion_factor: Callable[[float], float],
+    slowing: Slowing | None,
+) -> Samples:
     """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
 
-    A sample is the mean of the pressures at its begin and at its end.
-
-    Args:
-        simulation: a run, from its start, of a scene in a grid that is fitted to the penetrometer.
-        penetrometer: the penetrometer.
-        adhesion_factor: of the shaft at a travel [m].
-        slowing: penetration between which the pressure is not given; see `PenetrationCurves`.
+    A sample is the mean of the pressures at its begin and at its end. The adhesion factor is that
+    of the shaft at a travel [m]; the grid is fitted to the penetrometer. While it slows down no
+    pressure is given.
     """
+    grid, height = soil_scene(simulation).grid, penetrometer.cone_height
+    readings = (
+        _on_face(grid, 0.5 * height),
+        _behind_shoulder(grid, penetrometer, columns=(0,)),
+        _behind_shoulder(grid, penetrometer, columns=(1, 2)),
+        _in_first_column(grid, height + SHAFT_FILTER * penetrometer.radius),
+    )
 
-    def __init__(
-        self,
-        simulation: Simulation,
-        *,
-        penetrometer: Penetrometer,
-        adhesion_factor: Callable[[float], float],
-        slowing: Slowing | None,
-    ) -> None:
-        grid = soil_scene(simulation).grid
-        self._simulation = simulation
-        self._slowing = slowing
-        self._adhesion_factor = adhesion_factor
-        self._face = _on_face(grid, 0.5 * penetrometer.cone_height)
-        self._wedge = _behind_shoulder(grid, penetrometer, columns=(0,))
-        self._outside = _behind_shoulder(grid, penetrometer, columns=(1, 2))
-        self._shaft = _in_first_column(
-            grid, penetrometer.cone_height + SHAFT_FILTER * penetrometer.radius
-        )
-        self._pressures = [[0.0] * len(PLACES)]  # at the start, then by sample
-
-    def sample(self) -> None:
-        """Record the pressures at all places."""
-        pressures = excess_pore_pressure(self._simulation)
+    def take() -> list[float]:
+        pressures = excess_pore_pressure(simulation)
         face, wedge, outside, shaft = (
-            float(weights @ pressures[cells])
-            for cells, weights in (self._face, self._wedge, self._outside, self._shaft)
+            float(weights @ pressures[cells]) for cells, weights in readings
         )
-        share = float(share_of_wedge(self._adhesion_factor(self._simulation.travel)))
-        self._pressures.append([face, share * wedge + (1.0 - share) * outside, shaft])
+        share = float(share_of_wedge(adhesion_factor(simulation.travel)))
+        return [face, share * wedge + (1.0 - share) * outside, shaft]
 
-    def dataset(self) -> xr.Dataset:
-        """The pressure at each place over penetration."""
-        at_samples = np.array(self._pressures)
-        pressures = 0.5 * (at_samples[:-1] + at_samples[1:])
-        penetration = penetration_axis(len(pressures))
-        by_place: dict[str, Quantity] = {
-            f"excess_pore_pressure_{name}": (
-                without_slowing(pressure, self._slowing),
+    def over_penetration(*at_places: Floats) -> xr.Dataset:
+        by_place: dict[str, Quantity] = {}
+        for (name, place), pressure in zip(PLACES.items(), at_places, strict=True):
+            before = np.append(0.0, pressure[:-1])
+            by_place[f"excess_pore_pressure_{name}"] = (
+                without_slowing(0.5 * (before + pressure), slowing),
                 "Pa",
                 f"excess pore pressure, {name}",
                 f"{place}; {PORE_PRESSURE_IS}; {NOT_GIVEN}",
             )
-            for (name, place), pressure in zip(PLACES.items(), pressures.T, strict=True)
-        }
-        return curves("penetration", penetration, **by_place)
+        return curves("penetration", penetration_axis(len(at_places[0])), **by_place)
+
+    return Samples(take, over_penetration)
 
 
 def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """What `PorePressureCurves` come to at the end over su [Pa], at each place."""
+    """What `pore_pressure_curves` come to at the end over su [Pa], at each place."""
     factors = {}
     for name, place in PLACES.items():
         pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])

@@ -18,7 +18,7 @@ from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.results import variable
-from mpm_warp.sampling import transferred_energy
+from mpm_warp.sampling import Samples, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.simulation import Simulation
@@ -127,25 +127,26 @@ def _cavity_pressure(built: Scene) -> float:
     return limit_pressure(clay.shear_modulus, half)
 
 
-class EnergyBalanceCurves:
+def energy_balance_curves(simulation: Simulation) -> Samples:
     """Samples the works of a scene with an energy balance, and gives their shares.
 
     The work is that on face and shaft within the window, of the excess over the in-situ stress.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._works = [self._works_so_far()]
+    def works_so_far() -> list[float]:
+        """The sums of the audited steps, taken for all steps [J]."""
+        array = simulation.array
+        sums = [*array(OF_NODES).sum(axis=0), array(OF_CELLS).sum(), *array(OF_POINTS).sum(axis=0)]
+        return [*(AUDIT_INTERVAL * float(it) for it in sums), transferred_energy(simulation)]
 
-    def sample(self) -> None:
-        """Record the works so far."""
-        self._works.append(self._works_so_far())
+    at_first = works_so_far()
 
-    def dataset(self) -> xr.Dataset:
-        """The shares over the last two radii, or the last half of the way."""
-        count = min(STEADY_SAMPLES, len(self._works) // 2)
-        works = self._works[-1] - self._works[-1 - count]
-        body, to_soil, by_ground, kinetic, least_mass, viscous, plastic, elastic, created = works
+    def shares(*by_work: Floats) -> xr.Dataset:
+        """Over the last two radii, or the last half of the way."""
+        works = np.vstack([at_first, np.stack(by_work, axis=-1)])
+        count = min(STEADY_SAMPLES, len(works) // 2)
+        done = works[-1] - works[-1 - count]
+        body, to_soil, by_ground, kinetic, least_mass, viscous, plastic, elastic, created = done
         goes_to = {
             "plastic": plastic,
             "sliding": body - to_soil,
@@ -158,20 +159,14 @@ class EnergyBalanceCurves:
         }
         residual = body - sum(goes_to.values())
         with np.errstate(invalid="ignore"):  # without an audited step no share is a number
-            shares = {
+            found = {
                 f"work_share_{name}": variable(work / body, meaning=MEANING[name])
                 for name, work in goes_to.items()
             }
-            shares["energy_residual"] = variable(residual / body, meaning=RESIDUAL)
-        return xr.Dataset(shares)
+            found["energy_residual"] = variable(residual / body, meaning=RESIDUAL)
+        return xr.Dataset(found)
 
-    def _works_so_far(self) -> Floats:
-        """The sums of the audited steps, taken for all steps [J]."""
-        array = self._simulation.array
-        sums = [*array(OF_NODES).sum(axis=0), array(OF_CELLS).sum(), *array(OF_POINTS).sum(axis=0)]
-        return np.array(
-            [*(AUDIT_INTERVAL * float(it) for it in sums), transferred_energy(self._simulation)]
-        )
+    return Samples(works_so_far, shares)
 
 
 def check_balance(results: xr.Dataset) -> None:

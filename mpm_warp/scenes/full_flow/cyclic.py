@@ -146,11 +146,9 @@ class CyclicPenetration(FullFlowPenetrometer):
         if str(recorded.built_law.values) in CRITERIA:
             error = abs(last / first - 1.0)
             what = "of perfectly plastic clay, which does not degrade"
-            return (
-                ratio
-                | labelled(resistance_ratio_exact=(1.0, "1", "resistance ratio", what))
-                | labelled(role="error", error=(error, "1", "error of the resistance ratio", what))
-            )
+            ratio |= labelled(resistance_ratio_exact=(1.0, "1", "resistance ratio", what))
+            of_error = (error, "1", "error of the resistance ratio", what)
+            return ratio | labelled(role="error", error=of_error)
         if self.remoulded_strength_ratio == 1.0 or factor.size <= FITTED:
             return ratio
         return ratio | self.fitted(fitted_degradation(factor["cycle"].values, factor.values))
@@ -218,14 +216,10 @@ class CyclicTBar(TBar, CyclicPenetration):
 
 
 class ResistanceLoops(ResistanceSamples):
-    """Samples the resistance at even distances of the way, about `SAMPLE_SPACING` radii.
+    """The same at even distances of the way, of about as many radii, down and up again.
 
-    Args:
-        simulation: at its start; the body is at the upper end of its stroke.
-        body: that moves.
-        stroke: way from turn to turn over its radius.
-        cycle_count: cycles, of two passages each.
-        strength: undrained shear strength su [Pa].
+    The body starts at the upper end of its stroke, the way from turn to turn over its radius. A
+    cycle has two passages. Strength is su [Pa].
     """
 
     def __init__(
@@ -266,29 +260,26 @@ class ResistanceLoops(ResistanceSamples):
         is_middle = np.abs(place - 0.5 * self._stroke) < 0.5 * MIDDLE
         factor = np.abs(loops[:, is_middle].mean(axis=1)) / self._strength
         numbered = "that of the middle of a passage: 0.25 down, 0.75 up, 1.25 down, ..."
-        coordinates = labelled(
-            dims=("cycle",), cycle=(cycle, "1", "number of the cycle", numbered)
-        ) | labelled(
-            dims=("penetration",), penetration=(place, "1", "penetration over radius of the body")
+        of_loops = (
+            loops,
+            "Pa",
+            "resistance over projected area",
+            "upward positive: below 0 on the way up",
         )
-        results = labelled(
-            dims=("cycle", "penetration"),
-            cyclic_resistance=(
-                loops,
-                "Pa",
-                "resistance over projected area",
-                "upward positive: below 0 on the way up",
-            ),
-        ) | labelled(
-            dims=("cycle",),
-            cyclic_resistance_factor=(
-                factor,
-                "1",
-                "resistance over projected area and su",
-                f"size of the mean over the middle {MIDDLE:g} radii of the stroke",
-            ),
+        of_middle = (
+            factor,
+            "1",
+            "resistance over projected area and su",
+            f"size of the mean over the middle {MIDDLE:g} radii of the stroke",
         )
-        return xr.Dataset(results, coords=coordinates)
+        cycles = (cycle, "1", "number of the cycle", numbered)
+        axis = (place, "1", "penetration over radius of the body")
+        return xr.Dataset(
+            labelled(dims=("cycle", "penetration"), cyclic_resistance=of_loops)
+            | labelled(dims=("cycle",), cyclic_resistance_factor=of_middle),
+            coords=labelled(dims=("cycle",), cycle=cycles)
+            | labelled(dims=("penetration",), penetration=axis),
+        )
 
     def _by_passage(self, values: Floats) -> Floats:
         """Values of samples by passage and place from above; not a number where there is none."""

@@ -14,10 +14,9 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Window
-from mpm_warp.results import curves, labelled
+from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.cone.penetration import penetration_axis
 from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetrometer import (
@@ -138,19 +137,18 @@ class FullFlowPenetration(FullFlowPenetrometer):
             InaccurateRun: the transfers took too much of the work of the body.
             UnfinishedRun: the resistance still changes at the end.
         """
-        curve = _ResistanceCurve(simulation, self.body)
+        curve = ResistanceSamples(simulation, self.body)
         spacing = SAMPLE_SPACING * self.body.radius
         moments = [k * spacing for k in range(1, round(self.penetration / SAMPLE_SPACING) + 1)]
         recorded = follow(simulation, moments, simulation.travel_to, [curve], progress)
-        empty_cells = labelled(
-            empty_cells=(
-                float(_empty_cells(simulation, NEAR * self.body.radius)),
-                "1",
-                "cells near the body that no material point is in",
-                f"within {NEAR:g} radii at the end; none, but where soil leaves a hole behind",
-            )
+        empty_cells = (
+            float(_empty_cells(simulation, NEAR * self.body.radius)),
+            "1",
+            "cells near the body that no material point is in",
+            f"within {NEAR:g} radii at the end; none, but where soil leaves a hole behind",
         )
-        steady = self._steady_values(recorded.penetration_resistance) | empty_cells
+        steady = self._steady_values(recorded.penetration_resistance)
+        steady |= labelled(empty_cells=empty_cells)
         results = with_energy_error(recorded.assign(steady), simulation, curve.work)
         check_energy(results)
         change = float(results.resistance_factor_change)
@@ -165,24 +163,20 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def _steady_values(self, resistance: xr.DataArray) -> dict[str, xr.Variable]:
         mean, over = steady_mean(resistance)
         before, _ = steady_mean(resistance[:-STEADY_SAMPLES])
-        factor = labelled(
-            role="headline",
-            resistance_factor=(
-                mean / self.undrained_shear_strength,
-                "1",
-                "resistance over projected area and su",
-                f"mean {over}, of the excess over the in-situ stress",
-            ),
+        of_mean = (
+            mean / self.undrained_shear_strength,
+            "1",
+            "resistance over projected area and su",
+            f"mean {over}, of the excess over the in-situ stress",
         )
-        change = labelled(
-            resistance_factor_change=(
-                1.0 - before / mean,
-                "1",
-                "change of the mean resistance over two radii",
-                f"mean {over} less that over the two before, over it",
-            )
+        change = (
+            1.0 - before / mean,
+            "1",
+            "change of the mean resistance over two radii",
+            f"mean {over} less that over the two before, over it",
         )
-        return factor | change | by_mode(self, **factor)
+        factor = labelled(role="headline", resistance_factor=of_mean)
+        return factor | labelled(resistance_factor_change=change) | by_mode(self, **factor)
 
 
 def _empty_cells(simulation: Simulation, height: float) -> int:
@@ -194,24 +188,6 @@ def _empty_cells(simulation: Simulation, height: float) -> int:
     column, row = cell[cell[:, 0] >= 0].T
     is_filled[row, column] = True
     return int(np.count_nonzero(~is_filled[is_near]))
-
-
-class _ResistanceCurve(ResistanceSamples):
-    """The resistance at every `SAMPLE_SPACING` radii of penetration."""
-
-    @property
-    def work(self) -> float:
-        """Of the body so far [J], per radian or per unit length of half of it."""
-        return math.fsum(self.forces) * SAMPLE_SPACING * self._radius
-
-    def dataset(self) -> xr.Dataset:
-        """The curve."""
-        what = "resistance over projected area"
-        return curves(
-            "penetration",
-            penetration_axis(len(self.forces), over="radius of the body"),
-            penetration_resistance=(self.resistance, "Pa", what, "excess over the in-situ stress"),
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -265,17 +241,7 @@ class TBarPenetration(TBar, FullFlowPenetration):
             return results
         exact = limit_load(self.adhesion_factor)
         error = abs(float(results.resistance_factor) / exact - 1.0)
-        return results.assign(
-            labelled(
-                resistance_factor_exact=(
-                    exact,
-                    "1",
-                    "limit load over projected area and su",
-                    LIMIT_LOAD_SOURCE,
-                )
-            )
-            | labelled(
-                role="error",
-                error=(error, "1", "error of the resistance", "relative to the limit load"),
-            )
-        )
+        of_limit = (exact, "1", "limit load over projected area and su", LIMIT_LOAD_SOURCE)
+        of_error = (error, "1", "error of the resistance", "relative to the limit load")
+        found = labelled(resistance_factor_exact=of_limit) | labelled(role="error", error=of_error)
+        return results.assign(found)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid, growing
 from mpm_warp.materials.material import Material
@@ -18,12 +19,15 @@ from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
+from mpm_warp.results import curves
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround
+from mpm_warp.scenes.cone.penetration import penetration_axis
 from mpm_warp.scenes.full_flow.round_body import RoundBody, upward_force
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 NO_PARTING = 1000.0
 """In-situ stress over su, above any that the soil can pull with: it closes behind the body."""
@@ -170,15 +174,10 @@ class TBar(FullFlowPenetrometer):
 
 
 class ResistanceSamples:
-    """Samples the resistance of a body: means from sample to sample.
+    """Samples the resistance of a body at every `SAMPLE_SPACING` radii, means between samples.
 
-    Args:
-        simulation: at its start.
-        body: that moves.
-
-    Attributes:
-        forces: of the soil on the body, upward positive [N], on half a cylinder of unit length or
-            on a radian of a ball; one a sample.
+    `forces` of the soil on the body are upward positive [N], on half a cylinder of unit length or
+    on a radian of a ball; one a sample.
     """
 
     def __init__(self, simulation: Simulation, body: RoundBody) -> None:
@@ -196,3 +195,17 @@ class ResistanceSamples:
     def resistance(self) -> Floats:
         """Force over projected area [Pa], shape [sample_count]."""
         return np.array(self.forces) / self._area
+
+    @property
+    def work(self) -> float:
+        """Of the body so far [J], per radian or per unit length of half of it."""
+        return math.fsum(self.forces) * SAMPLE_SPACING * self._radius
+
+    def dataset(self) -> xr.Dataset:
+        """The resistance over penetration."""
+        what = "resistance over projected area"
+        return curves(
+            "penetration",
+            penetration_axis(len(self.forces), over="radius of the body"),
+            penetration_resistance=(self.resistance, "Pa", what, "excess over the in-situ stress"),
+        )

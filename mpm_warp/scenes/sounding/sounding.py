@@ -19,7 +19,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
-from mpm_warp.scenes.cone.pore_pressure import PorePressureCurves
+from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
 from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
 from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
@@ -262,7 +262,7 @@ class Sounding(SoundingTest):
         curves = PenetrationCurves(
             simulation, radius=self.cone_radius, unsteady=math.inf, tolerance=0.0
         )
-        pressures = PorePressureCurves(
+        pressures = pore_pressure_curves(
             simulation,
             penetrometer=self.penetrometer,
             adhesion_factor=lambda travel: float(self.shaft_adhesion_at(self.start_depth + travel)),

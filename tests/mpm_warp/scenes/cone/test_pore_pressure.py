@@ -13,7 +13,7 @@ from mpm_warp.scenes.cone.pore_pressure import (
     PLACES,
     SHAFT_FILTER,
     SHOULDER_FILTER,
-    PorePressureCurves,
+    pore_pressure_curves,
     pore_pressure_factors,
 )
 from mpm_warp.simulation import Simulation
@@ -62,7 +62,7 @@ def sampled(
     without_pressure = np.array([4e3, -6e3, 7e3, 2e3])
     pressure = pressures_in(test, simulation)
     change = np.outer(pressure, [-1.0, -1.0, 0.0, -1.0]) + without_pressure
-    curves = PorePressureCurves(
+    curves = pore_pressure_curves(
         simulation,
         penetrometer=test.penetrometer,
         adhesion_factor=lambda travel: test.shaft_adhesion_factor,
