@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import POSITIVE, check_kind, check_number
 from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.parts.window import MovingGrid
-from mpm_warp.results import labelled, variable
+from mpm_warp.results import Quantity, labelled, variable
 from mpm_warp.sampling import soil_scene
 from mpm_warp.simulation import Simulation
 
@@ -140,54 +140,43 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
         return kept
 
     rr, zz, rz, tt = (of_points(component) for component in stress.T)
-    over_strength: dict[str, xr.Variable] = {}
-    if (launch := simulation.plan.between_steps.get("yield_share")) is not None:
-        simulation.launch(launch)
-        over_strength = _single(
-            labelled(
-                dims=("point",),
-                deviatoric_stress=(
-                    of_points(array("yield.share")),
-                    "1",
-                    "shear stress over shear strength",
-                    "as the yield criterion measures them; 1 where soil yields",
-                ),
-            )
-        )
     shape = (2, scene.grid.row_count + 1, scene.grid.column_count + 1)
     excess = "that over the vertical in-situ stress, tension positive"
     ground = "relative to soil at rest far away"
-    of_soil = _single(
-        labelled(
-            dims=("point",),
-            point_r=(of_points(position[:, 0]), "m", "radius of the material point"),
-            point_z=(of_points(position[:, 1]), "m", "height of the material point"),
-            displacement_r=(of_points(moved[:, 0]), "m", "radial displacement", "since entry"),
-            displacement_z=(of_points(moved[:, 1]), "m", "upward displacement", "since entry"),
-            velocity_r=(of_points(velocity[:, 0]), "m s-1", "radial velocity", ground),
-            velocity_z=(of_points(velocity[:, 1]), "m s-1", "upward velocity", ground),
-            stress_rr=(rr, "Pa", "radial stress", excess),
-            stress_zz=(zz, "Pa", "vertical stress", excess),
-            stress_rz=(rz, "Pa", "shear stress", excess),
-            stress_tt=(tt, "Pa", "hoop stress", excess),
-            mean_stress=((rr + zz + tt) / 3.0, "Pa", "mean stress", excess),
-            plastic_shear_strain=(
-                of_points(array(PLASTIC_STRAIN)),
-                "1",
-                "plastic shear strain",
-                "added up since entry; engineering shear strain in pure shear",
-            ),
+    of_soil: dict[str, Quantity] = {
+        "point_r": (of_points(position[:, 0]), "m", "radius of the material point"),
+        "point_z": (of_points(position[:, 1]), "m", "height of the material point"),
+        "displacement_r": (of_points(moved[:, 0]), "m", "radial displacement", "since entry"),
+        "displacement_z": (of_points(moved[:, 1]), "m", "upward displacement", "since entry"),
+        "velocity_r": (of_points(velocity[:, 0]), "m s-1", "radial velocity", ground),
+        "velocity_z": (of_points(velocity[:, 1]), "m s-1", "upward velocity", ground),
+        "stress_rr": (rr, "Pa", "radial stress", excess),
+        "stress_zz": (zz, "Pa", "vertical stress", excess),
+        "stress_rz": (rz, "Pa", "shear stress", excess),
+        "stress_tt": (tt, "Pa", "hoop stress", excess),
+        "mean_stress": ((rr + zz + tt) / 3.0, "Pa", "mean stress", excess),
+        "plastic_shear_strain": (
+            of_points(array(PLASTIC_STRAIN)),
+            "1",
+            "plastic shear strain",
+            "added up since entry; engineering shear strain in pure shear",
+        ),
+    }
+    if (launch := simulation.plan.between_steps.get("yield_share")) is not None:
+        simulation.launch(launch)
+        of_soil["deviatoric_stress"] = (
+            of_points(array("yield.share")),
+            "1",
+            "shear stress over shear strength",
+            "as the yield criterion measures them; 1 where soil yields",
         )
-    )
     radial, upward = node_velocity[:, :2].T.reshape(shape)
-    of_grid = _single(
-        labelled(
-            dims=("row", "column"),
-            node_velocity_r=(radial, "m s-1", "radial velocity", ground),
-            node_velocity_z=(upward, "m s-1", "upward velocity", ground),
-        )
+    of_grid = labelled(
+        dims=("row", "column"),
+        node_velocity_r=(radial, "m s-1", "radial velocity", ground),
+        node_velocity_z=(upward, "m s-1", "upward velocity", ground),
     )
-    return of_soil | over_strength | of_grid
+    return _single(labelled(dims=("point",), **of_soil) | of_grid)
 
 
 def _single(variables: Variables) -> dict[str, xr.Variable]:

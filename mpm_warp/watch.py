@@ -259,12 +259,9 @@ class SoilWatch(ParticleWatch):
 def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) -> None:
     """Check that soil and surface move together along their normal, on nearly all of it.
 
-    Nodes on the axis are left out; should soil come apart there, blocks of cells lose theirs.
-
-    Args:
-        contact: one of a surface from which the soil cannot part.
-        velocity: of the soil at its nodes in the last step [m/s], shape [node_count, 2].
-        speed: of the body down through the soil in that step [m/s].
+    It is one from which soil cannot part. `velocity` is that of the soil at its nodes in the last
+    step [m/s], shape [node_count, 2], `speed` that of the body down through the soil [m/s]. Nodes
+    on the axis are left out; should soil come apart there, blocks of cells lose theirs.
 
     Raises:
         Fault: they have come apart, or go through each other.

@@ -189,13 +189,10 @@ class InterfaceFrame:
         spacing: float,
         material: LinearElastic,
     ) -> Body:
-        """A rectangle full of particles.
+        """A rectangle of a whole number of particles at a spacing [m].
 
-        Args:
-            extent: least and greatest coordinate along the interface [m].
-            heights: least and greatest distance from the interface, outward positive [m].
-            spacing: distance of the particles [m]; the rectangle gets a whole number of them.
-            material: elastic constants and density.
+        It is between two coordinates along the interface, and two distances from it, outward
+        positive [m].
         """
         across, up = (
             low + spacing * (np.arange(round((high - low) / spacing)) + 0.5)
@@ -211,14 +208,10 @@ class InterfaceFrame:
     def grid_around(
         self, bodies: Sequence[Body], *, travel: float, cell_size: float, offset: float
     ) -> UniformGrid:
-        """A grid that holds the bodies, also when the first has travelled along the interface.
+        """A grid that holds the bodies, also when the first has gone so far [m] along the line.
 
-        Args:
-            bodies: one or more.
-            travel: distance that the first body will travel [m].
-            cell_size: side of a cell [m].
-            offset: distance of the nodes from the origin of the coordinates, over cell size,
-                0 to 1.
+        The offset is the distance of the nodes from the origin of the coordinates over the cell
+        size [m], 0 to 1.
         """
         travelled = bodies[0].position + travel * self.along
         occupied = np.concatenate([travelled, *(body.position for body in bodies)]) / cell_size

@@ -98,17 +98,11 @@ class TestRun:
     def stated(
         self, correction: float, parts: Mapping[str, float], reasons: Sequence[str]
     ) -> dict[str, xr.Variable]:
-        """What is said of the value, whichever way its error is known.
+        """What is said of the value: less its error, the correction, its uncertainty, the reason.
 
-        Args:
-            correction: what is to be added to it.
-            parts: half widths of 95 % by what they are of; their squares add up.
-            reasons: why nothing is known of the error, each as "word: sentence"; none where it is.
-
-        Returns:
-            The value less its error, the correction; its uncertainty, the parts of it, and the
-            reason for none. Where nothing is known of the error there is no correction, and the
-            uncertainty is not a number.
+        Parts of the uncertainty are half widths of 95 %; their squares add up. Where there are
+        reasons why nothing is known, each as "word: sentence", there is no correction, and the
+        uncertainty is not a number.
         """
         if reasons:
             correction, parts = 0.0, dict.fromkeys(parts, math.nan)
@@ -200,14 +194,9 @@ def one_after_the_other(sizes: Sequence[Any], progress: Progress) -> list[Progre
 def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[str, xr.Variable]:
     """The value of a case less its error, and its uncertainty, as measured by its further runs.
 
-    Args:
-        case: the run whose error is measured.
-        further: the further runs, or why there is none, by effect.
-
-    Returns:
-        What `TestRun.stated` gives, and the value as simulated by each further run, not a number
-        where it failed. Nothing is known of the error where a run failed, or is not sound, or where
-        the laws would have to take off too much.
+    Beside what `TestRun.stated` gives is the value as simulated by each further run, by effect, not
+    a number where it failed for the reason given. Nothing is known of the error where a run failed,
+    or is not sound, or where the laws would have to take off too much.
     """
     with_effect = {effect: f"the run with {what}" for effect, what in case.differences.items()}
     failed = {with_effect[it]: why for it, why in further.items() if isinstance(why, str)}

@@ -107,17 +107,9 @@ def stated_pressures(
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
-    What is still to come, by the last change of the curves, is added to the half widths.
-
-    Args:
-        recorded: the curves `excess_pore_pressure_face` and `..._shoulder`, and their factors, as
-            simulated.
-        strength: undrained shear strength [Pa].
-        cell_size: width of the cells at the cone over its radius.
-        adhesion_factor: of face and shaft.
-        rigidity_index: of the clay.
-        is_known: whether these laws hold. If not there is no correction, and the uncertainties are
-            not numbers.
+    What is still to come, by the last change of the curves, is added to the half widths. Strength
+    is su [Pa]; of the others see `shoulder_error`. Where these laws do not hold (`is_known`) there
+    is no correction, and the uncertainties are not numbers.
     """
     stated = {}
     for place in ("face", "shoulder"):

@@ -100,17 +100,11 @@ def sample_error(
 ) -> SampleError:
     """What is known of the error of the samples of a resistance.
 
-    Args:
-        laws: at the samples.
-        depth: of the tip [m], shape [n].
-        around: mean strength around the tip [Pa], shape [n].
-        resistance: net, as simulated [Pa], shape [n].
-        shift: what a cell further down changes of that strength [Pa], shape [n].
-        surface: where the surface of the ground is in the window, by what is said of it; nothing
-            for a cone that starts in place.
-        why_none: why the error of no sample is known; see `why_not_known`.
-        measured: the error by further runs, in place of the laws; but for that of the top of the
-            window, which grows on a way that is longer than theirs.
+    Of each sample are given the laws, the depth of the tip [m], the mean strength around it and
+    what a cell further down changes of that, the net resistance as simulated [Pa], and whether the
+    surface of the ground is in the window, by what is said of it. What is `measured` by further
+    runs is in place of the laws, but for the top of the window: its effect grows on a way that is
+    longer than theirs.
     """
     factor = resistance / around
     if measured is None:

@@ -18,12 +18,7 @@ class SlidingCurves:
     """Samples of a block, which is body 0, from the beginning of the drive on.
 
     All loads act on the block, and the contact is that with its base. The first sample is taken at
-    once.
-
-    Args:
-        simulation: at the beginning of the drive.
-        start: time at which the drive begins [s].
-        along: unit vector along the interface, shape [2].
+    once, at the start of the drive [s]; `along` is the unit vector along the interface.
     """
 
     def __init__(self, simulation: Simulation, *, start: float, along: Floats) -> None:
@@ -172,27 +167,27 @@ class SlidingCurves:
             "1",
             "relative error of the acceleration, or the creep of a block that sticks",
         )
-        return {
-            **labelled(
+        return (
+            labelled(
                 dims=("progress",),
                 velocity_exact=(exact_velocity[1:], "m s-1", "exact velocity"),
                 displacement_exact=(exact_displacement[1:], "m", "exact displacement"),
                 shear_force_exact=(exact_shear, "N", "exact base shear"),
-            ),
-            **labelled(
+            )
+            | labelled(
                 acceleration=(acceleration, "m s-2", "mean acceleration over the second half"),
                 acceleration_exact=(exact_acceleration, "m s-2", "exact mean acceleration"),
                 base_shear=(base_shear, "N", "mean base shear over the second half"),
                 base_shear_exact=(exact_base_shear, "N", "exact mean base shear"),
-            ),
-            **labelled(
+            )
+            | labelled(
                 role="error",
                 acceleration_error=(acceleration_error, "1", "relative error of the acceleration"),
                 base_shear_error=(shear_error, "1", "relative error of the base shear"),
                 creep=(creep, "1", "displacement over length of a block that sticks, once at rest"),
-            ),
-            **labelled(role="headline", error=error),
-        }
+            )
+            | labelled(role="headline", error=error)
+        )
 
 
 def _elastic_energy(simulation: Simulation) -> float:

@@ -92,8 +92,12 @@ class FlyingBlock(CatalogueScene):
         return BodyScene(grid=grid, bodies=(block,), time_step_fraction=TIME_STEP_FRACTION)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Set the block off and let it fly."""
-        self._set_off(simulation)
+        """Give the points the velocity of the flight and its gradient, and let the block fly."""
+        flight = self.travel * SIDE / (self.step_count * simulation.plan.time_step)
+        turn = self._angular_velocity * np.array([[0.0, -1.0], [1.0, 0.0]])
+        velocity = flight * np.array(DIRECTION) + simulation.array("particle.position") @ turn.T
+        simulation.assign("particle.velocity", velocity)
+        simulation.assign("particle.affine", np.broadcast_to(turn, (len(velocity), 2, 2)))
         sampler = free_flight(simulation, self.cell_size)
         steps = [round(step) for step in evenly(self.step_count, SAMPLE_COUNT)]
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
@@ -117,14 +121,6 @@ class FlyingBlock(CatalogueScene):
     @property
     def _angular_velocity(self) -> float:
         return self.rim_speed * math.sqrt(SHEAR_MODULUS / DENSITY) / SIDE
-
-    def _set_off(self, simulation: Simulation) -> None:
-        """Give the material points the velocity of the flight, and its gradient."""
-        flight = self.travel * SIDE / (self.step_count * simulation.plan.time_step)
-        turn = self._angular_velocity * np.array([[0.0, -1.0], [1.0, 0.0]])
-        velocity = flight * np.array(DIRECTION) + simulation.array("particle.position") @ turn.T
-        simulation.assign("particle.velocity", velocity)
-        simulation.assign("particle.affine", np.broadcast_to(turn, (len(velocity), 2, 2)))
 
 
 def free_flight(simulation: Simulation, cell_size: float) -> Samples:

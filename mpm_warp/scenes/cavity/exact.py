@@ -36,12 +36,9 @@ slope jumps, rounding elsewhere."""
 def cavity_pressure(
     shear_stress: Callable[[Floats], Floats], *, strain: float, factor: float
 ) -> float:
-    """Excess pressure p - p0 of a cavity, in the unit of the shear stress.
+    """Excess pressure p - p0 of a cavity, in the unit of the shear stress tau at strains, [n].
 
-    Args:
-        shear_stress: tau at shear strains, both of shape [n]; linear in the smallest ones.
-        strain: gamma = m ln(a/a0) at the wall, > 1e-9; infinite for the limit.
-        factor: k, 1 for the cylinder and 4/3 for the sphere.
+    The strain at the wall is m ln(a/a0), > 1e-9, infinite for the limit; the factor is k.
     """
     ends = np.linspace(math.log(SMALLEST), math.log(min(strain, LARGEST)), PANELS + 1)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
@@ -53,13 +50,9 @@ def cavity_pressure(
 
 
 def strain_rate(strain: Floats, *, exponent: int, growth_rate: float, expansion: float) -> Floats:
-    """Shear strain rate around a cavity [1/s], at points of some shear strain, shape [n].
+    """Shear strain rate around a cavity [1/s], at points of the shear strain m ln(r/r0), [n].
 
-    Args:
-        strain: m ln(r/r0) of the points, shape [n].
-        exponent: m, 2 for the cylinder and 3 for the sphere.
-        growth_rate: (da/dt)/a of the cavity [1/s].
-        expansion: a/a0, > 1; infinite far from the start.
+    The growth rate is (da/dt)/a [1/s], the expansion a/a0, > 1, infinite far from the start.
     """
     rate: Floats = exponent * growth_rate * np.expm1(-strain) / (expansion ** -float(exponent) - 1)
     return rate

@@ -127,6 +127,11 @@ class ConeSelfSimilar(CatalogueScene):
             reached.append(simulation.travel)
             return reached[-1], 2.0 * math.pi * (forces.face_normal + forces.face_shear)
 
+        def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
+            # A mean over the travel since the sample before stands in its middle.
+            middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
+            return curves("depth", (middles, "m", "depth of the tip"), load=(load, "N", "load"))
+
         samples = Samples(sample, load_curve)
         depths = evenly(self._final_depth, SAMPLE_COUNT)
         recorded = follow(simulation, depths, simulation.travel_to, [samples], progress)
@@ -148,17 +153,8 @@ class ConeSelfSimilar(CatalogueScene):
             "that in the work less 1, by least squares of logarithms from "
             f"{FITTED_FROM:.0%} of the final depth; exactly 2 where nothing has a length"
         )
+        over = "load over su and the cone's section at the ground's first level"
         return labelled(role="headline", error=error) | labelled(
             exponent=(exponent, "1", "exponent of the depth in the load", fitted),
-            load_factor=(
-                float(factor[late].mean()),
-                "1",
-                "load over su and the cone's section at the ground's first level",
-            ),
+            load_factor=(float(factor[late].mean()), "1", over),
         )
-
-
-def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
-    """Load over depth: a mean over the travel since the sample before stands in its middle."""
-    middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
-    return curves("depth", (middles, "m", "depth of the tip"), load=(load, "N", "load"))

@@ -30,18 +30,16 @@ Slowing = tuple[float, float]
 class PenetrationCurves:
     """Samples the forces on a penetrometer, at every `SAMPLE_SPACING` radii of penetration.
 
+    `forces` are means over each sample so far, `nodal_forces` those at the nodes over the last one
+    [N], shape [node_count, 2].
+
     Args:
         simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
-        radius: radius of the penetrometer [m].
+        radius: of the penetrometer [m].
         unsteady: penetration before which no resistance counts as steady, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady.
         slowing: penetration between which the resistance is not given, over the radius: the
             penetrometer slows down there, and the inertia of the soil pushes it; or none.
-
-    Attributes:
-        radius: radius of the penetrometer [m].
-        forces: mean forces over each sample so far.
-        nodal_forces: mean forces at the nodes over the last sample [N], shape [node_count, 2].
     """
 
     def __init__(

@@ -124,11 +124,7 @@ def stated_beside_shaft(
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2, corrected, with their uncertainty; and that of sleeve friction.
 
-    Args:
-        test: what was run.
-        results: the pressures, their factors, and that of the sleeve friction, as simulated; and
-            `cone_factor_uncertainty`.
-        material: the soil that was built.
+    Results are those as simulated, and `cone_factor_uncertainty`; the material is what was built.
     """
     shaft = test.shaft_adhesion_factor
     slips_at_adhesion = test.rate_factor == 0.0 and test.friction_coefficient == 0.0

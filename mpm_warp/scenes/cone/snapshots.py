@@ -17,14 +17,10 @@ AXIS = "penetration"
 
 
 class PenetrationSnapshots:
-    """Takes snapshots at samples of a penetration.
+    """Takes snapshots at samples of a penetration, which are over the radius of the penetrometer.
 
-    Args:
-        simulation: a run of a scene with a window and `history`, whose contact is a
-            `PenetrometerContact`.
-        snapshots: that are to be taken, over the radius of the penetrometer.
-        curves: what samples the forces on the penetrometer, each time before this.
-        parameters: of the scene.
+    The scene has a window, a `History` and a `PenetrometerContact`; each time, `curves` has sampled
+    the forces on it before.
     """
 
     def __init__(

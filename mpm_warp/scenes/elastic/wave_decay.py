@@ -26,13 +26,10 @@ from mpm_warp.step.points import seed_rows
 
 
 def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> complex:
-    """By what a step multiplies the wave whose frequency is nearest.
+    """By what a step [s] multiplies the wave whose angular frequency [1/s] is nearest.
 
-    Args:
-        scene: soil on a grid with horizontal rows, which moves along z alone, with a mass-matrix
-            correction, and nothing that acts on it but held nodes.
-        angular_frequency: w of the wave where steps are exact [1/s].
-        time_step: length of a step [s].
+    That frequency is w where steps are exact. The soil is on a grid with horizontal rows, moves
+    along z alone, and has a mass-matrix correction; nothing acts on it but held nodes.
     """
     near = np.exp(1j * angular_frequency * time_step)
     matrix = step_matrix(scene, time_step)

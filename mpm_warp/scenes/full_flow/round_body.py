@@ -32,12 +32,8 @@ class RoundBody:
         """A grid whose rows meet both poles and whose first column follows the surface.
 
         Columns far from the body are upright, so that the cells near it are the same however large
-        the grid is.
-
-        Args:
-            cells_per_radius: cells over a radius, >= 1: rows of this height away from the body.
-            columns: distances of the columns of nodes from the widest place, from 0, rising [m].
-            extent: of the grid below and above the centre, over the radius, >= 2.
+        the grid is. They are at distances from the widest place, from 0, rising [m]. The extent is
+        that below and above the centre, over the radius, >= 2.
         """
         size = self.radius / cells_per_radius
         beside = np.linspace(0.0, self.radius - POLE_ROW * size, cells_per_radius + 1)

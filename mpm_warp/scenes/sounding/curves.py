@@ -40,11 +40,8 @@ def sounding_curves(
 ) -> xr.Dataset:
     """Curves over the depth of the tip, with the ground beside them, without the way before.
 
-    Args:
-        sounding: what was run.
-        recorded: over `penetration`, from the start of the run; it may have ended early.
-        why_none: why the error of no sample is known, each as "word: sentence".
-        measured: the error by further runs, in place of the laws.
+    They are recorded over `penetration`, from the start of a run, which may have ended early. What
+    further runs have measured of the error is in place of the laws.
     """
     given = recorded.isel(penetration=slice(sounding.lead_count, None))
     samples = np.array(sounding.samples[: given.sizes["penetration"]])
