@@ -176,7 +176,7 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
         node_velocity_r=(radial, "m s-1", "radial velocity", ground),
         node_velocity_z=(upward, "m s-1", "upward velocity", ground),
     )
-    return _single(labelled(dims=("point",), **of_soil) | of_grid)
+    return _single(labelled(dims=("point",), role=None, **of_soil) | of_grid)
 
 
 def _single(variables: Variables) -> dict[str, xr.Variable]:
