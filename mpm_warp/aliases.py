@@ -3,7 +3,10 @@
 from collections.abc import Container
 
 ALIASES: dict[tuple[str, ...], dict[str, str]] = {
-    ("ir", "rigidity"): {"rigidity_index": "G / su"},
+    ("ir", "rigidity", "rigidity_index"): {
+        "rigidity_index": "G / su",
+        "shear_modulus": "Ir su, in Pa",
+    },
     ("g", "gmod", "shear_modulus", "stiffness"): {
         "shear_modulus": "in Pa",
         "rigidity_index": "G / su",
@@ -13,13 +16,15 @@ ALIASES: dict[tuple[str, ...], dict[str, str]] = {
         "rigidity_index": "G / su with G = E / (2 (1 + nu))",
     },
     ("su", "cu", "c", "strength", "undrained_strength", "shear_strength", "cohesion"): {
-        "undrained_shear_strength": "in Pa"
+        "undrained_shear_strength": "in Pa",
+        "strength": "",
     },
     ("alpha", "a", "roughness", "adhesion"): {
         "adhesion_factor": "adhesion over su, 0 smooth to 1 rough",
         "adhesion": "in Pa",
     },
-    ("k0", "anisotropy"): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
+    ("k0",): {"K0": "", "stress_anisotropy": "(1 - K0) sigma_v0' / (2 su)"},
+    ("anisotropy",): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
     ("delta",): {
         "stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)",
         "remoulded_strength_ratio": "1 / sensitivity",
@@ -41,7 +46,10 @@ ALIASES: dict[tuple[str, ...], dict[str, str]] = {
     },
     ("nu", "poisson", "poisson_ratio"): {"poissons_ratio": ""},
     ("rho", "mass_density"): {"density": "in kg/m3"},
-    ("gamma", "unit_weight"): {"density": "unit weight over 9.81 m/s2, in kg/m3"},
+    ("gamma", "unit_weight"): {
+        "unit_weight": "",
+        "density": "unit weight over 9.81 m/s2, in kg/m3",
+    },
     ("sigma_v0", "sigma_v", "sigma_0", "sigma0", "p0", "total_stress", "overburden"): {
         "in_situ_stress": "in Pa"
     },
@@ -49,7 +57,8 @@ ALIASES: dict[tuple[str, ...], dict[str, str]] = {
     ("d", "diameter", "cone_diameter"): {"cone_radius": "half the diameter, in m"},
     ("area", "cone_area"): {"cone_radius": "sqrt(area / pi), in m"},
     ("angle", "cone_angle", "apex", "beta"): {"apex_angle": "in degrees", "slope": "in degrees"},
-    ("depth", "travel", "distance"): {
+    ("z", "depth", "travel", "distance"): {
+        "depth": "",
         "penetration": "over the cone radius",
         "displacement": "over the radius, times G / su",
         "travel": "over the length",

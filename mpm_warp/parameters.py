@@ -12,7 +12,7 @@ import difflib
 import functools
 import types
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -266,6 +266,6 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
     return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
 
 
-def nearest_parameter(name: str, known: Mapping[str, Parameter]) -> str:
+def nearest_parameter(name: str, known: Collection[str]) -> str:
     """A phrase that says what to give instead: what a word of the field means, or the nearest."""
     return what_to_give(name, known) or nearest_name(name, known)

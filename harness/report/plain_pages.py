@@ -132,7 +132,7 @@ PHASES = ("exact anchors", "cone factors", "layers and gradient")
 
 
 @STYLED
-def benchmark_figure(found: Sequence[Score]) -> Figure:
+def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     """Error over run time, a panel a phase; submissions that tell no time stand at the left."""
     figure = Figure(figsize=SIZE, layout="constrained")
     judged = [it for it in found if math.isfinite(it.error)]
@@ -144,21 +144,32 @@ def benchmark_figure(found: Sequence[Score]) -> Figure:
             own = [it for it in judged if it.submission == name and it.case.phase == phase]
             low, high = NO_TIME
             untimed = low * (high / low) ** ((place + 0.5) / len(names))
-            seconds = [it.result.seconds for it in own]
-            axes.plot(
-                [it if math.isfinite(it) else untimed for it in seconds],
-                [max(abs(it.error), LEAST_ERROR) for it in own],
-                MARKERS[place % len(MARKERS)],
-                color=series_colour(place, len(names)),
-                ms=4,
-                label=name,
-            )
+            marker, colour = MARKERS[place % len(MARKERS)], series_colour(place, len(names))
+            axes.plot([], [], marker, color=colour, ms=4, label=name)
+            for it in own:
+                axes.plot(
+                    it.result.seconds if math.isfinite(it.result.seconds) else untimed,
+                    max(abs(it.error), LEAST_ERROR),
+                    marker,
+                    color=colour,
+                    ms=4,
+                    mfc=colour if math.isfinite(it.result.uncertainty) else "white",
+                )
         axes.set(title=title, xscale="log", yscale="log")
     panels[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
     panels[0].set_ylabel("|E| over the yardstick [-]")
-    panels[1].set_xlabel("run time [s]; grey: none told")
+    panels[1].set_xlabel("run time [s]")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=6)
+    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=6)
+    figure.supxlabel(
+        f"E counts from the exact value; where none is known, from {against}, which is one value, "
+        "not the truth.\nFilled: the uncertainty U is stated. Hollow: it is not. Grey: no run time "
+        f"is told. Errors below {LEAST_ERROR:g} are drawn there.",
+        x=0.01,
+        ha="left",
+        fontsize=7,
+        color="0.2",
+    )
     return figure
 
 
@@ -177,8 +188,13 @@ def benchmark_page(
         picture=embedded("errors over run time", picture),
         summary=summary_rows(found),
         meta=[
-            ["submission", *META_KEYS],
-            *([it.name, *(it.meta.get(key, "") for key in META_KEYS)] for it in submissions),
+            ["submission", "of", "told"],
+            *(
+                [it.name, key, it.meta[key]]
+                for it in submissions
+                for key in META_KEYS
+                if key in it.meta
+            ),
         ],
         titles=[
             ["case", "what is computed", "unit", "exact"],

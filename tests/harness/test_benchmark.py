@@ -1,6 +1,7 @@
 """The open benchmark: its cases can be run, scores tell who is wrong, bad submissions are told."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from harness.benchmark.cases import META_KEYS, Result, Submission, benchmark_cas
 from harness.benchmark.score import formulas, scores, summary_rows
 from harness.cli.main import main
 from harness.cli.process import BAD_INPUT, DONE
+from harness.report.plain_pages import benchmark_figure
 from harness.study.tables import StudyError
 from mpm_warp.scenes import scene_class
 
@@ -67,6 +69,18 @@ def test_formulas_stand_where_they_hold_and_state_no_uncertainty():
     assert "cone_mises" not in lu  # of Tresca clay
     assert "cone_mises" in found["yu_2000"]
     assert not any(it.uncertainty > 0 for it in lu.values())
+
+
+def test_results_without_an_uncertainty_are_drawn_hollow():
+    found = [Result(11.0, 0.1, 1.0), Result(11.0, math.nan, 1.0), Result(10.0, 0.1, 1.0)]
+    given = [
+        Submission(name, META, {"cone_100_smooth": it})
+        for name, it in zip(("told", "not", "yardstick"), found, strict=True)
+    ]
+    figure = benchmark_figure(scores(benchmark_cases(), given, "yardstick"), "yardstick")
+    marks = [it for it in figure.axes[1].lines if len(it.get_xdata())]
+    assert [it.get_markerfacecolor() == "white" for it in marks] == [False, True]
+    assert "from yardstick, which is one value" in figure.get_supxlabel()
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def benchmark(options: argparse.Namespace) -> int:
     found = scores(cases, submissions, options.against)
     prepare(options.out)
     base = options.out / "benchmark"
-    picture = image(benchmark_figure(found))
+    picture = image(benchmark_figure(found, options.against))
     write_csv(case_rows(found), base.with_suffix(".csv"))
     write_own(picture, base.with_suffix(".png"))
     page = benchmark_page(submissions, found, picture, options.against)

@@ -10,11 +10,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
+    COMPLETED,
     NUMERICAL,
     is_there,
     over_cases,
     parameter_names,
     reasons_of,
+    scenes_of,
+    uncertainty_of,
     words_of,
 )
 from harness.pictures.drawing.quantities import assigned, plain, quantity, symbol
@@ -68,7 +71,20 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     if sentence and "," not in words:  # there is room for the whole of one reason
         why = f"{':' if are_shown else ''} {sentence.partition(', but ')[0]}"
     without = f"{where}{why}." if why else ""
-    return " ".join(filter(None, [meant, without]))
+    return " ".join(filter(None, [meant, without, _not_measured(dataset) if are_shown else ""]))
+
+
+def _not_measured(dataset: xr.Dataset) -> str:
+    """Which scenes have neither a half width nor a reason for none, in a sentence."""
+    status = over_cases(dataset, "status")
+    cases = zip(scenes_of(dataset), uncertainty_of(dataset), reasons_of(dataset), strict=True)
+    silent = [
+        scene
+        for (scene, width, reason), ended in zip(cases, status, strict=True)
+        if ended == COMPLETED and np.isnan(width) and not reason
+    ]
+    names = plain(" and ".join(dict.fromkeys(silent)))
+    return f"The error of {names} was not measured." if names else ""
 
 
 def fixed(dataset: xr.Dataset) -> str:
@@ -99,9 +115,10 @@ def _by_depth(dataset: xr.Dataset) -> Iterator[str]:
 
 def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
     """What they are called in the dataset."""
-    scene = str(dataset.attrs.get("scene", ""))
     stored = parameter_names(dataset)
-    defaults = _defaults(dataset, scene_class(scene), stored) if scene in scene_names() else {}
+    defaults: dict[str, Value | None] = {}
+    for scene in sorted(set(scenes_of(dataset)) & set(scene_names())):
+        defaults |= _defaults(dataset, scene_class(scene), stored)
     constant = {
         name: own
         for name, own in stored.items()

@@ -36,7 +36,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import loaded_laws, other_law
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parameters import nearest_name
+from mpm_warp.parameters import nearest_parameter
 
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 UNITS: Mapping[str, Mapping[str, float]] = {
@@ -110,7 +110,7 @@ class Profile:
     def __new__(cls, **columns: object) -> Self:  # noqa: D102 - the class says it
         for name in columns:
             if name not in (*OWN, "of_law"):
-                raise refused(f"unknown column {name!r}{nearest_name(name, OWN)}")
+                raise refused(f"unknown column {name!r}{nearest_parameter(name, OWN)}")
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -362,7 +362,7 @@ def units_of(name: str) -> Mapping[str, float]:
         key: it.unit for law in loaded_laws() for key, it in other_law(law).parameters.items()
     }
     if name not in of_laws:
-        raise refused(f"unknown column {name!r}{nearest_name(name, [*UNITS, *of_laws])}")
+        raise refused(f"unknown column {name!r}{nearest_parameter(name, [*UNITS, *of_laws])}")
     return PRESSURES if of_laws[name] == "Pa" else {of_laws[name]: 1.0}
 
 

@@ -55,6 +55,13 @@ def test_a_case_that_did_not_complete_is_told_of() -> None:
     assert "scenes" in figures(dataset)
 
 
+def test_the_caption_tells_what_was_not_measured_and_what_is_no_default() -> None:
+    made = cones_and_bars([0.0, 0.5]).assign(ductility=((), 10.0, {"role": "parameter"}))
+    told = " ".join(scenes_figure(made).get_supxlabel().split())
+    assert "The error of t_bar_penetration was not measured." in told
+    assert told.endswith(r"Fixed: $ξ_{\mathrm{95}}$ = 10.")
+
+
 @pytest.mark.parametrize(
     "dataset",
     [
