@@ -24,19 +24,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernel_types import (
-    half,
-    one,
-    quarter,
-    real,
-    third,
-    two,
-    vec2,
-    vec3,
-    vec4,
-    vec7,
-    zero,
-)
+from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec2, vec3, vec4, vec7, zero
 from mpm_warp.materials.von_mises import j2
 
 PART, MOST_PARTS = 0.1, 40

@@ -149,20 +149,15 @@ class Material(Checked, ABC):
     def state_at(self, stress: Floats, place: Floats) -> Floats:
         """State of points that start, or enter, with a stress at a place; 0 by default.
 
-        Args:
-            stress: (rr, zz, rz, tt) of the points [Pa], shape [..., 4].
-            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
-
-        Returns:
-            The numbers that `state` names, shape [..., state_count].
+        It has the numbers that `state` names, shape [..., state_count]. The stress is (rr, zz, rz,
+        tt) [Pa], shape [..., 4], the place (r, z) in the ground [m], [..., 2]; see `Variation`.
         """
         return np.zeros((*place.shape[:-1], len(self.state)))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
         """Check that the ground may have a stress before anything moves; any by default.
 
-        Args:
-            stress: (rr, zz, rz, tt) over that of the ground's pressure [Pa], shape [4].
+        It is (rr, zz, rz, tt) over that of the ground's pressure [Pa], shape [4].
 
         Raises:
             SceneError: the law does not allow it.
@@ -170,20 +165,11 @@ class Material(Checked, ABC):
         return
 
     def properties_at(self, place: Floats) -> Floats:
-        """`properties` of points whose material varies, shape [..., property_count].
-
-        Args:
-            place: (r, z) in the ground where they come from [m], shape [..., 2].
-        """
+        """`properties` of points that come from places in ground that varies, [..., count]."""
         return self.by_depth(place, lambda material: material.properties)
 
     def by_depth(self, place: Floats, numbers: Callable[[Any], Sequence[float] | Floats]) -> Floats:
-        """Numbers of the material at places, linear between rows where its ground has them.
-
-        Args:
-            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
-            numbers: gives them of a material, a vector.
-        """
+        """Numbers of a material, a vector, at places; linear between rows of its ground."""
         if self.variation is None or self.variation.rows is None:
             return np.tile(numbers(self), (*place.shape[:-1], 1))
         rows = self.variation.rows
@@ -214,11 +200,8 @@ class Material(Checked, ABC):
     def undrained_strength(self, test: str) -> float | None:
         """Strength in an element test [Pa]: half of the extreme principal stresses' difference.
 
-        Args:
-            test: mode of the test, as triaxial_compression; see the scene `element_test`.
-
-        Returns:
-            None where the law does not tell, as by default.
+        The mode is as triaxial_compression, see the scene `element_test`. None where the law does
+        not tell, as by default.
         """
         return None
 
@@ -232,23 +215,14 @@ class Material(Checked, ABC):
     ) -> Floats | None:
         """By what a step changes the mean stress [Pa], for the watch to compare, shape [n].
 
-        Args:
-            volume_strain: of some points in the step, expansion positive, shape [n].
-            properties: theirs, shape [n, property_count].
-            state: theirs before and after the step, each of shape [n, state_count]; None where they
-                have none.
-
-        Returns:
-            None where the law does not tell, as by default: the watch compares nothing then.
+        Of points are given the volume strain in the step, expansion positive, [n], properties [n,
+        count], and, where they have one, the state before and after, [n, count]. None where the law
+        does not tell, as by default: the watch compares nothing then.
         """
         return None
 
     def stiffness_ratio_at(self, place: Floats) -> Floats:
-        """Shear modulus over `ground_shear_modulus` at places in the ground.
-
-        Args:
-            place: (r, z) in the ground [m], shape [..., 2]; see `Variation`.
-        """
+        """Shear modulus over `ground_shear_modulus` at places in the ground, see `Variation`."""
         if self.variation is None:
             return np.ones(place.shape[:-1])
         return self.variation.at(place, self.variation.stiffness_ratio)

@@ -35,17 +35,11 @@ FROM_ELSEWHERE = ("variation",)
 
 @dataclass(frozen=True, kw_only=True)
 class OtherLaw:
-    """A law of another package.
+    """A law of another package."""
 
-    Attributes:
-        name: that studies call it by.
-        kind: its class.
-        parameters: its own, by name.
-    """
-
-    name: str
+    name: str  # that studies call it by
     kind: type[Material]
-    parameters: Mapping[str, Parameter]
+    parameters: Mapping[str, Parameter]  # its own, by name
 
     @property
     def given(self) -> set[str]:
@@ -97,10 +91,7 @@ def other_law(name: str) -> OtherLaw:
     where = f"material {name!r}: the entry point {offered.value!r}"
     try:
         kind = offered.load()
-    except (
-        Exception,
-        SystemExit,
-    ) as error:  # another package's code
+    except (Exception, SystemExit) as error:  # another package's code
         raise ParameterError(
             "material", f"{where} cannot be loaded: {type(error).__name__}: {error}"
         ) from None

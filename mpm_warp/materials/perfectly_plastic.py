@@ -63,12 +63,7 @@ class UndrainedClay(Isotropic):
 
 
 def limit_pressure(shear_modulus: float, strength: float) -> float:
-    """Of a spherical cavity in perfectly plastic clay [Pa] (Hill 1950).
-
-    Args:
-        shear_modulus: G [Pa].
-        strength: su [Pa].
-    """
+    """Of a spherical cavity in perfectly plastic clay [Pa] (Hill 1950), by G and su [Pa]."""
     return 4.0 / 3.0 * strength * (1.0 + math.log(shear_modulus / strength))
 
 

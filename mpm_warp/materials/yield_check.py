@@ -30,10 +30,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
     plan.add_zeros("yield.margin", "real", blocks)
     plan.add_zeros("yield.particle", "int", blocks)
     plan.between_steps["yield_check"] = plan.launch(
-        _make_yield_check(law),
-        blocks,
-        count=count,
-        **material.on_points(plan, law),
+        _make_yield_check(law), blocks, count=count, **material.on_points(plan, law)
     )
 
 
@@ -49,9 +46,7 @@ def add_yield_share(plan: Plan, material: Material) -> None:
     (count,) = plan.arrays["particle.mass"].shape
     plan.add_zeros("yield.share", "real", count)
     plan.between_steps["yield_share"] = plan.launch(
-        _make_yield_share(law),
-        count,
-        **material.on_points(plan, law),
+        _make_yield_share(law), count, **material.on_points(plan, law)
     )
 
 
