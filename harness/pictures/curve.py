@@ -7,7 +7,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from harness.archive.conventions import Role, over_cases, parameter_of, with_role
-from harness.compare.compared import NothingToCompareError, conditions_of, stored_references
+from harness.compare.compared import (
+    NothingToCompareError,
+    conditions_of,
+    stored_experience,
+    stored_references,
+)
 from harness.pictures.convergence import shows_convergence
 from harness.pictures.drawing.caption import left_out, write_caption
 from harness.pictures.drawing.literature import draw_experience, draw_literature, ranges_of_own
@@ -33,6 +38,8 @@ from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED, NEEDED
 from harness.study.compared import OwnReference
 
+BY_COMPRESSION = f"{COMPARED}_by_compression"
+"""Cone factors by su in triaxial compression."""
 FINE = 400
 """Points of a literature curve."""
 LEAST_VALUES = 3
@@ -84,7 +91,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
         x, y = along.numbers[ordered], studied.computed[ordered]
         label = studied.label(cases[0], other)
         if studied.headline == COMPARED and (rank == 0 or not shared):
-            ends += _literature(axes, studied, name, ordered[0], None if shared else colour)
+            ends += _literature(axes, studied, name, ordered, None if shared else colour)
         axes.errorbar(
             x,
             y,
@@ -97,6 +104,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure:
         )
         mark_failures(axes, x[~np.isfinite(y)])
         _draw_exact(axes, studied, ordered, x)
+        _draw_by_strength_of_bands(axes, studied, ordered, x, colour)
     along.dress(axes, room=10)
     axes.set(xlabel=axis_label(dataset, name), ylabel=axis_label(dataset, studied.headline))
     label_ends(axes, ends)
@@ -141,18 +149,23 @@ def _depends_on(dataset: xr.Dataset, name: str) -> bool:
 
 
 def _literature(
-    axes: Axes, studied: Studied, name: str, case: int, colour: str | None
+    axes: Axes, studied: Studied, name: str, cases: np.ndarray, colour: str | None
 ) -> list[CurveEnd]:
     along = _values(studied, name)
     dataset = studied.dataset
     follows = [name for name in with_role(dataset, Role.PARAMETER) if name in dataset.data_vars]
     # What the scene derives from a varied parameter goes along with it: it is left to be derived.
-    one = studied.case(case).drop_vars([name for name in follows if dataset[name].ndim])
+    one = studied.case(int(cases[0])).drop_vars([it for it in follows if dataset[it].ndim])
     if along.categories:
         # A text says nothing to the literature: its values stand side by side.
         places = np.linspace(-0.5, len(along.categories) - 0.5, FINE)
         return draw_literature(axes, one.assign({name: 0.0}), name, places, colour)
-    return draw_literature(axes, one, name, _fine(along), colour)
+    fine, index = _fine(along), over_cases(dataset, "rigidity_index")[cases]
+    if "rigidity_index" not in one:  # a law has its own, which changes along the axis
+        place = np.log if along.scale == "log" else np.asarray
+        between = np.interp(place(fine), place(along.numbers[cases]), np.log(index))
+        return draw_literature(axes, one, name, fine, colour, np.exp(between))
+    return draw_literature(axes, one, name, fine, colour)
 
 
 def _fine(values: Values) -> Floats:
@@ -172,6 +185,18 @@ def _draw_exact(axes: Axes, studied: Studied, cases: np.ndarray, x: Floats) -> N
         if belongs and set(dataset[name].dims) <= set(dataset["status"].dims):
             exact = over_cases(dataset, name)[cases]
             axes.plot(x, exact, ls="--", lw=1, color="0.4", label=once(axes, "exact"))
+
+
+def _draw_by_strength_of_bands(
+    axes: Axes, studied: Studied, cases: np.ndarray, x: Floats, colour: str
+) -> None:
+    """Draw the factors by su in compression, as those of experience are, of a law with several."""
+    if BY_COMPRESSION not in studied.dataset or not stored_experience(studied.dataset):
+        return
+    factors = over_cases(studied.dataset, BY_COMPRESSION)
+    if not np.allclose(factors, studied.computed, equal_nan=True):
+        label = once(axes, "by su in triaxial compression")
+        axes.plot(x, factors[cases], ls=":", marker="o", mfc="white", color=colour, label=label)
 
 
 def shows_map(dataset: xr.Dataset) -> bool:

@@ -51,9 +51,16 @@ ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
 
 
 def draw_literature(
-    axes: Axes, one: xr.Dataset, name: str, along: Floats, colour: str | None = None
+    axes: Axes,
+    one: xr.Dataset,
+    name: str,
+    along: Floats,
+    colour: str | None = None,
+    index: Floats | None = None,
 ) -> list[CurveEnd]:
     """Draw the envelope and the references of a case over values of one of its parameters.
+
+    `index` is the rigidity index at these values, where it changes along with that parameter.
 
     A curve is solid where its reference applies and dashed outside. Of a case that is one of a
     series in a colour the envelope alone is drawn, in that colour.
@@ -62,7 +69,8 @@ def draw_literature(
         The ends of the references' curves, with their names.
     """
     values = xr.Variable(name, along, one[name].attrs)
-    conditions = conditions_of(one.drop_vars(name).assign_coords({name: values}))
+    changed = {} if index is None else {"rigidity_index": (name, index)}
+    conditions = conditions_of(one.drop_vars(name).assign_coords({name: values} | changed))
 
     def over(value: Quantity) -> np.ndarray:
         return np.broadcast_to(np.asarray(value), along.shape)

@@ -130,6 +130,24 @@ def test_where_the_literature_depends_on_the_series_each_has_its_envelope() -> N
     assert bands == [to_hex(line.get_color()) for line in points(figure)]
 
 
+def test_the_literature_follows_a_rigidity_index_that_changes_along_the_axis() -> None:
+    dataset = result({"swelling_slope": [1.0, 2.0, 4.0]})
+    dataset["rigidity_index"] = "swelling_slope", [100.0, 50.0, 25.0], {"role": "parameter"}
+    lu = curves(curve_figure(dataset))[1]
+    found = np.interp([1.0, 2.0, 4.0], lu.get_xdata(), lu.get_ydata())
+    assert found == pytest.approx(3.4 + 1.6 * np.log([100.0, 50.0, 25.0]) + 1.3 * 0.5)
+
+
+def test_beside_bands_factors_are_drawn_by_the_strength_of_the_bands_too() -> None:
+    dataset = result({"swelling_slope": [1.0, 2.0, 4.0]})
+    dataset["cone_factor_by_compression"] = 0.9 * dataset["cone_factor"].drop_attrs()
+    assert len(points(curve_figure(dataset))) == 1
+    figure = curve_figure(with_experience(dataset, ["karlsrud_2005"]))
+    assert "by su in triaxial compression" in legend(figure)
+    by_compression = next(it for it in points(figure) if it.get_linestyle() == ":")
+    assert by_compression.get_ydata() == pytest.approx(0.9 * dataset["cone_factor"].values)
+
+
 def test_uncertainty_is_drawn_as_error_bars() -> None:
     figure = curve_figure(MADE["one parameter"]())
     (drawn,) = (it for it in figure.axes[0].containers if isinstance(it, ErrorbarContainer))
