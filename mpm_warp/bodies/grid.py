@@ -32,20 +32,14 @@ low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
 class UniformGrid:
     """A grid of square cells.
 
-    Attributes:
-        lower: corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0.
-        cell_size: side of a cell [m], > 0.
-        cell_counts: cells along both axes, >= 3 each.
-        axisymmetric: whether the axes are (r, z), else plane strain in (x, y).
-
     Raises:
         SceneError: a value is not allowed.
     """
 
-    lower: tuple[float, float]
-    cell_size: float
-    cell_counts: tuple[int, int]
-    axisymmetric: bool = False
+    lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
+    cell_size: float  # side of a cell [m], > 0
+    cell_counts: tuple[int, int]  # cells along both axes, >= 3 each
+    axisymmetric: bool = False  # whether the axes are (r, z), else plane strain in (x, y)
 
     def __post_init__(self) -> None:
         check_number("grid: cell_size", self.cell_size, POSITIVE, unit="m")

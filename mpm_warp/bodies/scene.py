@@ -26,21 +26,15 @@ TOUCHING = 0.9
 class BodyScene:
     """Bodies on a grid, and contact between them.
 
-    Attributes:
-        grid: the background grid.
-        bodies: one or more.
-        time_step_fraction: time step over the critical one, the least `Body.critical_time_step` of
-            all bodies; > 0.
-        contact: between two bodies; None: bodies pass through each other.
-
     Raises:
         SceneError: a value is not allowed, a body is not within the grid, or two overlap.
     """
 
-    grid: UniformGrid
-    bodies: tuple[Body, ...]
+    grid: UniformGrid  # the background grid
+    bodies: tuple[Body, ...]  # one or more
+    # time step over the critical one, the least `Body.critical_time_step` of all bodies; > 0
     time_step_fraction: float = 0.6
-    contact: BodyContact | None = None
+    contact: BodyContact | None = None  # between two bodies; None: bodies pass through each other
 
     def __post_init__(self) -> None:
         check_kind("grid", self.grid, UniformGrid)

@@ -88,36 +88,28 @@ class Array:
 class Plan:
     """All arrays and launches of a run.
 
-    Attributes:
-        time_step: length of every step [s], of the first ones where there is a control.
-        longest_time_step: beyond which a run is not stable [s].
-        speed_limit: speed of the fastest wave, which no particle exceeds in a sound run [m/s].
-        particle_bounds: lowest and highest coordinates that particles may have [m].
-        control: changes the time step during the run; None where what is stable stays the same.
-        share_count: into how many shares launches may be split: so many sums does a step add up,
-            in one order, whether the shares run one after the other or at the same time.
-        remedy: what may help where a run diverges.
-        particle_count: particles at the start.
-        arrays: by name, "particle.mass" say; the first word says over what they run.
-        step: the launches of one step, in order.
-        audited_step: the same with an audit of energy in it, to be taken now and then; or none.
-        between_steps: launches that the host orders between steps, by name.
-
     Raises:
         SceneError: the time step is not > 0, or there is no share.
     """
 
-    time_step: float
-    longest_time_step: float
-    speed_limit: float
+    time_step: float  # length of every step [s], of the first ones where there is a control
+    longest_time_step: float  # beyond which a run is not stable [s]
+    speed_limit: float  # speed of the fastest wave, which no particle exceeds in a sound run [m/s]
+    # lowest and highest coordinates that particles may have [m]
     particle_bounds: tuple[Floats, Floats]
+    # changes the time step during the run; None where what is stable stays the same
     control: TimeStepControl | None = None
+    # into how many shares launches may be split: so many sums does a step add up, in one order,
+    # whether the shares run one after the other or at the same time
     share_count: int = 1
-    remedy: str = "try a smaller time_step_fraction"
-    particle_count: int = 0
+    remedy: str = "try a smaller time_step_fraction"  # what may help where a run diverges
+    particle_count: int = 0  # particles at the start
+    # by name, "particle.mass" say; the first word says over what they run
     arrays: dict[str, Array] = field(default_factory=dict)
-    step: list[Launch] = field(default_factory=list)
+    step: list[Launch] = field(default_factory=list)  # the launches of one step, in order
+    # the same with an audit of energy in it, to be taken now and then; or none
     audited_step: list[Launch] = field(default_factory=list)
+    # launches that the host orders between steps, by name
     between_steps: dict[str, Launch] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -24,15 +24,10 @@ SLEEVE_LENGTH = 133.7 / _RADIUS
 
 @dataclass(frozen=True, kw_only=True)
 class Penetrometer:
-    """A cone with its tip at z = 0 and its shoulder, of the shaft's radius, above.
+    """A cone with its tip at z = 0 and its shoulder, of the shaft's radius, above."""
 
-    Attributes:
-        radius: radius of the shaft [m], > 0.
-        apex_angle: full angle of the cone [rad], 0 < angle < pi.
-    """
-
-    radius: float
-    apex_angle: float
+    radius: float  # radius of the shaft [m], > 0
+    apex_angle: float  # full angle of the cone [rad], 0 < angle < pi
 
     @property
     def cone_height(self) -> float:
@@ -91,19 +86,12 @@ def sleeve_mean(heights: Floats, values: Floats) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PenetrometerForces:
-    """Forces on the penetrometer per radian, upward positive [N].
+    """Forces on the penetrometer per radian, upward positive [N]."""
 
-    Attributes:
-        face_normal: from the normal traction on the cone's face.
-        face_shear: from the shear traction on it.
-        shaft_shear: from the shear traction on the shaft.
-        contact_share: share of face and shaft that the soil touches, dimensionless.
-    """
-
-    face_normal: float
-    face_shear: float
-    shaft_shear: float
-    contact_share: float
+    face_normal: float  # from the normal traction on the cone's face
+    face_shear: float  # from the shear traction on it
+    shaft_shear: float  # from the shear traction on the shaft
+    contact_share: float  # share of face and shaft that the soil touches, dimensionless
 
     @property
     def upward(self) -> float:

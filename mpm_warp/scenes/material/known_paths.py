@@ -30,19 +30,12 @@ RELATIVE_ERROR, ABSOLUTE_ERROR = 1e-11, 1e-13
 
 @dataclass(frozen=True, kw_only=True)
 class StrainPath:
-    """A constant velocity gradient over a unit of time, and what the stress is at its end.
+    """A constant velocity gradient over a unit of time, and what the stress is at its end."""
 
-    Attributes:
-        name: what the point goes through.
-        gradient: velocity gradient (rr, rz, zr, zz, tt) [1/s].
-        start: stress (rr, zz, rz, tt) at the start, over the strength.
-        exact: stress at the end, over the strength.
-    """
-
-    name: str
-    gradient: tuple[float, ...]
-    start: tuple[float, ...]
-    exact: tuple[float, ...]
+    name: str  # what the point goes through
+    gradient: tuple[float, ...]  # velocity gradient (rr, rz, zr, zz, tt) [1/s]
+    start: tuple[float, ...]  # stress (rr, zz, rz, tt) at the start, over the strength
+    exact: tuple[float, ...]  # stress at the end, over the strength
 
 
 @functools.cache

@@ -33,20 +33,14 @@ NOWHERE = np.full(2, np.nan)
 class StrainPaths:
     """Material points, each strained and turned at a constant velocity gradient for one second.
 
-    Attributes:
-        material: of all points, with or without memory.
-        gradient: velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5].
-        stress: stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4].
-        step_count: steps into which the second is divided, >= 1.
-
     Raises:
         SceneError: a value is not allowed.
     """
 
-    material: Material
-    gradient: Floats
-    stress: Floats
-    step_count: int
+    material: Material  # of all points, with or without memory
+    gradient: Floats  # velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5]
+    stress: Floats  # stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4]
+    step_count: int  # steps into which the second is divided, >= 1
 
     def __post_init__(self) -> None:
         check_kind("strain paths: material", self.material, Material)
