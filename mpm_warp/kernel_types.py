@@ -38,11 +38,7 @@ def _start_warp_in_silence() -> None:
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Tells what is to be done where Warp cannot keep compiled kernels inside the ``with``.
-
-    Raises:
-        KernelCacheError: it cannot.
-    """
+    """Raise `KernelCacheError`, which says what to do, where Warp cannot keep compiled kernels."""
     try:
         yield
     except OSError as error:

@@ -82,11 +82,7 @@ class Parameter:
         return f"{self.meaning}{unit}; {self.allowed}"
 
     def checked(self, value: object) -> Value | None:
-        """Return `value` in the parameter's own type.
-
-        Raises:
-            ParameterError: wrong type, not finite, or outside the allowed range.
-        """
+        """`value` in the parameter's own type; `ParameterError` where it is not allowed."""
         if value is None and self.default is None:
             return None
         converted = self._converted(value)
@@ -179,11 +175,7 @@ def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
 
 
 def check_own(owner: Any) -> None:
-    """Check the fields of a dataclass that are made by :func:`parameter`.
-
-    Raises:
-        ParameterError: a value is not allowed.
-    """
+    """Raise `ParameterError` for a field made by :func:`parameter` with a value not allowed."""
     for field in dataclasses.fields(owner):
         if "meaning" in field.metadata:
             definition_of(type(owner), field).checked(getattr(owner, field.name))
@@ -213,11 +205,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
-    """Give parameters of a scene values that are derived from others, where none was given.
-
-    Raises:
-        ParameterError: a value is not allowed.
-    """
+    """Give parameters of a scene values derived from others, checked, where none was given."""
     definitions = parameters_of(type(scene))
     for name, value in derived.items():
         if isinstance(getattr(scene, name), Derived | None):
@@ -227,11 +215,7 @@ def fill_in(scene: object, derived: Mapping[str, float]) -> None:
 
 
 def check_names(scene: type, names: Iterable[str]) -> None:
-    """Check that a scene has parameters of these names.
-
-    Raises:
-        ParameterError: a name is unknown; the message says what to give instead.
-    """
+    """Raise `ParameterError`, which says what to give, where a scene has no such parameter."""
     known = parameters_of(scene)
     for name in names:
         if name not in known:

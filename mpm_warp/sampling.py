@@ -113,11 +113,7 @@ def even_steps(step_count: int, count: int = 20) -> list[int]:
 
 
 def soil_scene(simulation: Simulation) -> Scene:
-    """What is run, where it is soil in a grid.
-
-    Raises:
-        TypeError: it is of another kind.
-    """
+    """What is run, where it is soil in a grid; else `TypeError`."""
     if not isinstance(simulation.scene, Scene):
         raise TypeError(f"a {type(simulation.scene).__name__} is not soil in a grid")
     return simulation.scene

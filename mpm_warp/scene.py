@@ -70,11 +70,7 @@ class Part(Checked):
     not_beside: "ClassVar[tuple[tuple[type[Part], str], ...]]" = ()
 
     def check(self, scene: "Scene") -> None:
-        """Check that the part fits grid and material; the other parts have been checked.
-
-        Raises:
-            SceneError: it does not.
-        """
+        """Raise `SceneError` where the part does not fit the grid, the material."""
 
     def add_to_points(self, plan: Plan, scene: "Scene") -> None:
         """Add arrays of the material points, or what stages look for; before the first stage."""
@@ -215,10 +211,6 @@ class Scene:
 
 
 def refuse_together(name: str, is_there: object, what: str) -> None:
-    """Refuse a value or a part beside something that it does not go with.
-
-    Raises:
-        SceneError: that is there.
-    """
+    """Raise `SceneError` where a value or a part is beside something that it does not go with."""
     if is_there:
         raise SceneError(f"{name}: not together with {what}")

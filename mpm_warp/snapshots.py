@@ -97,11 +97,7 @@ PLACES = {"point_r", "point_z", "node_r", "node_z"}
 
 
 def grid_places(simulation: Simulation) -> dict[str, xr.Variable]:
-    """Places of the nodes of a grid that keeps its shape, and numbers of points, rows and columns.
-
-    Raises:
-        TypeError: what is run is not soil in a grid.
-    """
+    """Places of the nodes of a grid that keeps its shape; numbers of points, rows and columns."""
     grid = soil_scene(simulation).grid
     shape = (grid.row_count + 1, grid.column_count + 1)
     radius, height = np.moveaxis(grid.node_positions.reshape(*shape, 2), -1, 0)

@@ -51,11 +51,7 @@ class ParticleWatch:
         """Record what the next step, the last one before a look, is compared with."""
 
     def look(self) -> None:
-        """Look at the run.
-
-        Raises:
-            Fault: it is not sound; the message names what and where.
-        """
+        """Raise `Fault`, which names what and where, if the run is not sound."""
         plan = self._run.plan
         check_time_step(time_step=plan.time_step, longest=plan.longest_time_step)
         present = self._present

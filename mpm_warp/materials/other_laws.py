@@ -47,11 +47,7 @@ class OtherLaw:
         return {field.name for field in fields(self.kind) if field.init}
 
     def make(self, own: Mapping[str, Value | None], given: Mapping[str, float]) -> Material:
-        """The material, of its own parameters and of what the scene gives.
-
-        Raises:
-            SceneError: a value is not allowed.
-        """
+        """The material, of its own parameters and of what the scene gives; both are checked."""
         values: dict[str, Any] = {
             name: definition.default if own.get(name) is None else own[name]
             for name, definition in self.parameters.items()
@@ -82,11 +78,7 @@ def _can_be_loaded(name: str) -> bool:
 
 @functools.cache
 def other_law(name: str) -> OtherLaw:
-    """The law of another package.
-
-    Raises:
-        ParameterError: its entry point gives none that a scene can make.
-    """
+    """The law of another package; `ParameterError` where its entry point gives none for a scene."""
     offered = other_laws()[name]
     where = f"material {name!r}: the entry point {offered.value!r}"
     try:

@@ -112,11 +112,7 @@ class SurfaceContact(Part):
         check_nodes("SurfaceContact: on_axis", self.on_axis, count)
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has the nodes, in its first column beside soil that changes.
-
-        Raises:
-            SceneError: not so.
-        """
+        """Check that the grid has the nodes, in its first column beside soil that changes."""
         check_nodes("SurfaceContact: nodes", self.nodes, scene.grid.node_count)
         inside = np.flatnonzero(np.asarray(self.nodes) % (scene.grid.column_count + 1))
         if inside.size and (scene.material.state or passes_soil_that_varies(scene)):

@@ -122,11 +122,7 @@ class Inflow:
         return self.steps_to(self._next_layer)
 
     def act(self) -> None:
-        """Let a layer in, if the window has travelled far enough for it.
-
-        Raises:
-            WindowOverfull: no slots are left for it.
-        """
+        """Let a layer in if it is time; `WindowOverfull` where there are no slots left for it."""
         travel = self.travel
         above_bottom = travel - self._next_layer
         if above_bottom < 0.0:

@@ -60,11 +60,7 @@ class Array:
         return wp.array(self.initial, dtype=self.dtype, device=device, copy=False)
 
     def check(self, name: str, values: object) -> None:
-        """Check that values, or one for all, can be given to the array, whose name is for errors.
-
-        Raises:
-            ValueError: shape or type is another, one is not finite, or an index is out of range.
-        """
+        """Raise `ValueError` where values, or one for all, do not fit the array of that name."""
         given = as_array(values)
         scalar = getattr(self.dtype, "_wp_scalar_type_", self.dtype)
         is_whole = self.kind in WHOLE
@@ -154,11 +150,7 @@ class Plan:
         return self._add(name, Array(kind, _type_of(kind), lengths, None, counts))
 
     def check_known(self, name: str) -> None:
-        """Check that there is an array of that name.
-
-        Raises:
-            KeyError: there is none; the message names the nearest.
-        """
+        """Raise `KeyError`, which names the nearest, where there is no array of that name."""
         if not isinstance(name, str) or name not in self.arrays:
             raise KeyError(f"no array {name!r} in this run{nearest_name(str(name), self.arrays)}")
 

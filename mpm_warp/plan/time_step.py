@@ -45,10 +45,6 @@ class TimeStepControl:
 
 
 def check_time_step(*, time_step: float, longest: float) -> None:
-    """Check that the time step is at most the longest that is stable [s].
-
-    Raises:
-        Fault: it is not.
-    """
+    """Raise `Fault` where the time step is beyond the longest that is stable [s]."""
     if not time_step <= longest:
         raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")

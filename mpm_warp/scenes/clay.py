@@ -106,11 +106,7 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
         self.check_clay()
 
     def check_clay(self) -> None:
-        """Check that there is such a clay, and take from its law what is not given.
-
-        Raises:
-            ParameterError: there is not.
-        """
+        """Take from its law what is not given; `ParameterError` where there is no such clay."""
         try:
             if self.own_strength is not None:
                 self._follow(self.own_strength)

@@ -138,11 +138,7 @@ class TestRun:
 def further_tests(
     test: TestT, changes: Mapping[str, Mapping[str, Any]], differences: Mapping[str, str]
 ) -> dict[str, TestT]:
-    """The tests that differ from a case, by choice of the method: parameters, and what is said.
-
-    Raises:
-        ParameterError: one of them is outside the allowed range.
-    """
+    """The tests that differ from a case, by choice of the method: parameters, and what is said."""
     tests = {}
     for choice, changed in changes.items():
         try:

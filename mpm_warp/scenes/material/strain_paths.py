@@ -93,11 +93,7 @@ class StressWatch(ParticleWatch):
         self.particle_count = len(paths.gradient)
 
     def look(self) -> None:
-        """Look at all stresses.
-
-        Raises:
-            Fault: one is not finite.
-        """
+        """Raise `Fault` where a stress is not finite."""
         finite = np.isfinite(self._run.array("particle.stress")).all(axis=1)
         if not finite.all():
             raise Fault(f"the stress of path {int(np.argmin(finite))} is not finite")

@@ -351,11 +351,7 @@ def with_anisotropy(columns: Mapping[str, Floats], deviator: Floats) -> dict[str
 
 
 def units_of(name: str) -> Mapping[str, float]:
-    """Units of a column: of the ground, or a parameter of a law; the first is that of SI.
-
-    Raises:
-        ParameterError: there is no such column.
-    """
+    """Units of a column: of the ground, or a parameter of a law; the first is that of SI."""
     if name in UNITS:
         return UNITS[name]
     of_laws = {
@@ -374,11 +370,7 @@ def text_of(columns: Mapping[str, Floats]) -> str:
 
 
 def replaced_by(text: str) -> set[str]:
-    """Parameters of a sounding whose place a table takes: its columns and the stiffness.
-
-    Raises:
-        ParameterError: header or rows are malformed.
-    """
+    """Parameters of a sounding whose place a table takes: its columns and the stiffness."""
     columns = columns_of(text).keys()
     by_rest = {"stress_anisotropy", MEAN_STRESS} if columns & {*OF_REST} else set()
     return {*columns, *STIFFNESS} | by_rest
