@@ -70,7 +70,7 @@ class Part(Checked):
     not_beside: "ClassVar[tuple[tuple[type[Part], str], ...]]" = ()
 
     def check(self, scene: "Scene") -> None:
-        """Raise `SceneError` where the part does not fit the grid, the material."""
+        """Raise `SceneError` where the part does not fit grid and material."""
 
     def add_to_points(self, plan: Plan, scene: "Scene") -> None:
         """Add arrays of the material points, or what stages look for; before the first stage."""

@@ -99,7 +99,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return self.with_exact_value(measured)
 
     def further_tests(self) -> dict[str, Self]:
-        """The tests that measure the error, by choice; `ParameterError` where one is not allowed."""
+        """The tests that measure the error, by choice; `ParameterError` where one is refused."""
         full_flow.check_measurable(self.cells_per_radius)
         finer = {"cells_per_radius": math.ceil(full_flow.FINER * self.cells_per_radius)}
         slower = {"speed_ratio": full_flow.SLOWER * self.speed_ratio}
