@@ -101,6 +101,20 @@ def spoken(name: Hashable) -> str:
     return str(name).removesuffix(PARAMETER_SUFFIX).replace("_", " ")
 
 
+def headlines_of(dataset: xr.Dataset) -> list[str]:
+    """What the scenes are run for, as far as each case has one value of it."""
+    dims, names = set(dataset["status"].dims), with_role(dataset, Role.HEADLINE)
+    return [name for name in names if set(dataset[name].dims) <= dims]
+
+
+def headline_values(dataset: xr.Dataset) -> np.ndarray:
+    """The headline of each case, whatever its scene; not a number where there is none."""
+    values = over_cases(dataset, math.nan)
+    for name in headlines_of(dataset):
+        values = np.where(np.isnan(values), over_cases(dataset, name), values)
+    return values
+
+
 def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
     """The half width of each case's headline, not a number where none is known."""
     known = over_cases(dataset, math.nan)

@@ -14,48 +14,36 @@ SHELLS = ("bash", "zsh", "fish")
 """Shells that the command line can be completed in."""
 
 
-def _shared(*names: str, **options: Any) -> Parser:
+def _shared(name: str, metavar: str, meaning: str, **options: Any) -> Parser:
     """An argument that several commands take."""
     shared = Parser(add_help=False)
-    shared.add_argument(*names, **options)
+    shared.value(name, metavar, meaning, **options)
     return shared
 
 
-STUDY = _shared("study", metavar="STUDY", help="name of a study, or a TOML file")
-SUBJECT = _shared("subject", metavar="NAME", help="of a scene or a study, or a TOML file")
-OUT = _shared(
-    "--out",
-    type=Path,
-    default=Path("results"),
-    metavar="DIR",
-    help="folder of the results; default: results",
-)
-QUICK = _shared(
-    "--quick",
-    action="store_true",
-    help="run the cheapest check of each scene alone, where it is short: a minute",
-)
+RESULTS = Path("results")
+STUDY = _shared("study", "STUDY", "name of a study, or a TOML file")
+SUBJECT = _shared("subject", "NAME", "of a scene or a study, or a TOML file")
+OUT = _shared("--out", "DIR", "folder of the results; default: results", type=Path, default=RESULTS)
 SET = _shared(
     "--set",
+    "KEY=VALUE",
+    "set a parameter; a list, as in 'KEY=[1, 2]', varies it; repeatable",
     action="append",
     default=[],
-    metavar="KEY=VALUE",
-    help="set a parameter; a list, as in 'KEY=[1, 2]', varies it; repeatable",
 )
 THREADS = _shared(
     "--threads",
+    "N",
+    "threads of a case, 1, 2 or 4; the result does not change; default: idle cores help",
     type=int,
     choices=THREAD_COUNTS,
-    metavar="N",
-    help="threads of a case, 1, 2 or 4; the result does not change; default: idle cores help",
 )
-DEVICE = _shared(
-    "--device", default="cpu", metavar="NAME", help="cpu, the default, or a GPU: cuda:0, ..."
-)
-RESULT = _shared("file", type=Path, metavar="FILE", help="result of a study, netCDF")
-RESULT_OR_CASE = _shared("file", type=Path, metavar="FILE", help="of a case, or result of a study")
-CASE = _shared("case", nargs="?", metavar="CASE", help="its key, where FILE has many")
-BESIDE = _shared("--out", type=Path, metavar="DIR", help="default: the folder of FILE")
+DEVICE = _shared("--device", "NAME", "cpu, the default, or a GPU: cuda:0, ...", default="cpu")
+RESULT = _shared("file", "FILE", "result of a study, netCDF", type=Path)
+RESULT_OR_CASE = _shared("file", "FILE", "of a case, or result of a study", type=Path)
+CASE = _shared("case", "CASE", "its key, where FILE has many", nargs="?")
+BESIDE = _shared("--out", "DIR", "default: the folder of FILE", type=Path)
 
 
 def make_parser() -> Parser:
@@ -89,50 +77,48 @@ def make_parser() -> Parser:
     _add_options_of_new(add("new", "studies.new"))
     add("list", "studies.list_names")
     add("describe", "studies.describe", SUBJECT)
-    schema = add("schema", "studies.schema")
-    schema.add_argument(
+    add("schema", "studies.schema").value(
         "of",
+        "KIND",
+        "study, the default, or site: files of `harness interpret`",
         nargs="?",
         choices=("study", "site"),
         default="study",
-        metavar="KIND",
-        help="study, the default, or site: files of `harness interpret`",
     )
     add("plan", "studies.show_plan", SUBJECT, SET)
     _add_options_of_run(add("run", "run.run", STUDY, OUT, SET, THREADS, DEVICE))
 
     status = add("status", "archive.status", OUT, SET)
-    status.add_argument(
+    status.value(
         "study",
+        "STUDY",
+        "name of a study, a TOML file, or a result; without it, or with a scene: all results",
         nargs="?",
-        metavar="STUDY",
-        help="name of a study, a TOML file, or a result; without it, or with a scene: all results",
     )
     status.flag("--traceback", "print the place in the program where a case failed")
     add("collect", "archive.collect", STUDY, OUT, SET)
-    clean = add("clean", "archive.clean", STUDY, OUT, SET)
-    clean.flag("--yes", "remove without asking")
+    add("clean", "archive.clean", STUDY, OUT, SET).flag("--yes", "remove without asking")
     add("rerun", "run.rerun_case", RESULT_OR_CASE, CASE, THREADS, DEVICE)
 
-    verify = add("verify", "run.verify_scenes", QUICK)
-    verify.add_argument(
-        "--scene", nargs="+", action="extend", default=[], metavar="NAME", help="default: all"
+    verify = add("verify", "run.verify_scenes")
+    verify.flag(
+        "--quick", "run the cheapest check of each scene alone, where it is short: a minute"
     )
+    verify.value("--scene", "NAME", "default: all", nargs="+", action="extend", default=[])
     verify.flag("--extreme", "run the extreme cases instead")
     verify.path("--out", "DIR", "write dataset, table and picture there")
     add("bench", "run.bench", OUT, SET, DEVICE)
 
-    references = add("references", "studies.references")
-    references.add_argument(
-        "id", nargs="?", metavar="ID", help="name of one reference or band; default: all"
+    add("references", "studies.references").value(
+        "id", "ID", "name of one reference or band; default: all", nargs="?"
     )
     compare = add("compare", "results.compare", RESULT)
     compare.path("other", "OTHER", "a result to set beside it", nargs="?")
-    compare.add_argument(
+    compare.value(
         "--tolerance",
+        "X",
+        "largest relative difference allowed between FILE and OTHER; default: 0",
         type=number("a number >= 0", or_zero=True),
-        metavar="X",
-        help="largest relative difference allowed between FILE and OTHER; default: 0",
     )
     compare.flag(
         "--standards",
@@ -140,13 +126,13 @@ def make_parser() -> Parser:
         "Hoekstra, beside the uncertainty stated",
     )
     plot = add("plot", "results.plot", RESULT, BESIDE)
-    plot.add_argument(
+    plot.value(
         "--format",
+        "FORMAT",
+        "png, the default, pdf or svg; several are allowed",
         nargs="+",
         choices=("png", "pdf", "svg"),
         default=["png"],
-        metavar="FORMAT",
-        help="png, the default, pdf or svg; several are allowed",
     )
     view = add("view", "results.view", RESULT_OR_CASE, CASE, BESIDE)
     view.flag("--vtk", "write points, grid and surface for ParaView too")
@@ -161,24 +147,21 @@ def make_parser() -> Parser:
         help="default: report.html",
     )
     recommend = add("recommend", "results.show_recommendation")
-    recommend.add_argument("scene", metavar="SCENE", help="name of a scene, as cone_penetration")
-    recommend.add_argument(
-        "--error",
-        type=share,
-        required=True,
-        metavar="X",
-        help="largest relative error, as 1%% or 0.01",
+    recommend.value("scene", "SCENE", "name of a scene, as cone_penetration")
+    recommend.value(
+        "--error", "X", "largest relative error, as 1%% or 0.01", type=share, required=True
     )
-    recommend.path("--results", "DIR", "default: results", default=Path("results"))
+    recommend.path("--results", "DIR", "default: results", default=RESULTS)
 
     _add_options_of_interpret(add("interpret", "interpret.interpret_site", OUT))
-
     _add_options_of_benchmark(add("benchmark", "run.benchmark", OUT))
 
-    about = add("help", "completion.show_help")
-    about.add_argument("about", nargs="?", metavar="COMMAND", choices=tuple(HELP))
-    completion = add("completion", "completion.completion")
-    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
+    add("help", "completion.show_help").add_argument(
+        "about", nargs="?", metavar="COMMAND", choices=tuple(HELP)
+    )
+    add("completion", "completion.completion").value(
+        "shell", "SHELL", ", ".join(SHELLS), choices=SHELLS
+    )
 
     for command in commands.choices.values():
         command.flag("--debug", "print where an error of the program arises")
@@ -186,15 +169,10 @@ def make_parser() -> Parser:
 
 
 def _add_options_of_new(new: Parser) -> None:
-    new.add_argument("name", metavar="NAME", help="of the study; its file is NAME.toml")
-    new.path(
-        "--interpret",
-        "TEST",
-        "write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags",
-    )
-    new.add_argument(
-        "--scene", default="cone_penetration", metavar="SCENE", help="default: cone_penetration"
-    )
+    new.value("name", "NAME", "of the study; its file is NAME.toml")
+    test = "write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags"
+    new.path("--interpret", "TEST", test)
+    new.value("--scene", "SCENE", "default: cone_penetration", default="cone_penetration")
 
 
 def _add_options_of_run(run: Parser) -> None:
@@ -209,17 +187,12 @@ def _add_options_of_run(run: Parser) -> None:
     where.add_argument(
         "--dask", metavar="ADDRESS", help="run on the Dask cluster whose scheduler has this address"
     )
-    run.add_argument(
-        "--batch",
-        type=positive_count,
-        default=1,
-        metavar="N",
-        help="cases that a process computes together, to fill a GPU; default: 1",
-    )
-    run.add_argument(
+    together = "cases that a process computes together, to fill a GPU; default: 1"
+    run.value("--batch", "N", together, type=positive_count, default=1)
+    run.value(
         "--snapshots",
-        metavar="LIST",
-        help="keep the soil of each case, for `harness view`, at these penetrations over the cone "
+        "LIST",
+        "keep the soil of each case, for `harness view`, at these penetrations over the cone "
         "radius, as 5,10",
     )
     run.flag(
@@ -228,19 +201,15 @@ def _add_options_of_run(run: Parser) -> None:
         "take some ten times as long; the same as --set uncertainty=measured",
     )
     run.flag("--fresh", "run all cases, those that are done too")
-    run.add_argument(
-        "--case-timeout",
-        type=number("a number > 0"),
-        default=math.inf,
-        metavar="SECONDS",
-        help="end a case that computes for longer; default: no limit",
-    )
-    run.add_argument(
+    seconds = number("a number > 0")
+    longest = "end a case that computes for longer; default: no limit"
+    run.value("--case-timeout", "SECONDS", longest, type=seconds, default=math.inf)
+    run.value(
         "--memory-limit",
-        type=number("> 0, as 8e9 or 8GB", BYTES),
-        metavar="SIZE",
-        help="memory that all running cases may take together, as 8e9 or 8GB; a case that needs "
+        "SIZE",
+        "memory that all running cases may take together, as 8e9 or 8GB; a case that needs "
         "more than its share is refused; default: 90%% of this machine's",
+        type=number("> 0, as 8e9 or 8GB", BYTES),
     )
 
 
@@ -271,12 +240,12 @@ def _add_options_of_benchmark(benchmark: Parser) -> None:
         default="standard",
         help="of a run; default: standard",
     )
-    benchmark.add_argument(
+    benchmark.value(
         "--against",
-        default="mpm_warp_standard",
-        metavar="NAME",
-        help="submission that others are compared with where no exact value is known; default: "
+        "NAME",
+        "submission that others are compared with where no exact value is known; default: "
         "mpm_warp_standard",
+        default="mpm_warp_standard",
     )
 
 

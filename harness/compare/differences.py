@@ -24,6 +24,7 @@ from harness.archive.conventions import (
     COMPLETED,
     Role,
     case_dims,
+    headline_values,
     is_there,
     labels_of,
     over_cases,
@@ -287,8 +288,5 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
 
 def _headlines(dataset: xr.Dataset) -> list[Known]:
     """The headline of each case and its half width."""
-    values, dims = np.full(dataset["status"].size, np.nan), set(dataset["status"].dims)
-    for name in with_role(dataset, Role.HEADLINE):
-        if set(dataset[name].dims) <= dims:
-            values = np.where(np.isnan(values), over_cases(dataset, name).astype(float), values)
-    return list(zip(values.tolist(), uncertainty_of(dataset).astype(float).tolist(), strict=True))
+    half_widths = uncertainty_of(dataset).astype(float)
+    return list(zip(headline_values(dataset).tolist(), half_widths.tolist(), strict=True))

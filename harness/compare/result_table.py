@@ -10,6 +10,7 @@ from harness.archive.conventions import (
     COMPLETED,
     HALF_WIDTH,
     Role,
+    headlines_of,
     labels_of,
     limits_of,
     over_cases,
@@ -285,7 +286,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
     """What each case was run for, its exact value, and its error."""
     dims, error = set(dataset["status"].dims), error_name(dataset)
     one_a_case = {str(name) for name, it in dataset.data_vars.items() if set(it.dims) <= dims}
-    headlines = [name for name in with_role(dataset, Role.HEADLINE) if name in one_a_case - {error}]
+    headlines = [name for name in headlines_of(dataset) if name in one_a_case - {error}]
     if not headlines and error is None:
         raise NothingToCompareError(_why_nothing(dataset))
     columns, notes = [], []

@@ -21,12 +21,11 @@ import xarray as xr
 
 from harness.archive.conventions import (
     DISTRIBUTION,
-    Role,
+    headlines_of,
     known_digits,
     over_cases,
     uncertainty_of,
     varied_names,
-    with_role,
 )
 from mpm_warp.grid.fitted import Floats
 
@@ -77,10 +76,10 @@ def spreads_of(dataset: xr.Dataset) -> list[Spread]:
         return []
     columns = {name: over_cases(dataset, name) for name in names}
     inputs = {name: it.astype(float) for name, it in columns.items() if it.dtype.kind in "if"}
-    dims, half_widths = set(dataset["status"].dims), uncertainty_of(dataset).astype(float)
+    half_widths = uncertainty_of(dataset).astype(float)
     found = []
-    for name in with_role(dataset, Role.HEADLINE):
-        values = over_cases(dataset, name) if set(dataset[name].dims) <= dims else np.array(np.nan)
+    for name in headlines_of(dataset):
+        values = over_cases(dataset, name)
         sound = np.isfinite(values)
         if np.sum(sound) > 1:
             drawn = {name: it[sound] for name, it in inputs.items()}

@@ -49,19 +49,16 @@ LABELLED_CHANGES = 5
 """Curves of one parameter at a time that have a label: those that differ most from the first."""
 
 
-def shows_resistance(dataset: xr.Dataset) -> bool:
-    """Whether a result holds the resistance over the penetration."""
-    return RESISTANCE in dataset and STRENGTH in dataset and "status" in dataset
-
-
 @STYLED
-def resistance_figure(dataset: xr.Dataset) -> Figure:
+def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     """Penetration resistance over undrained shear strength, one curve a case.
 
     Up to eight curves have their values beside them. More have the colour of where they end, or of
     several scenes that of their scene; of one parameter at a time the first case is black, and
     those that differ most are labelled.
     """
+    if not {RESISTANCE, STRENGTH, "status"} <= set(dataset.variables):
+        return None
     studied = Studied.of(dataset)
     curves = curves_over_cases(dataset, RESISTANCE) / over_cases(dataset, STRENGTH)[:, None]
     drawn = [case for case, curve in enumerate(curves) if np.isfinite(curve).any()]
@@ -156,17 +153,14 @@ SHOWN_STRENGTH = 0.99
 """The strain axis ends where every case has this share of the stress at its end, and twice that."""
 
 
-def shows_element_tests(dataset: xr.Dataset) -> bool:
-    """Whether a result holds stresses over the strain of element tests."""
-    return {STRAIN, SHEAR, DEVIATOR, "status"} <= set(dataset.variables)
-
-
 @STYLED
-def element_tests_figure(dataset: xr.Dataset) -> Figure:
+def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
     """Shear stress over shear strain; of laws with effective stress q over p', and pore pressure.
 
     A dashed line is the critical state in compression.
     """
+    if not {STRAIN, SHEAR, DEVIATOR, "status"} <= set(dataset.variables):
+        return None
     names = [it for it in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if it in dataset]
     curves = {name: KILO * curves_over_cases(dataset, name) for name in names}
     stress = curves[SHEAR]
@@ -229,17 +223,14 @@ FINE = 200
 """Points of a fitted curve."""
 
 
-def shows_cycles(dataset: xr.Dataset) -> bool:
-    """Whether a result holds loops of resistance."""
-    return {LOOPS, FACTOR, STRENGTH, "status"} <= set(dataset)
-
-
 @STYLED
-def cycles_figure(dataset: xr.Dataset) -> Figure:
+def cycles_figure(dataset: xr.Dataset) -> Figure | None:
     """The loops of the case that loses most resistance, and all cases over cycles with their fits.
 
     Depth goes downward; resistance is below 0 where the body is pulled up.
     """
+    if not {LOOPS, FACTOR, STRENGTH, "status"} <= set(dataset):
+        return None
     names = [LOOPS, FACTOR, STRENGTH, *FITTED.values()]
     cases = by_case(dataset[[name for name in ("status", *names) if name in dataset]])
     series, left_out = series_of(dataset, cases[FACTOR].values)

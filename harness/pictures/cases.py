@@ -19,14 +19,14 @@ from matplotlib.ticker import MaxNLocator
 from harness.archive.conventions import (
     COMPLETED,
     DISTRIBUTION,
-    Role,
+    headline_values,
+    headlines_of,
     over_cases,
     scenes_of,
     spoken,
     uncertainty_of,
     varied_names,
     varied_within,
-    with_role,
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
 from harness.pictures.drawing.caption import of_half_widths, write_caption
@@ -40,8 +40,8 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     series_colour,
 )
-from harness.pictures.drawing.quantities import Floats, assigned, axis_label, named, spelt, unit_of
-from harness.pictures.effects import much_varied, shows_effects
+from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
+from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS, Studied
 
 CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
@@ -52,15 +52,12 @@ MOST_ROWS = 24
 """Rows on a page."""
 
 
-def shows_cases(dataset: xr.Dataset) -> bool:
-    """Whether a result varies much in a few cases, too few to tell the effect of a parameter."""
-    return much_varied(dataset) is not None and not shows_effects(dataset)
-
-
 @STYLED
-def cases_figure(dataset: xr.Dataset) -> Figure:
-    """A row for each case, the first of the study on top."""
-    studied = Studied.known(dataset)
+def cases_figure(dataset: xr.Dataset) -> Figure | None:
+    """A row for each case that varies much, where they are too few to tell a parameter's effect."""
+    studied = much_varied(dataset)
+    if studied is None or not has_few_cases(studied):
+        return None
     usual = {
         name: Counter(it.numbers.tolist()).most_common(1)[0][0]
         for name, it in studied.varied.items()
@@ -112,9 +109,7 @@ class _Soils:
         """The rows; None where the scenes do not share them, or have results of several units."""
         if "status" not in dataset or "scene" not in dataset.coords:
             return None
-        dims = set(dataset["status"].dims)
-        named_headlines = with_role(dataset, Role.HEADLINE)
-        headlines = [name for name in named_headlines if set(dataset[name].dims) <= dims]
+        headlines = headlines_of(dataset)
         scenes = np.array(scenes_of(dataset))
         kinds = list(dict.fromkeys(scenes.tolist()))
         names = varied_within(dataset)
@@ -138,18 +133,16 @@ class _Soils:
         return cls(headlines, labels, cases)
 
 
-def shows_scenes(dataset: xr.Dataset) -> bool:
-    """Whether several scenes were run with the same values of what varies."""
-    return _Soils.of(dataset) is not None
-
-
 @STYLED
-def scenes_figure(dataset: xr.Dataset) -> Figure:
+def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     """A row for each soil, with a mark for each scene; the first of the study on top."""
     soils = _Soils.of(dataset)
-    assert soils is not None, "the scenes share no rows"
+    if soils is None:
+        return None
     figure, axes = _rows(soils.labels, SOIL_HEIGHT)
-    values, half_width = _headlines(dataset, soils.headlines), uncertainty_of(dataset)
+    completed = over_cases(dataset, "status").astype(str) == COMPLETED
+    values = np.where(completed, headline_values(dataset), np.nan)
+    half_width = uncertainty_of(dataset)
     kinds = list(soils.cases)
     for number, (kind, cases) in enumerate(soils.cases.items()):
         axes.errorbar(
@@ -170,26 +163,16 @@ def scenes_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _headlines(dataset: xr.Dataset, names: Sequence[str]) -> Floats:
-    """The headline of each case, whatever its scene; not a number where it did not complete."""
-    own = [over_cases(dataset, name).astype(float) for name in names]
-    completed = over_cases(dataset, "status").astype(str) == COMPLETED
-    return np.where(completed, np.fmax.reduce(own), np.nan)
-
-
 HEIGHT = 3.4
 """Inches of the figure."""
 
 
-def shows_spread(dataset: xr.Dataset) -> bool:
-    """Whether parameters of a study were drawn from distributions."""
-    return bool(spreads_of(dataset))
-
-
 @STYLED
-def spread_figure(dataset: xr.Dataset) -> Figure:
+def spread_figure(dataset: xr.Dataset) -> Figure | None:
     """A histogram of the first headline, and the shares of the inputs in its variance."""
-    spread = spreads_of(dataset)[0]
+    spread = next(iter(spreads_of(dataset)), None)
+    if spread is None:
+        return None
     figure = Figure()
     figure.set_figheight(HEIGHT)
     counts, shares = figure.subplots(1, 2, width_ratios=(3, 2))

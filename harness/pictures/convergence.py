@@ -89,38 +89,31 @@ def approach(h: Floats, values: Floats) -> Approach | None:
     return Approach(order, float(values[finest[0]] - factor * a**order), factor)
 
 
-def shows_convergence(dataset: xr.Dataset) -> bool:
-    """Whether a result varies a refinement of the method, for not too many cases beside it."""
-    studied = Studied.of(dataset)
-    if studied is None or not studied.is_combined:
-        return False
-    name = _refined(studied)
-    if name is None:
-        return False
-    return len(studied.groups([it for it in studied.varied if it != name])) <= MOST_LABELS
-
-
-def _refined(studied: Studied) -> str | None:
-    """The parameter that refines, the one with most values."""
+def refined(studied: Studied) -> str | None:
+    """The parameter that refines, the one with most values; None with too many cases beside it."""
     found = [
         name
         for name in studied.numbers
-        if name in REFINED_BY
+        if studied.is_combined
+        and name in REFINED_BY
         and name in studied.method
         and studied.varied[name].different.size >= LEAST_POINTS
     ]
-    return max(found, key=lambda it: studied.varied[it].different.size, default=None)
+    name = max(found, key=lambda it: studied.varied[it].different.size, default=None)
+    other = [it for it in studied.varied if it != name]
+    return name if len(studied.groups(other)) <= MOST_LABELS else None
 
 
 @STYLED
-def convergence_figure(dataset: xr.Dataset) -> Figure:
+def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     """The headline over what goes to zero with refinement, and its limit there.
 
     An error against an exact solution, whose limit is zero, is drawn on logarithmic axes.
     """
-    studied = Studied.known(dataset)
-    name = _refined(studied)
-    assert name is not None, "the dataset has no refinement"
+    studied = Studied.of(dataset)
+    name = None if studied is None else refined(studied)
+    if studied is None or name is None:
+        return None
     other = [it for it in studied.varied if it != name]
     h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR

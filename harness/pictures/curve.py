@@ -13,7 +13,7 @@ from harness.compare.compared import (
     stored_experience,
     stored_references,
 )
-from harness.pictures.convergence import shows_convergence
+from harness.pictures.convergence import refined
 from harness.pictures.drawing.caption import left_out, write_caption
 from harness.pictures.drawing.literature import draw_experience, draw_literature, ranges_of_own
 from harness.pictures.drawing.plot_parts import (
@@ -53,29 +53,21 @@ EDGE = 0.05
 """Of the axes: a contour's label that is nearer to their edge would be cut off, and is left out."""
 
 
-def shows_curve(dataset: xr.Dataset) -> bool:
-    """Whether a result is that of one varied parameter, or of two that make no map.
+@STYLED
+def curve_figure(dataset: xr.Dataset) -> Figure | None:
+    """What was computed over one parameter, or over two that make no map, as a series each.
 
-    A cone factor alone is shown too, beside the literature's. The stretches of a sounding are no
-    curve: their picture joins them.
+    Cone factors have the envelope of the literature beside them, one alone too. The references have
+    their curves where these hold for all series; otherwise each series has the envelope in its own
+    colour. The stretches of a sounding are no curve: their picture joins them.
     """
     studied = Studied.of(dataset)
     if studied is None or not studied.is_combined or STRETCH in studied.varied:
-        return False
-    if shows_map(dataset) or shows_convergence(dataset):
-        return False
-    count = len(studied.varied)
-    return count in (1, 2) or (count == 0 and studied.headline == COMPARED)
-
-
-@STYLED
-def curve_figure(dataset: xr.Dataset) -> Figure:
-    """What was computed over a parameter, one series for each value of a second one.
-
-    Cone factors have the envelope of the literature beside them. The references have their curves
-    where these hold for all series; otherwise each series has the envelope in its own colour.
-    """
-    studied = Studied.known(dataset)
+        return None
+    if refined(studied) or _is_map(studied) or len(studied.varied) > 2:
+        return None
+    if not studied.varied and studied.headline != COMPARED:
+        return None
     name, other = _axis_and_series(studied)
     figure, axes = empty_figure()
     if studied.headline == COMPARED:
@@ -199,12 +191,9 @@ def _draw_by_strength_of_bands(
         axes.plot(x, factors[cases], ls=":", marker="o", mfc="white", color=colour, label=label)
 
 
-def shows_map(dataset: xr.Dataset) -> bool:
-    """Whether a result is that of two varied numbers, of all combinations of their values."""
-    studied = Studied.of(dataset)
-    if studied is None or not studied.is_combined or shows_convergence(dataset):
-        return False
-    if len(studied.varied) != 2 or len(studied.numbers) != 2:
+def _is_map(studied: Studied) -> bool:
+    """Whether two numbers vary, in all combinations of their values."""
+    if not studied.is_combined or len(studied.varied) != 2 or len(studied.numbers) != 2:
         return False
     table = _table(studied, studied.computed)
     # Contours need neighbours: a map with holes says less than the curves.
@@ -213,9 +202,11 @@ def shows_map(dataset: xr.Dataset) -> bool:
 
 
 @STYLED
-def map_figure(dataset: xr.Dataset) -> Figure:
+def map_figure(dataset: xr.Dataset) -> Figure | None:
     """Contours of what was computed over two parameters; beside them curves over the first."""
-    studied = Studied.known(dataset)
+    studied = Studied.of(dataset)
+    if studied is None or refined(studied) or not _is_map(studied):
+        return None
     figure = Figure(figsize=(Figure().get_figwidth(), MAP_HEIGHT))
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))
     _draw_contours(figure, left, studied)

@@ -48,14 +48,6 @@ BAR_HEIGHT, BAR_MARGIN = 0.3, 1.6
 """Inches of a bar of a tornado, and of all around them."""
 
 
-def shows_effects(dataset: xr.Dataset) -> bool:
-    """Whether a result varies much, in cases enough for a fit or too many to look at each."""
-    studied = much_varied(dataset)
-    if studied is None:
-        return False
-    return studied.computed.size > MOST_LISTED or _effects(studied).is_fitted
-
-
 def much_varied(dataset: xr.Dataset) -> Studied | None:
     """What varies three parameters or more together, or any at random; None where none does."""
     studied = Studied.of(dataset)
@@ -64,6 +56,11 @@ def much_varied(dataset: xr.Dataset) -> Studied | None:
     least = LEAST_PARAMETERS if studied.is_combined else 1
     varies = len(studied.varied) >= least
     return studied if varies and np.isfinite(studied.computed).sum() >= LEAST_PARAMETERS else None
+
+
+def has_few_cases(studied: Studied) -> bool:
+    """Whether there are too few for a fit, and not too many to look at each."""
+    return studied.computed.size <= MOST_LISTED and not _effects(studied).is_fitted
 
 
 @dataclass(frozen=True)
@@ -123,9 +120,11 @@ def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
 
 
 @STYLED
-def effects_figure(dataset: xr.Dataset) -> Figure:
+def effects_figure(dataset: xr.Dataset) -> Figure | None:
     """A panel for each parameter, most effect first: the cases without the effect of all others."""
-    studied = Studied.known(dataset)
+    studied = much_varied(dataset)
+    if studied is None or has_few_cases(studied):
+        return None
     found = _effects(studied)
     sound = np.isfinite(found.residual)
     strength = {name: np.ptp(part[sound]) for name, part in found.parts.items()}
@@ -194,14 +193,6 @@ def _explanations(studied: Studied, found: _Effects, shown: int) -> Sequence[str
     )
 
 
-def shows_tornado(dataset: xr.Dataset) -> bool:
-    """Whether a result shows what each of several parameters does alone."""
-    studied = Studied.of(dataset)
-    if studied is None or studied.design != ONE_AT_A_TIME or not np.isfinite(studied.computed[0]):
-        return False
-    return any(bar.reach > 0.0 for bar in _bars(studied))
-
-
 @dataclass(frozen=True)
 class _Bar:
     """What one parameter does alone: cases that differ in it from the first, and their change."""
@@ -237,10 +228,14 @@ def _bars(studied: Studied) -> list[_Bar]:
 
 
 @STYLED
-def tornado_figure(dataset: xr.Dataset) -> Figure:
+def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     """A bar for each parameter: how far the headline goes with it from the first case's."""
-    studied = Studied.known(dataset)
+    studied = Studied.of(dataset)
+    if studied is None or studied.design != ONE_AT_A_TIME or not np.isfinite(studied.computed[0]):
+        return None
     bars = _bars(studied)
+    if not any(bar.reach > 0.0 for bar in bars):
+        return None
     shown = bars[:MOST_BARS]
     figure, axes = empty_figure(BAR_HEIGHT * len(shown) + BAR_MARGIN)
     start = float(studied.computed[0])

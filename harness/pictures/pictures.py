@@ -13,49 +13,33 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
 from harness.errors import HarnessError
-from harness.pictures.case_curves import (
-    cycles_figure,
-    element_tests_figure,
-    resistance_figure,
-    shows_cycles,
-    shows_element_tests,
-    shows_resistance,
-)
-from harness.pictures.cases import (
-    cases_figure,
-    scenes_figure,
-    shows_cases,
-    shows_scenes,
-    shows_spread,
-    spread_figure,
-)
-from harness.pictures.convergence import convergence_figure, shows_convergence
-from harness.pictures.curve import curve_figure, map_figure, shows_curve, shows_map
+from harness.pictures.case_curves import cycles_figure, element_tests_figure, resistance_figure
+from harness.pictures.cases import cases_figure, scenes_figure, spread_figure
+from harness.pictures.convergence import convergence_figure
+from harness.pictures.curve import curve_figure, map_figure
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
-from harness.pictures.effects import effects_figure, shows_effects, shows_tornado, tornado_figure
-from harness.pictures.sounding import shows_sounding, sounding_figure
-from harness.pictures.stability import shows_stability
+from harness.pictures.effects import effects_figure, tornado_figure
+from harness.pictures.sounding import sounding_figure
 from harness.pictures.stability_map import stability_figure
-from harness.pictures.work_precision import shows_work_precision, study_figure
+from harness.pictures.work_precision import study_figure
 
-PICTURES: dict[str, tuple[Callable[[xr.Dataset], bool], Callable[[xr.Dataset], Figure]]] = {
-    "curve": (shows_curve, curve_figure),
-    "map": (shows_map, map_figure),
-    "tornado": (shows_tornado, tornado_figure),
-    "convergence": (shows_convergence, convergence_figure),
-    "cycles": (shows_cycles, cycles_figure),
-    "element_tests": (shows_element_tests, element_tests_figure),
-    "spread": (shows_spread, spread_figure),
-    "effects": (shows_effects, effects_figure),
-    "cases": (shows_cases, cases_figure),
-    "scenes": (shows_scenes, scenes_figure),
-    "work_precision": (shows_work_precision, study_figure),
-    "resistance": (shows_resistance, resistance_figure),
-    "stability": (shows_stability, stability_figure),
-    "sounding": (shows_sounding, sounding_figure),
+PICTURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
+    "curve": curve_figure,
+    "map": map_figure,
+    "tornado": tornado_figure,
+    "convergence": convergence_figure,
+    "cycles": cycles_figure,
+    "element_tests": element_tests_figure,
+    "spread": spread_figure,
+    "effects": effects_figure,
+    "cases": cases_figure,
+    "scenes": scenes_figure,
+    "work_precision": study_figure,
+    "resistance": resistance_figure,
+    "stability": stability_figure,
+    "sounding": sounding_figure,
 }
-"""By name: whether a picture is meant for a result, and the picture, drawn of such results alone;
-the main ones first."""
+"""By name, the main ones first; a picture is None for a result that it is not meant for."""
 
 
 class NothingToDrawError(HarnessError):
@@ -111,10 +95,10 @@ def rendered(
     sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
     made: dict[str, Rendered] = {}
     failed: Failures = {}
-    for name, (shows, figure) in PICTURES.items():
+    for name, picture in PICTURES.items():
         try:
-            if shows(sound):
-                made[name] = render(figure(sound))
+            if (figure := picture(sound)) is not None:
+                made[name] = render(figure)
         except HarnessError:
             raise
         except Exception as error:

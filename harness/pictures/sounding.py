@@ -84,18 +84,15 @@ HEIGHT = 5.0
 """Of the figure [inch]: depth needs room."""
 
 
-def shows_sounding(dataset: xr.Dataset) -> bool:
-    """Whether a result holds curves over depth."""
-    return RESISTANCE in dataset and DEPTH in dataset.dims and "status" in dataset
-
-
 @STYLED
-def sounding_figure(dataset: xr.Dataset) -> Figure:
+def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     """Strength, net resistance and local cone factor of each sounding over depth.
 
     Stretches of one sounding are joined. The band holds the resistance with 95 % where its error is
     known.
     """
+    if not ({RESISTANCE, "status"} <= set(dataset) and DEPTH in dataset.dims):
+        return None
     studied = Studied.of(dataset)
     soundings = joined(dataset)
     figure = Figure()

@@ -25,7 +25,7 @@ from harness.archive.conventions import (
 from harness.pictures.drawing.caption import write_caption
 from harness.pictures.drawing.plot_parts import SHADES, STYLED
 from harness.pictures.drawing.quantities import Texts
-from harness.pictures.stability import Outcomes, Shares, Strip, stability_strips
+from harness.pictures.stability import Outcomes, Shares, Strip, shows_stability, stability_strips
 
 STATUSES = {
     COMPLETED: ("o", "#009E73"),
@@ -49,8 +49,10 @@ BESIDE = 46
 
 
 @STYLED
-def stability_figure(dataset: xr.Dataset) -> Figure:
+def stability_figure(dataset: xr.Dataset) -> Figure | None:
     """A strip for each parameter: of single cases, or of the shares of random ones."""
+    if not shows_stability(dataset):
+        return None
     rows = stability_strips(dataset)
     height = STRIP_HEIGHT * len(rows) + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
     with rc_context({"figure.constrained_layout.use": False}):

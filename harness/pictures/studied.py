@@ -12,13 +12,12 @@ import xarray as xr
 
 from harness.archive.conventions import (
     COMPLETED,
-    Role,
+    headlines_of,
     over_cases,
     parameter_names,
     scenes_of,
     uncertainty_of,
     varied_names,
-    with_role,
 )
 from harness.pictures.drawing.caption import left_out, of_half_widths
 from harness.pictures.drawing.plot_parts import MARKERS, MOST_LABELS, chosen, series_colour
@@ -43,21 +42,9 @@ class Studied:
         """What a result is about; None where its cases share no headline."""
         if "status" not in dataset:
             return None
-        dims = set(dataset["status"].dims)
-        found = [
-            name for name in with_role(dataset, Role.HEADLINE) if set(dataset[name].dims) <= dims
-        ]
-        if not found and COMPARED in dataset:
-            found = [COMPARED]
+        found = headlines_of(dataset) or [COMPARED] * (COMPARED in dataset)
         several = len(set(scenes_of(dataset))) > 1
         return None if several or len(found) != 1 else cls(dataset, found[0])
-
-    @classmethod
-    def known(cls, dataset: xr.Dataset) -> Studied:
-        """What a result is about whose cases share a headline."""
-        studied = cls.of(dataset)
-        assert studied is not None, "the dataset has no headline"
-        return studied
 
     @functools.cached_property
     def computed(self) -> Floats:

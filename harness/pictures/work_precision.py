@@ -143,15 +143,8 @@ def _checks_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def shows_work_precision(dataset: xr.Dataset) -> bool:
-    """Whether a result holds errors and run times of several settings for one problem."""
-    if error_name(dataset) is None or "run_time" not in dataset or "status" not in dataset:
-        return False
-    return bool(_problems_of(dataset))
-
-
 @STYLED
-def study_figure(dataset: xr.Dataset) -> Figure:
+def study_figure(dataset: xr.Dataset) -> Figure | None:
     """Error against run time of a study's cases, and the front of those that no other beats.
 
     Each problem, a scene with one soil, has a front of its own: another is not easier or harder to
@@ -161,11 +154,14 @@ def study_figure(dataset: xr.Dataset) -> Figure:
     stands on the upper edge, at the time it took.
     """
     name = error_name(dataset)
-    assert name is not None, "the dataset has no errors"
+    if name is None or not {"run_time", "status"} <= set(dataset):
+        return None
+    problems = _problems_of(dataset)
+    if not problems:
+        return None
     measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
     timed = np.isfinite(measured) & np.isfinite(seconds)
-    problems = _problems_of(dataset)
     figure, axes = empty_figure()
     axes.set(xscale="log", yscale="log")
     drawn = timed & (measured > 0.0)

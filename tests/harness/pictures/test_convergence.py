@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.pictures.convergence import approach, convergence_figure, shows_convergence
-from harness.pictures.work_precision import shows_work_precision, study_figure
+from harness.pictures.convergence import approach, convergence_figure
+from harness.pictures.work_precision import study_figure
 
 from .conftest import MADE, figures, legend, result
 
@@ -68,7 +68,7 @@ def test_an_error_is_drawn_on_logarithmic_axes_with_its_order() -> None:
 )
 def test_it_is_not_meant_for_other_studies(varied: dict[str, list[float]]) -> None:
     dataset: xr.Dataset = result(varied)
-    assert not shows_convergence(dataset)
+    assert convergence_figure(dataset) is None
 
 
 def fronts(figure: Figure) -> list[list[list[float]]]:
@@ -118,7 +118,7 @@ def test_the_uncertainty_of_the_reference_is_a_line(two_soils: xr.Dataset) -> No
 
 
 def test_it_is_not_meant_for_cases_of_different_soils_alone(two_soils: xr.Dataset) -> None:
-    assert not shows_work_precision(two_soils.isel(cells_per_radius=[1]))
+    assert study_figure(two_soils.isel(cells_per_radius=[1])) is None
 
 
 def test_pictures_of_a_result_with_finest_error(two_soils: xr.Dataset) -> None:
