@@ -4,11 +4,8 @@ The rows are of one scene, or of several scenes in the same soils. Beside the hi
 the spread comes from.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -42,7 +39,7 @@ from harness.pictures.drawing.plot_parts import (
 )
 from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
 from harness.pictures.effects import has_few_cases, much_varied
-from harness.pictures.studied import BARS, Studied
+from harness.pictures.studied import BARS
 
 CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
 """Inches of the row of a case and of a soil, and of axis, legend and caption."""
@@ -63,11 +60,14 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
         for name, it in studied.varied.items()
     }
     count = studied.computed.size
-    figure, axes = _rows([_label(studied, case, usual) for case in range(count)], CASE_HEIGHT)
-    half_width = studied.half_width
-    axes.errorbar(
-        studied.computed, range(count), xerr=half_width, fmt="o", color=INK, ms=4, capsize=3
-    )
+    differing = [
+        [name for name, it in studied.varied.items() if it.numbers[case] != usual[name]]
+        for case in range(count)
+    ]
+    labels = [studied.label(case, names) or "as most" for case, names in enumerate(differing)]
+    figure, axes = _rows(labels, CASE_HEIGHT)
+    x, y, half_width = studied.computed, range(count), studied.half_width
+    axes.errorbar(x, y, xerr=half_width, fmt="o", color=INK, ms=4, capsize=3)
     axes.set_xlabel(axis_label(dataset, studied.headline))
     most = [assigned(dataset, name, it.value(usual[name])) for name, it in studied.varied.items()]
     beside = f"Beside each case: where it differs from {', '.join(most)}."
@@ -87,76 +87,57 @@ def _lost(failed: int, count: int) -> str:
     return f"{failed} of {count} cases did not complete." if failed else ""
 
 
-def _label(studied: Studied, case: int, usual: dict[str, float]) -> str:
-    """What a case has that most have not."""
-    own = [name for name, it in studied.varied.items() if it.numbers[case] != usual[name]]
-    return studied.label(case, own) or "as most"
+def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
+    """Labels of the soils of several scenes, and the cases of each scene, in the order of soils.
 
-
-@dataclass(frozen=True)
-class _Soils:
-    """Cases of several scenes, those with the same values of what varies in one row.
-
-    Each scene has the number of its case in each row; the headlines are what they were run for.
+    There are none where the scenes do not share them.
     """
-
-    headlines: list[str]
-    labels: list[str]
-    cases: dict[str, list[int]]
-
-    @classmethod
-    def of(cls, dataset: xr.Dataset) -> _Soils | None:
-        """The rows; None where the scenes do not share them, or have results of several units."""
-        if "status" not in dataset or "scene" not in dataset.coords:
-            return None
-        headlines = headlines_of(dataset)
-        scenes = np.array(scenes_of(dataset))
-        kinds = list(dict.fromkeys(scenes.tolist()))
-        names = varied_within(dataset)
-        columns = [over_cases(dataset, name).tolist() for name in names]
-        values = list(zip(*columns, strict=True)) or [()] * scenes.size
-        found = {
-            kind: {values[case]: int(case) for case in np.flatnonzero(scenes == kind)}
-            for kind in kinds
-        }
-        rows = found[kinds[0]]
-        alike = all(own.keys() == rows.keys() for own in found.values())
-        is_each_once = sum(map(len, found.values())) == scenes.size
-        units = {unit_of(dataset, name) for name in headlines}
-        fits = alike and is_each_once and len(units) == 1 and len(rows) <= MOST_ROWS
-        if len(kinds) < 2 or not fits:
-            return None
-        labels = [
-            ", ".join(assigned(dataset, *it) for it in zip(names, row, strict=True)) for row in rows
-        ]
-        cases = {kind: [own[row] for row in rows] for kind, own in found.items()}
-        return cls(headlines, labels, cases)
+    scenes, names = np.array(scenes_of(dataset)), varied_within(dataset)
+    columns = [over_cases(dataset, name).tolist() for name in names]
+    values = list(zip(*columns, strict=True)) or [()] * scenes.size
+    found = {
+        kind: {values[case]: int(case) for case in np.flatnonzero(scenes == kind)}
+        for kind in dict.fromkeys(scenes.tolist())
+    }
+    rows = next(iter(found.values()))
+    is_each_once = sum(map(len, found.values())) == scenes.size
+    if not is_each_once or any(own.keys() != rows.keys() for own in found.values()):
+        return [], {}
+    labels = [
+        ", ".join(assigned(dataset, *it) for it in zip(names, row, strict=True)) for row in rows
+    ]
+    return labels, {kind: [own[row] for row in rows] for kind, own in found.items()}
 
 
 @STYLED
 def scenes_figure(dataset: xr.Dataset) -> Figure | None:
-    """A row for each soil, with a mark for each scene; the first of the study on top."""
-    soils = _Soils.of(dataset)
-    if soils is None:
+    """A row for each soil, with a mark for each scene; the first of the study on top.
+
+    It is for few soils that all scenes share, and results of one unit.
+    """
+    if "status" not in dataset or "scene" not in dataset.coords:
         return None
-    figure, axes = _rows(soils.labels, SOIL_HEIGHT)
+    headlines, (labels, soils) = headlines_of(dataset), _soils(dataset)
+    units = {unit_of(dataset, name) for name in headlines}
+    if len(soils) < 2 or len(units) != 1 or len(labels) > MOST_ROWS:
+        return None
+    figure, axes = _rows(labels, SOIL_HEIGHT)
     completed = over_cases(dataset, "status").astype(str) == COMPLETED
     values = np.where(completed, headline_values(dataset), np.nan)
     half_width = uncertainty_of(dataset)
-    kinds = list(soils.cases)
-    for number, (kind, cases) in enumerate(soils.cases.items()):
+    for number, (kind, cases) in enumerate(soils.items()):
         axes.errorbar(
             values[cases],
-            np.arange(len(cases)) + SPREAD * (number / (len(kinds) - 1) - 0.5),
+            np.arange(len(cases)) + SPREAD * (number / (len(soils) - 1) - 0.5),
             xerr=half_width[cases].astype(float),
             fmt=MARKERS[number % len(MARKERS)],
-            color=series_colour(number, len(kinds)),
+            color=series_colour(number, len(soils)),
             ms=4,
             capsize=3,
             label=spelt(spoken(kind)),
         )
-    unit = unit_of(dataset, soils.headlines[0]) or "-"
-    axes.set_xlabel(f"{', '.join(named(dataset, name) for name in soils.headlines)} [{unit}]")
+    unit = units.pop() or "-"
+    axes.set_xlabel(f"{', '.join(named(dataset, name) for name in headlines)} [{unit}]")
     legend_above(figure, axes)
     bars = of_half_widths(dataset, BARS, are_shown=bool(np.isfinite(half_width).any()))
     write_caption(figure, dataset, bars, _lost(int(np.isnan(values).sum()), values.size))
@@ -179,7 +160,11 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
     _histogram(counts, spread)
     counts.set_xlabel(axis_label(dataset, spread.name))
     _bars(shares, dataset, spread)
-    told = [f"{name}: {text}" for name, text in _distributions(dataset).items()]
+    told = [
+        f"{name.replace('_', ' ')}: {text}"
+        for name in varied_names(dataset)
+        if (text := dataset[name].attrs.get(DISTRIBUTION))
+    ]
     write_caption(
         figure,
         dataset,
@@ -189,12 +174,6 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
         f"Inputs: {'; '.join(told)}.",
     )
     return figure
-
-
-def _distributions(dataset: xr.Dataset) -> dict[str, str]:
-    """Each input's distribution in words, by its name in words."""
-    texts = {name: dataset[name].attrs.get(DISTRIBUTION) for name in varied_names(dataset)}
-    return {name.replace("_", " "): text for name, text in texts.items() if text}
 
 
 def _histogram(axes: Axes, spread: Spread) -> None:

@@ -22,14 +22,9 @@ class UnknownReferenceError(HarnessError, LookupError):
     """No reference has that id; the message is one line and names the nearest one."""
 
 
-def reference_ids() -> tuple[str, ...]:
-    """Ids of all references, in the order of the registry."""
-    return tuple(reference.id for reference in CONE_FACTORS)
-
-
-def experience_ids() -> tuple[str, ...]:
-    """Ids of all bands of experience, in the order of the registry."""
-    return tuple(entry.id for entry in EXPERIENCE)
+REFERENCE_IDS = tuple(reference.id for reference in CONE_FACTORS)
+EXPERIENCE_IDS = tuple(entry.id for entry in EXPERIENCE)
+"""Ids in the order of the registry."""
 
 
 def cone_factor_reference(reference_id: str) -> ConeFactor:

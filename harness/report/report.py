@@ -31,7 +31,7 @@ from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED
 from harness.report import words
-from harness.report.tables import CaseTable, case_table, comparisons
+from harness.report.tables import columns_of, comparisons, parameters_of
 
 PICTURE_DPI, SMALL_DPI = 150, 75
 """Points an inch of the pictures, and of the small ones of the summary."""
@@ -80,7 +80,8 @@ def _section(
     place: int, dataset: xr.Dataset, drawn: Mapping[str, tuple[bytes, bytes]], failed: Failures
 ) -> dict[str, Any]:
     """What the page says of a study, by the names that stand in page.html."""
-    table = case_table(dataset)
+    columns, parameters = columns_of(dataset), parameters_of(dataset)
+    completed = (over_cases(dataset, "status") == COMPLETED).tolist()
     small, large = ([embedded(name, sizes[it]) for name, sizes in drawn.items()] for it in (0, 1))
     return {
         "anchor": f"study-{place}",
@@ -88,25 +89,27 @@ def _section(
         "study": str(dataset.attrs["study"]),
         "scene": str(dataset.attrs["scene"]).replace(" ", ", "),
         "summary": _summary(dataset),
-        "stands_on": _stands_on(dataset, table),
+        "stands_on": _stands_on(dataset, parameters["fixed"]),
         "small": next(iter(small), None),  # of the main picture
         "pictures": large,
         "failed": failed,
         "missed": misses(dataset),
         "stability": stability_rows(dataset) if shows_stability(dataset) else [],
         "spreads": [(spoken(it.name), spread_rows(it)) for it in spreads_of(dataset)],
-        "table": table,
+        "columns": columns,
+        "rows": list(zip(completed, zip(*(it.cells for it in columns), strict=True), strict=True)),
+        "parameters": parameters,
         "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
         "references": stored_references(dataset),
         "provenance": list(_provenance(dataset)),
     }
 
 
-def _stands_on(dataset: xr.Dataset, table: CaseTable) -> str:
+def _stands_on(dataset: xr.Dataset, parameters: Iterable[tuple[str, str, str]]) -> str:
     """Which strength is meant, and the soil and cone of all cases, in sentences."""
     fixed = [
         " ".join(filter(None, (spoken(name), value, unit)))
-        for name, value, unit in table.fixed
+        for name, value, unit in parameters
         if name in SOIL_AND_CONE
     ]
     strength = f"Strength: {which_strength(dataset)}." if COMPARED in dataset else ""

@@ -1,7 +1,9 @@
 """The tables of a page: the cases of a study, and studies beside each other."""
 
 import functools
+import itertools
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +13,6 @@ import xarray as xr
 from markupsafe import Markup
 
 from harness.archive.conventions import (
-    COMPLETED,
     Role,
     is_there,
     limits_of,
@@ -51,56 +52,30 @@ class Column:
         return any(cell.value for cell in self.cells)
 
 
-@dataclass(frozen=True)
-class CaseTable:
-    """The table of a study's cases.
+def columns_of(dataset: xr.Dataset) -> list[Column]:
+    """What varies, how each case ended, and what came out."""
+    return [_column(dataset, name) for name in _names(dataset)]
 
-    Attributes:
-        columns: what varies, how each case ended, and what came out.
-        completed: whether each case did.
-        fixed: name, value and unit of each parameter that is the same in all cases.
-        own: name and unit of each parameter that is not.
-        values: the texts of `own`, of each case.
+
+def parameters_of(dataset: xr.Dataset) -> dict[str, list[Any]]:
+    """The parameters of a result, as the page's script shows them of a case.
+
+    Returns:
+        Name, value and unit of those that are the same in all cases (`fixed`), name and unit of
+        those that are not (`own`), and the texts of these, of each case (`values`).
     """
-
-    columns: list[Column]
-    completed: list[bool]
-    fixed: list[tuple[str, str, str]]
-    own: list[tuple[str, str]]
-    values: list[list[str]]
-
-    @property
-    def rows(self) -> list[tuple[bool, list[Cell]]]:
-        """Whether it completed and what is shown, of each case."""
-        cells = zip(*(column.cells for column in self.columns), strict=True)
-        return [(done, list(row)) for done, row in zip(self.completed, cells, strict=True)]
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """What the page's script shows of a case."""
-        return {"fixed": self.fixed, "own": self.own, "values": self.values}
-
-
-def case_table(dataset: xr.Dataset) -> CaseTable:
-    """The table of a result's cases."""
     parameters = parameter_names(dataset)
-    fixed = [
-        (name, words.text(dataset[stored].item()), words.unit(dataset, stored))
-        for name, stored in parameters.items()
-        if dataset[stored].ndim == 0 and is_there(dataset[stored].item())
-    ]
     own = {name: stored for name, stored in parameters.items() if dataset[stored].ndim}
-    texts = [
-        [words.text(value) for value in over_cases(dataset, name).tolist()] for name in own.values()
-    ]
-    count = dataset["status"].size
-    return CaseTable(
-        columns=[_column(dataset, name) for name in _names(dataset)],
-        completed=[status == COMPLETED for status in over_cases(dataset, "status")],
-        fixed=fixed,
-        own=[(name, words.unit(dataset, stored)) for name, stored in own.items()],
-        values=[list(row) for row in zip(*texts, strict=True)] or [[] for _ in range(count)],
-    )
+    texts = [map(words.text, over_cases(dataset, name).tolist()) for name in own.values()]
+    return {
+        "fixed": [
+            (name, words.text(dataset[stored].item()), words.unit(dataset, stored))
+            for name, stored in parameters.items()
+            if dataset[stored].ndim == 0 and is_there(dataset[stored].item())
+        ],
+        "own": [(name, words.unit(dataset, stored)) for name, stored in own.items()],
+        "values": list(zip(*texts, strict=True)) or [()] * dataset["status"].size,
+    }
 
 
 def _names(dataset: xr.Dataset) -> list[str]:
@@ -171,31 +146,16 @@ Key = tuple[tuple[str, str], ...]
 """Names and values of the parameters of a soil and its cone."""
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """Studies of one scene that have cases with the same parameters, the method's aside.
+def comparisons(datasets: list[xr.Dataset]) -> list[dict[str, Any]]:
+    """What the page says of studies beside each other, for each scene of several studies.
 
-    Attributes:
-        scene: name of the scene.
-        headline: what is compared, with its unit.
-        studies: their names.
-        differing: rows of the parameters that are not the same in all of them: the name, and the
-            value or values in each study.
-        varied: parameters that tell the shared cases apart.
-        shared: rows of the shared cases: the values of `varied`, the headline in each study, and
-            how much the last differs from the first that has it.
+    Returns:
+        By the names that stand in page.html. `differing` has a row for each parameter that is not
+        the same in all studies: the name, and the value or values in each. `shared` has a row for
+        each case whose parameters, the method's aside, several studies have: the values of those
+        that tell such cases apart (`varied`), the headline in each study, and how much the last
+        differs from the first that has it.
     """
-
-    scene: str
-    headline: str
-    studies: list[str]
-    differing: list[list[str]]
-    varied: list[str]
-    shared: list[list[str]]
-
-
-def comparisons(datasets: list[xr.Dataset]) -> list[Comparison]:
-    """The comparisons that can be made among results, one for each scene of several studies."""
     groups: dict[tuple[str, str], list[Studied]] = {}
     for dataset in datasets:
         studied = Studied.of(dataset)
@@ -204,28 +164,21 @@ def comparisons(datasets: list[xr.Dataset]) -> list[Comparison]:
     return [_comparison(scene, group) for (scene, _), group in groups.items() if len(group) > 1]
 
 
-def _comparison(scene: str, group: list[Studied]) -> Comparison:
+def _comparison(scene: str, group: list[Studied]) -> dict[str, Any]:
     soils = [_by_soil(studied) for studied in group]
-    counts: dict[Key, int] = {}
-    for soil in soils:
-        for key in soil:
-            counts[key] = counts.get(key, 0) + 1
-    shared = [key for key, count in counts.items() if count > 1]
-    different: dict[str, set[str]] = {}
-    for name, value in (pair for key in shared for pair in key):
-        different.setdefault(name, set()).add(value)
-    varied = [name for name, values in different.items() if len(values) > 1]
+    shared = [key for key, count in Counter(itertools.chain(*soils)).items() if count > 1]
+    counts = Counter(name for name, _ in {pair for key in shared for pair in key})
+    varied = [name for key in shared[:1] for name, _ in key if counts[name] > 1]
     first = group[0]
     unit = words.unit(first.dataset, first.headline)
-    label = f"{words.title(first.dataset, first.headline)} {unit}".rstrip()
-    return Comparison(
-        scene=scene,
-        headline=label,
-        studies=[str(studied.dataset.attrs["study"]) for studied in group],
-        differing=_differing(group),
-        varied=[name.replace("_", " ") for name in varied],
-        shared=[_row(key, varied, soils) for key in shared],
-    )
+    return {
+        "scene": scene,
+        "headline": f"{words.title(first.dataset, first.headline)} {unit}".rstrip(),
+        "studies": [str(studied.dataset.attrs["study"]) for studied in group],
+        "differing": _differing(group),
+        "varied": [name.replace("_", " ") for name in varied],
+        "shared": [_row(key, varied, soils) for key in shared],
+    }
 
 
 def _row(key: Key, varied: list[str], soils: list[dict[Key, float]]) -> list[str]:

@@ -29,10 +29,6 @@ NO_CERTIFICATE = (
 _TURN = threading.Lock()
 
 
-class ClusterError(HarnessError):
-    """The cluster cannot be reached, or is lost; the message is one line."""
-
-
 def compute_in_turn(case: Case) -> Result:
     """Run a case in a worker of the cluster.
 
@@ -44,7 +40,7 @@ def compute_in_turn(case: Case) -> Result:
 
 def connect(address: str) -> Client:
     """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed."""
-    # What they remark would run into the progress display; what matters is in the ClusterError.
+    # What they remark would run into the progress display; what matters is in the error.
     for name in logging.root.manager.loggerDict:
         if name.startswith(("asyncio", "distributed", "tornado")):
             logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -54,12 +50,12 @@ def connect(address: str) -> Client:
             address.startswith("tls:")
             and security.get_tls_config_for_role("client")["cert"] is None
         ):
-            raise ClusterError(f"--dask {address}: {NO_CERTIFICATE}")
+            raise HarnessError(f"--dask {address}: {NO_CERTIFICATE}")
         get_address_host_port(address)  # a client would take 20 s to give up a malformed one
         return Client(address, security=security, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         reason = " ".join(str(error).split())
-        raise ClusterError(f"--dask {address}: cannot be reached: {reason}") from None
+        raise HarnessError(f"--dask {address}: cannot be reached: {reason}") from None
 
 
 def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher: Watcher) -> None:
@@ -70,7 +66,7 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
     the results so far are kept.
 
     Raises:
-        ClusterError: the scheduler is lost.
+        HarnessError: the scheduler is lost.
     """
     # The scheduler takes first what comes first. Not pure: a case asked for again failed before.
     case_of = {
@@ -84,7 +80,7 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
         elif future.status == "error":
             watcher.finished(case, _kept(folder, case, _loss(answer[1])))
         else:
-            raise ClusterError("the scheduler of the Dask cluster is lost")
+            raise HarnessError("the scheduler of the Dask cluster is lost")
 
 
 def _kept(folder: Path, case: Case, result: Result) -> Outcome:

@@ -18,7 +18,7 @@ from typing import Any
 import xarray as xr
 
 from harness.references.cone_factors import COMPARED, Conditions, ConeFactor, Quantity
-from harness.references.registry import cone_factor_reference, experience_ids, reference_ids
+from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS, cone_factor_reference
 from harness.study.expressions import Expression, ExpressionError
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
@@ -78,13 +78,13 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
     table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
     own = _own_references(document.table(OWN_REFERENCES), parts)
-    known = (*reference_ids(), *own)
+    known = (*REFERENCE_IDS, *own)
     named = _ids(table, "references", "reference", known, parts)
     references = dict.fromkeys([*named, *own])
     return Compared(
         references=tuple(own.get(it) or cone_factor_reference(it) for it in references),
         reference_result=_reference_result(table, parts, folder),
-        experience=_ids(table, "experience", "band of experience", experience_ids(), parts),
+        experience=_ids(table, "experience", "band of experience", EXPERIENCE_IDS, parts),
         tolerances=_tolerances(table.table("tolerance"), list(references), parts),
     )
 
@@ -141,13 +141,13 @@ def _tolerances(
     table: Table, references: Sequence[str], parts: Sequence[ScenePart]
 ) -> dict[str, float]:
     """Tolerances by name, which may be that of any result: slips in known names are refused."""
-    unused = set(reference_ids()) - set(references)
+    unused = set(REFERENCE_IDS) - set(references)
     verified = {
         name for part in parts for check in part.scene.verifications for name in check.bounds
     }
     known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
-        if name in experience_ids():
+        if name in EXPERIENCE_IDS:
             raise table.refuse(name, "is a band of experience, from which no result deviates")
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
@@ -197,7 +197,7 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
     table.allow("formula", "label", "source", *OPTIONAL, "range")
     if not re.fullmatch(REFERENCE_NAME, name):
         raise StudyError(f"{table.where}: a name is small letters, digits and '_', a letter first")
-    if name in reference_ids() or name in experience_ids():
+    if name in REFERENCE_IDS or name in EXPERIENCE_IDS:
         raise StudyError(f"{table.where}: the harness has a reference of this name; choose another")
     text = table.text("formula", "; an expression of parameters of the scene")
     try:

@@ -7,7 +7,7 @@ at once, such as the sum of cases, is left to the harness.
 from collections.abc import Sequence
 from typing import Any
 
-from harness.references.registry import experience_ids, reference_ids
+from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS
 from harness.study.compared import (
     OPTIONAL,
     OWN_REFERENCES,
@@ -33,12 +33,12 @@ LINE: Schema = {"type": "string", "pattern": "\\S"}
 
 def study_schema() -> Schema:
     """The schema of a study's definition."""
-    references = _ids(reference_ids(), "cone factors of the literature")
+    references = _ids(REFERENCE_IDS, "cone factors of the literature")
     # Where the study, or its base, defines some of its own these may be named too.
     defines = [{"required": [OWN_REFERENCES]}, {"required": ["base"]}]
     own = references | {"items": {"anyOf": [references["items"], {"pattern": REFERENCE_NAME}]}}
     shipped = {"properties": {"compare": {"properties": {"references": references}}}}
-    experience = _ids(experience_ids(), "bands of factors measured in the field")
+    experience = _ids(EXPERIENCE_IDS, "bands of factors measured in the field")
     tolerance = {
         "type": "object",
         "description": "largest deviation from a reference, or size of a result",

@@ -151,13 +151,15 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         _check_derived(document, of_scene)
         table = Table(where, joined(shared, of_scene.values, design.kind))
         parts.append(read_part(name, scene, table, design, settings))
+    timing = document.table("timing")
+    timing.allow("repeats")
     return Study(
         name=path.stem,
         title=document.text("title", "; one line on what the study shows"),
         parts=tuple(parts),
         design=design,
         compared=read_compared(document, parts, path.parent),
-        timing_repeats=_timing_repeats(document),
+        timing_repeats=timing.integer("repeats", 1, MOST_REPEATS) if timing.values else 0,
         source=path,
         stability_map=_asks_for_map(document, design, len(scenes)),
     )
@@ -211,12 +213,6 @@ def _check_derived(*tables: Table) -> None:
         for name, key in itertools.product(("fixed", "vary"), derived.values):
             if key in table.table(name).values:
                 raise derived.refuse(key, f"is under [{name}] as well; keep one of them")
-
-
-def _timing_repeats(document: Table) -> int:
-    table = document.table("timing")
-    table.allow("repeats")
-    return table.integer("repeats", 1, MOST_REPEATS) if "repeats" in table.values else 0
 
 
 def _asks_for_map(document: Table, design: Design, scene_count: int) -> bool:

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from harness.cli.help import HELP
 from harness.cli.main import main
 from harness.errors import LONGEST_LINE
-from harness.references.registry import reference_ids
+from harness.references.registry import REFERENCE_IDS
 from harness.study.designs import DESIGNS, SPACINGS
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
@@ -52,7 +52,7 @@ tables = {
     "compare": st.fixed_dictionaries(
         {},
         optional={
-            "references": st.lists(st.sampled_from(reference_ids()) | words, max_size=3),
+            "references": st.lists(st.sampled_from(REFERENCE_IDS) | words, max_size=3),
             "tolerance": st.dictionaries(words, scalars, max_size=2),
         },
     ),

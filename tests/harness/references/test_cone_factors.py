@@ -12,7 +12,7 @@ from harness.references.cone_factors import (
     envelope,
     envelope_applies,
 )
-from harness.references.registry import cone_factor_reference, reference_ids
+from harness.references.registry import REFERENCE_IDS, cone_factor_reference
 
 RIGIDITY_INDICES = (50, 100, 300, 500)
 ADHESION_FACTORS = (0, 0.5, 1)
@@ -90,7 +90,7 @@ def test_formula_gives_the_value_calculated_by_hand(reference_id: str) -> None:
     assert float(value) == pytest.approx(HAND_VALUES[reference_id], abs=2e-6)
 
 
-@pytest.mark.parametrize("reference_id", reference_ids())
+@pytest.mark.parametrize("reference_id", REFERENCE_IDS)
 def test_slope_with_stress_anisotropy(reference_id: str) -> None:
     evaluate = cone_factor_reference(reference_id).evaluate
     slope = evaluate(conditions(anisotropy=1.0)) - evaluate(conditions(anisotropy=0.0))
@@ -111,13 +111,13 @@ def test_only_teh_and_houlsby_and_this_project_know_the_shaft() -> None:
     assert set(slopes.values()) == {0.0}
 
 
-@pytest.mark.parametrize("reference", CONE_FACTORS, ids=reference_ids())
+@pytest.mark.parametrize("reference", CONE_FACTORS, ids=REFERENCE_IDS)
 def test_adhesion_term_is_declared_as_it_is(reference: ConeFactor) -> None:
     slope = reference.evaluate(conditions(adhesion=1.0)) - reference.evaluate(conditions())
     assert (slope > 0) == reference.has_adhesion_term
 
 
-@pytest.mark.parametrize("reference", CONE_FACTORS, ids=reference_ids())
+@pytest.mark.parametrize("reference", CONE_FACTORS, ids=REFERENCE_IDS)
 def test_floats_numpy_and_xarray_agree(reference: ConeFactor) -> None:
     scalars = [float(reference.evaluate(conditions(ir, 0.5))) for ir in RIGIDITY_INDICES]
     array = np.array(RIGIDITY_INDICES, dtype=float)

@@ -8,7 +8,7 @@ import pytest
 from harness.cli.main import main
 from harness.references.cone_factors import CONE_FACTORS
 from harness.references.experience import EXPERIENCE, HOLDS, Experience, Factor
-from harness.references.registry import WIDTH, all_entries, experience_ids, one_entry, reference_ids
+from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS, WIDTH, all_entries, one_entry
 from tests.harness.conftest import Refusal
 
 # By hand: log10 1.2 = 0.0791812, log10 6.3 = 0.7993405, ln 0.5 = -0.6931472, ln 1.1 = 0.0953102.
@@ -26,7 +26,7 @@ BOUNDS = {
     "karlsrud_2005_pore_pressure_sensitive": (5.272522, 10.860237),
 }
 
-each_entry = pytest.mark.parametrize("entry", EXPERIENCE, ids=experience_ids())
+each_entry = pytest.mark.parametrize("entry", EXPERIENCE, ids=EXPERIENCE_IDS)
 
 
 @each_entry
@@ -66,8 +66,8 @@ def test_formulas_of_the_pore_pressure_are_told_from_those_of_the_resistance() -
 
 
 def test_ids_are_those_of_no_reference() -> None:
-    assert not {*experience_ids()} & {*reference_ids()}
-    assert len({*experience_ids()}) == len(EXPERIENCE)
+    assert not {*EXPERIENCE_IDS} & {*REFERENCE_IDS}
+    assert len({*EXPERIENCE_IDS}) == len(EXPERIENCE)
 
 
 ENTRIES: list[Any] = [*CONE_FACTORS, *EXPERIENCE]
