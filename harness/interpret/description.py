@@ -3,9 +3,7 @@
 All three are made from the definitions in keys.py.
 """
 
-import itertools
 import math
-import textwrap
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,7 +21,7 @@ from harness.interpret.keys import (
     Key,
 )
 from harness.interpret.site import load_site
-from harness.study.description import WIDTH
+from harness.study.description import assignment, comment, toml
 from harness.study.distributions import HOW, read_input
 from harness.study.files import read_toml
 from harness.study.schema import DIALECT, LINE, Schema, distributions, table_schema
@@ -40,7 +38,7 @@ def site_text(test: str, told: Mapping[str, float]) -> str:
     lines = [
         "# A measured cone test and its ground. A line that begins with # is a comment; a value in",
         "# it is assumed, and told so. Take the # away and give what is known of this ground.",
-        *_comment(f"An input is {HOW}."),
+        comment(f"An input is {HOW}."),
         "",
         *_key_rows(SITE_KEYS, {"title": "My site"}),
         "",
@@ -58,26 +56,10 @@ def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]
     """What each key is, and its value; its default, or dots, as a comment."""
     rows = []
     for name, key in keys.items():
-        default = f"#{name} = ..." if key.default is None else f"#{_line(name, key.default)}"
-        row = _line(name, given[name]) if name in given else default
-        rows += [*_comment(key.told), row]
+        default = f"#{name} = ..." if key.default is None else f"#{assignment(name, key.default)}"
+        row = assignment(name, given[name]) if name in given else default
+        rows += [comment(key.told), row]
     return rows
-
-
-def _comment(text: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH, initial_indent="# ", subsequent_indent="#   ")
-
-
-def _line(name: str, value: object) -> str:
-    return f"{name} = {_toml(value)}"
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(itertools.starmap(_line, value.items())) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    return f'"{value}"' if isinstance(value, str) else str(value)
 
 
 def is_site_file(name: str) -> bool:
@@ -106,7 +88,7 @@ def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[st
     for name, key in keys.items():
         value = given.get(name, key.default)
         default = "default " if name not in given and value is not None else ""
-        text = "-" if value is None else f"{default}{_toml(value)}"
+        text = "-" if value is None else f"{default}{toml(value)}"
         yield f"{name:18} {text:36} {key.told}"
         if isinstance(value, dict) and Form.INPUT in key.forms and "depth" not in value:
             shares = np.array(PERCENTILES) / 100.0

@@ -21,7 +21,7 @@ from harness.archive.conventions import (
     spoken,
     varied_within,
 )
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     INK,
     MOST_LABELS,
@@ -30,7 +30,6 @@ from harness.pictures.drawing.plot_parts import (
     CurveEnd,
     empty_figure,
     label_ends,
-    legend_above,
     series_colour,
     shade,
 )
@@ -94,22 +93,20 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
         for number, kind in enumerate(kinds):
             colour = series_colour(number, len(kinds))
             axes.plot([], [], color=colour, label=spelt(spoken(kind)))
-    if len(kinds) > 1:
-        legend_above(figure, axes)
-    elif not few:
+    if len(kinds) == 1 and not few:
         colours = ScalarMappable(scale, SHADES)
         bar = figure.colorbar(colours, ax=axes, location="top", aspect=50, pad=0.02)
         bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
     failed = len(curves) - len(drawn)
     approached = any(np.isnan(curves[case][1 : last[case]]).any() for case in drawn)
-    write_caption(
+    return captioned(
         figure,
         dataset,
         f"{len(drawn)} cases." if not few else "",
         APPROACHED if approached else "",
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
+        legend=axes if len(kinds) > 1 else None,
     )
-    return figure
 
 
 def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> list[int]:
@@ -184,10 +181,8 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
         panels[1].set(xlabel=LABELS[EFFECTIVE], ylabel=LABELS[DEVIATOR])
         if SLOPE in dataset:
             _draw_critical_states(panels[1], over_cases(dataset, SLOPE)[shown])
-    legend_above(figure, panels[0])
     dashed = "Dashed: critical state in compression." if has_path and SLOPE in dataset else ""
-    write_caption(figure, dataset, dashed, left_out)
-    return figure
+    return captioned(figure, dataset, dashed, left_out, legend=panels[0])
 
 
 def _draw(axes: Axes, x: Floats, y: Floats, of: Series) -> None:
@@ -254,9 +249,7 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
     loops.set_xlabel(r"resistance over strength $q/s_\mathrm{u}$ [-]")
     loops.set_ylabel(axis_label(dataset, "penetration"))
     loops.invert_yaxis()
-    legend_above(figure, factors)
-    write_caption(figure, dataset, of_one, "Curves over cycles: fits.", left_out)
-    return figure
+    return captioned(figure, dataset, of_one, "Curves over cycles: fits.", left_out, legend=factors)
 
 
 def _draw_factor(axes: Axes, case: xr.Dataset, of: Series) -> None:

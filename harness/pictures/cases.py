@@ -26,7 +26,7 @@ from harness.archive.conventions import (
     varied_within,
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
-from harness.pictures.drawing.caption import of_half_widths, write_caption
+from harness.pictures.drawing.caption import captioned, of_half_widths
 from harness.pictures.drawing.plot_parts import (
     ACCENT,
     INK,
@@ -34,7 +34,6 @@ from harness.pictures.drawing.plot_parts import (
     MARKERS,
     STYLED,
     empty_figure,
-    legend_above,
     series_colour,
 )
 from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
@@ -71,8 +70,7 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     axes.set_xlabel(axis_label(dataset, studied.headline))
     most = [assigned(dataset, name, it.value(usual[name])) for name, it in studied.varied.items()]
     beside = f"Beside each case: where it differs from {', '.join(most)}."
-    write_caption(figure, dataset, beside, studied.bars, _lost(studied.failed.size, count))
-    return figure
+    return captioned(figure, dataset, beside, studied.bars, _lost(studied.failed.size, count))
 
 
 def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
@@ -138,10 +136,10 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
         )
     unit = units.pop() or "-"
     axes.set_xlabel(f"{', '.join(named(dataset, name) for name in headlines)} [{unit}]")
-    legend_above(figure, axes)
     bars = of_half_widths(dataset, BARS, are_shown=bool(np.isfinite(half_width).any()))
-    write_caption(figure, dataset, bars, _lost(int(np.isnan(values).sum()), values.size))
-    return figure
+    return captioned(
+        figure, dataset, bars, _lost(int(np.isnan(values).sum()), values.size), legend=axes
+    )
 
 
 HEIGHT = 3.4
@@ -165,7 +163,7 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
         for name in varied_names(dataset)
         if (text := dataset[name].attrs.get(DISTRIBUTION))
     ]
-    write_caption(
+    return captioned(
         figure,
         dataset,
         f"{len(spread.values)} cases; {spread.mean:.3g} +- {spread.combined:.2g} is the mean with "
@@ -173,7 +171,6 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
         "Shade: 90 % of the cases; line: median; bar: mean, combined U, and below it numerical U.",
         f"Inputs: {'; '.join(told)}.",
     )
-    return figure
 
 
 def _histogram(axes: Axes, spread: Spread) -> None:

@@ -10,13 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from harness.archive.conventions import over_cases
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     MARKERS,
     MOST_LABELS,
     STYLED,
     empty_figure,
-    legend_above,
     mark_failures,
     series_colour,
 )
@@ -132,9 +131,7 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
         axes.set(xscale="log", yscale="log")
     _dress(axes, dataset, name, is_error)
     axes.set_ylabel(axis_label(dataset, studied.headline))
-    legend_above(figure, axes)
-    write_caption(figure, dataset, _explanation(is_error), studied.bars)
-    return figure
+    return captioned(figure, dataset, _explanation(is_error), studied.bars, legend=axes)
 
 
 def _explanation(is_error: bool) -> str:

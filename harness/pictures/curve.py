@@ -14,7 +14,7 @@ from harness.compare.compared import (
     stored_references,
 )
 from harness.pictures.convergence import refined
-from harness.pictures.drawing.caption import left_out, write_caption
+from harness.pictures.drawing.caption import captioned, left_out
 from harness.pictures.drawing.literature import draw_experience, draw_literature, ranges_of_own
 from harness.pictures.drawing.plot_parts import (
     FAILED,
@@ -100,15 +100,14 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
     along.dress(axes, room=10)
     axes.set(xlabel=axis_label(dataset, name), ylabel=axis_label(dataset, studied.headline))
     label_ends(axes, ends)
-    legend_above(figure, axes)
-    write_caption(
+    return captioned(
         figure,
         dataset,
         studied.bars,
         ranges_of_own(dataset) if ends else "",
         left_out(len(groups) - len(shown), "series"),
+        legend=axes,
     )
-    return figure
 
 
 def _axis_and_series(studied: Studied) -> tuple[str, list[str]]:
@@ -216,13 +215,12 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
     _draw_curves(right, studied)
     sound = np.isfinite(studied.computed).all()
     crosses = "" if sound else ", crosses did not complete"
-    write_caption(
+    return captioned(
         figure,
         dataset,
         f"Left: contours; dots are computed cases{crosses}. Right: the same over one parameter.",
         studied.bars,
     )
-    return figure
 
 
 def _across_and_up(studied: Studied) -> list[Values]:

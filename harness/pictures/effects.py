@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.archive.conventions import MISSING
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     ACCENT,
     INK,
@@ -139,8 +139,7 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
         _draw_panel(axes, studied, found, name)
     label = axis_label(dataset, studied.headline)
     figure.supylabel(textwrap.fill(label, 24 + 16 * (row_count - 1)), fontsize=9)
-    write_caption(figure, dataset, *_explanations(studied, found, len(names)))
-    return figure
+    return captioned(figure, dataset, *_explanations(studied, found, len(names)))
 
 
 def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> None:
@@ -257,7 +256,7 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     ]
     figure.legend(handles=handles, loc="outside upper left", ncols=3)
     rest = len(bars) - len(shown)
-    write_caption(
+    return captioned(
         figure,
         dataset,
         "One parameter at a time differs from the case of the line. In brackets beside each "
@@ -266,7 +265,6 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
         _failures(bars),
         studied.bars,
     )
-    return figure
 
 
 def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:

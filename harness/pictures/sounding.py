@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import by_case, case_dims
-from harness.pictures.drawing.caption import left_out, of_half_widths, write_caption
+from harness.pictures.drawing.caption import captioned, left_out, of_half_widths
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
     STYLED,
@@ -122,14 +122,13 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     if count > 1:
         legend_above(figure, strength)
     has_band = bool(np.isfinite(soundings[UNCERTAINTY]).any())
-    write_caption(
+    return captioned(
         figure,
         dataset,
         of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
         JOINED if STRETCH in dataset["status"].dims else "",
         left_out(count - len(shown), "soundings"),
     )
-    return figure
 
 
 def _draw(

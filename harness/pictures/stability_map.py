@@ -22,7 +22,7 @@ from harness.archive.conventions import (
     limits_of,
     spoken,
 )
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import SHADES, STYLED
 from harness.pictures.drawing.quantities import Texts
 from harness.pictures.stability import Outcomes, Shares, Strip, shows_stability, stability_strips
@@ -83,8 +83,7 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
             "Each range is cut into parts of equally many cases; bars are shares of a part."
         )
     figure.legend(handles=handles, loc="upper left", ncols=3, fontsize=7)
-    write_caption(figure, dataset, explanation)
-    return figure
+    return captioned(figure, dataset, explanation)
 
 
 def _draw_strip(axes: Axes, strip: Strip) -> None:

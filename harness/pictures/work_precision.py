@@ -20,7 +20,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
-from harness.pictures.drawing.caption import write_caption
+from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     INK,
     MARKERS,
@@ -181,14 +181,13 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     several = len(set(scenes_of(dataset))) > 1
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
     states = np.isfinite(uncertainty_of(dataset)).any()
-    write_caption(
+    return captioned(
         figure,
         dataset,
         _settings_key(dataset, problems),
         OF_HALF_WIDTH if states else "",
         "Run times of cases side by side are not to be compared.",
     )
-    return figure
 
 
 def _draw_fronts(

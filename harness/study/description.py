@@ -5,6 +5,7 @@ study gives is outside the usual range, and inside it in another unit: a study t
 many orders of magnitude means what it says.
 """
 
+import itertools
 import json
 import math
 import textwrap
@@ -139,14 +140,14 @@ def study_text(name: str, scene_name: str) -> str:
         f"# Run it with `harness run {name}.toml`; the result goes to results/{name}.nc.",
         "# A line that begins with # is a comment. Take the # away from `#name = value` to give a",
         "# value of your own in the place of the default. All values are in SI units.",
-        f"title = {_toml(scene.summary)}",
-        f"scene = {_toml(scene_name)}",
+        assignment("title", scene.summary),
+        assignment("scene", scene_name),
         "",
         "# What varies: a list of values. Of several lists every combination is a case.",
         "# A range of values: { from = 1, to = 100, count = 5 }.",
         "[vary]",
-        _meaning(parameters[varied]),
-        f"{varied} = [{', '.join(map(_toml, values))}]",
+        comment(parameters[varied].explanation),
+        assignment(varied, values),
         "",
         "# What is the same in all cases. A parameter stands here or under [vary], not in both.",
         "[fixed]",
@@ -156,11 +157,11 @@ def study_text(name: str, scene_name: str) -> str:
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
         parts += _commented(it for key, it in others.items() if key in method)
     if takes_references(scene):
-        ids = ", ".join(_toml(reference.id) for reference in ENVELOPE)
+        ids = [reference.id for reference in ENVELOPE]
         parts += ["", "# The literature beside its cone factor:"]
-        parts += ["#[compare]", f"#references = [{ids}]"]
+        parts += ["#[compare]", f"#{assignment('references', ids)}"]
         parts += ["# and a band of factors measured in the field; others: `harness references`"]
-        parts += [f"#experience = [{_toml(EXPERIENCE[0].id)}]"]
+        parts += [f"#{assignment('experience', [EXPERIENCE[0].id])}"]
         parts += ["", *OWN_REFERENCE.splitlines()]
     return "\n".join([*parts, ""])
 
@@ -202,19 +203,27 @@ def _commented(parameters: Iterable[Parameter]) -> list[str]:
     """Meaning and default of parameters, as comments."""
     lines = []
     for it in parameters:
-        value = "..." if it.default is None else _toml(it.default)
-        lines += [_meaning(it), f"#{it.name} = {value}"]
+        value = "..." if it.default is None else toml(it.default)
+        lines += [comment(it.explanation), f"#{it.name} = {value}"]
     return lines
 
 
-def _meaning(definition: Parameter) -> str:
-    return textwrap.fill(
-        definition.explanation, WIDTH, initial_indent="# ", subsequent_indent="#   "
-    )
+def comment(text: str) -> str:
+    """A text as a comment, of as many lines as it needs."""
+    return textwrap.fill(text, WIDTH, initial_indent="# ", subsequent_indent="#   ")
 
 
-def _toml(value: Value) -> str:
-    """A value as it stands in a study; JSON writes texts, numbers and truth as TOML does."""
+def assignment(name: str, value: object) -> str:
+    """A key and its value as they stand in a file."""
+    return f"{name} = {toml(value)}"
+
+
+def toml(value: object) -> str:
+    """A value as it stands in a file; JSON writes texts, numbers and truth as TOML does."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(itertools.starmap(assignment, value.items())) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
     return json.dumps(value, ensure_ascii=False)
 
 

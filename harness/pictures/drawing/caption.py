@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
@@ -20,6 +21,7 @@ from harness.archive.conventions import (
     uncertainty_of,
     words_of,
 )
+from harness.pictures.drawing.plot_parts import legend_above
 from harness.pictures.drawing.quantities import assigned, plain, quantity, symbol
 from mpm_warp.errors import ParameterError
 from mpm_warp.materials.other_laws import loaded_laws, other_law
@@ -45,12 +47,20 @@ SOIL_AND_CONE = (
 """Parameters that a caption names even where they are the defaults: results depend on them most."""
 
 
-def write_caption(figure: Figure, dataset: xr.Dataset, *sentences: str) -> None:
-    """Write what a picture shows, and what was fixed, below it; empty sentences are left out."""
+def captioned(
+    figure: Figure, dataset: xr.Dataset, *sentences: str, legend: Axes | None = None
+) -> Figure:
+    """A figure with what it shows, and what was fixed, below it; with the legend of axes above.
+
+    Empty sentences are left out.
+    """
+    if legend is not None:
+        legend_above(figure, legend)
     title = plain(dataset.attrs.get("title", "")).rstrip(".")
     parts = [f"{title}." if title else "", *sentences, fixed(dataset)]
     text = _wrapped(" ".join(filter(None, parts)))
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
+    return figure
 
 
 def left_out(count: int, noun: str) -> str:
