@@ -123,10 +123,7 @@ def copied(tree: Path) -> Path:
 def tried(mutations: list[Mutation]) -> int:
     """Try errors, print a line of the table for each; returns how many go unnoticed."""
     nodes = dict.fromkeys(it.test for it in mutations)
-    with (
-        tempfile.TemporaryDirectory() as name,
-        ThreadPoolExecutor(COPIES) as pool,
-    ):
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(COPIES) as pool:
         trees = SimpleQueue[Path]()
         for number in range(COPIES):
             trees.put(copied(Path(name, str(number))))

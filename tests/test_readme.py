@@ -117,10 +117,7 @@ def commands(page: Path) -> Iterator[str]:
     "page", [it for it in PAGES if it != EXECUTED], ids=lambda page: str(page.relative_to(ROOT))
 )
 def test_every_command_can_be_given(
-    page: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A command is known with its options, and every study and scene that it names is there."""
     monkeypatch.chdir(tmp_path)

@@ -75,10 +75,7 @@ def test_the_law_of_wide_cells_is_that_of_the_coarsest_mesh_measured() -> None:
         case = it["rigidity_index"], it["adhesion_factor"]
         size = cell_size(it["cells_per_radius"])
         linear = mesh_error(
-            rigidity_index=case[0],
-            adhesion_factor=case[1],
-            cell_size=size,
-            cell_growth=GROWTH,
+            rigidity_index=case[0], adhesion_factor=case[1], cell_size=size, cell_growth=GROWTH
         ) - WIDE_ERROR * max(0.0, size - LARGEST_CELL)
         limit = it["cone_factor_simulated"] - linear
         if size > LARGEST_CELL:

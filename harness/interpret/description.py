@@ -10,16 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.interpret.keys import (
-    AXES,
-    COLUMNS,
-    LAYER_KEYS,
-    RATE,
-    SITE_KEYS,
-    TEST_KEYS,
-    Form,
-    Key,
-)
+from harness.interpret.keys import AXES, COLUMNS, LAYER_KEYS, RATE, SITE_KEYS, TEST_KEYS, Form, Key
 from harness.interpret.site import load_site
 from harness.study.description import assignment, comment, toml
 from harness.study.distributions import HOW, read_input
@@ -104,10 +95,7 @@ def site_schema() -> Schema:
     test["oneOf"] = [{"required": ["water_level"]}, {"required": ["u0"]}]
     layer["not"] = {"required": ["K0", "stress_anisotropy"]}
     whole = _table_of(SITE_KEYS)
-    whole["properties"] |= {
-        "test": test,
-        "layer": {"type": "array", "items": layer, "minItems": 1},
-    }
+    whole["properties"] |= {"test": test, "layer": {"type": "array", "items": layer, "minItems": 1}}
     whole["required"] += ["test", "layer"]
     return {"$schema": DIALECT, "title": "Site of the harness", **whole}
 

@@ -66,8 +66,7 @@ def as_dataset(
             resistance_factor=(factor, "1", "resistance factor Nkt = qnet / su"),
         )
         | labelled(
-            dims=("depth", "cause"),
-            error_share=(share, "1", "share of the variance of ln su"),
+            dims=("depth", "cause"), error_share=(share, "1", "share of the variance of ln su")
         )
         | labelled(
             dims=("layer", "cause", "percentile"),

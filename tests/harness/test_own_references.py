@@ -56,17 +56,13 @@ def computed(tmp_path: Path) -> Computed:
     return made
 
 
-def test_it_has_its_value_within_its_range_and_none_outside(
-    computed: Computed,
-) -> None:
+def test_it_has_its_value_within_its_range_and_none_outside(computed: Computed) -> None:
     result = computed(STUDY)
     np.testing.assert_allclose(result.reference_our_lab, [np.nan, 11.5, 11.5], rtol=1e-15)
     np.testing.assert_allclose(result.deviation_our_lab[1:], [-0.15 / 11.5, 0.85 / 11.5])
 
 
-def test_the_table_shows_it_and_says_where_it_does_not_hold(
-    computed: Computed,
-) -> None:
+def test_the_table_shows_it_and_says_where_it_does_not_hold(computed: Computed) -> None:
     table = result_table(computed(STUDY))
     (outside, *_), (within, *_) = (
         [line for line in table.splitlines() if line.split()[:1] == [index]]
@@ -96,9 +92,7 @@ def test_the_page_lists_it(computed: Computed) -> None:
         assert f"<td>{told}</td>" in text
 
 
-def test_it_may_have_a_tolerance_which_holds_within_its_range(
-    computed: Computed,
-) -> None:
+def test_it_may_have_a_tolerance_which_holds_within_its_range(computed: Computed) -> None:
     text = STUDY + '[compare]\nreferences = ["lu_2004", "our_lab"]\ntolerance = { our_lab = 0.05 }'
     (missed,) = misses(computed(text))
     assert "rigidity_index=200" in missed

@@ -179,11 +179,7 @@ def legend_above(figure: Figure, axes: Axes) -> None:
         for before in figure.legends:
             before.remove()
         legend = figure.legend(
-            handles,
-            labels,
-            loc="outside upper left",
-            ncols=columns,
-            alignment="left",
+            handles, labels, loc="outside upper left", ncols=columns, alignment="left"
         )
         if legend.get_window_extent().width <= 0.98 * figure.bbox.width:
             break

@@ -56,11 +56,7 @@ SYMBOLS = {
 
 _UNITS = {"degree": "°", "kg m-3": "kg/m³", "m s-1": "m/s", "m s-2": "m/s²", "s-1": "1/s"}
 """Units as readers write them."""
-_SPELT = {
-    "poissons ratio": "Poisson's ratio",
-    "in situ stress": "in-situ stress",
-    "t bar": "T-bar",
-}
+_SPELT = {"poissons ratio": "Poisson's ratio", "in situ stress": "in-situ stress", "t bar": "T-bar"}
 _PREFIXES = {"Pa": ((1e9, "G"), (1e6, "M"), (1e3, "k"))}
 """Larger units that readers expect, by the unit."""
 _SUBSCRIPT = re.compile(r"_(\w+)")

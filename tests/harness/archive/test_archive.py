@@ -48,7 +48,6 @@ def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
     written = result([0.1, 0.2, 0.3], 31 / 3)
     case_files.write_case(folder, case, written, "diverged", "why")
     read = case_files.read_case(folder, case)
-    assert read is not None
     xr.testing.assert_equal(read, written)
     assert read.cone_factor.attrs == written.cone_factor.attrs
     assert (read.attrs["status"], read.attrs["message"]) == ("diverged", "why")

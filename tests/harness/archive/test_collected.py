@@ -130,11 +130,7 @@ def test_a_folder_without_results_is_not_made(
 )
 @pytest.mark.parametrize("command", ["report", "rerun"])
 def test_a_result_that_is_not_whole_is_refused_in_one_line(
-    command: str,
-    damage: Callable[[xr.Dataset], object],
-    name: str,
-    result: Path,
-    refusal: Refusal,
+    command: str, damage: Callable[[xr.Dataset], object], name: str, result: Path, refusal: Refusal
 ) -> None:
     whole = read_study(result)
     damaged = damage(whole)  # or whole itself is damaged

@@ -11,13 +11,7 @@ import xarray as xr
 
 from harness.archive import netcdf_content, netcdf_files
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import (
-    case_file,
-    case_folder,
-    is_complete,
-    read_case,
-    read_outcome,
-)
+from harness.archive.case_files import case_file, case_folder, is_complete, read_case, read_outcome
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.cli.main import main

@@ -96,9 +96,7 @@ def without(source: random.Random, content: Content) -> tuple[str, Content]:
     return f"no {name}", replace(content, variables=others)
 
 
-def of_variable(
-    change: Callable[[random.Random, str, Variable], tuple[str, Variable]],
-) -> Mutation:
+def of_variable(change: Callable[[random.Random, str, Variable], tuple[str, Variable]]) -> Mutation:
     """A mutation that changes one variable: its dims, its values or its attributes."""
 
     def mutated(source: random.Random, content: Content) -> tuple[str, Content]:

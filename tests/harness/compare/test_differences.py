@@ -23,9 +23,7 @@ def test_equal_results_do_not_differ(two: Two) -> None:
     assert lonely == []
 
 
-def test_the_largest_difference_is_named_with_its_case(
-    two: Two,
-) -> None:
+def test_the_largest_difference_is_named_with_its_case(two: Two) -> None:
     one, other = two(10.0, 11.11, 12.0)
     found, _ = differences(one, other.isel(adhesion_factor=slice(None, None, -1)))
     assert [it.name for it in found] == ["cone_factor", "error"]
@@ -33,28 +31,20 @@ def test_the_largest_difference_is_named_with_its_case(
     assert {it.label for it in found} == {"adhesion_factor=0.5"}
 
 
-def test_a_case_that_failed_in_one_differs_without_bound(
-    two: Two,
-) -> None:
+def test_a_case_that_failed_in_one_differs_without_bound(two: Two) -> None:
     found, lonely = differences(*two(10.0, np.nan, 12.0))
     assert {it.size for it in found} == {np.inf}
     assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
 
 
-def test_a_status_that_differs_counts_where_no_number_does(
-    two: Two,
-) -> None:
+def test_a_status_that_differs_counts_where_no_number_does(two: Two) -> None:
     one, other = (it[["status", "adhesion_factor"]] for it in two(10.0, np.nan, 12.0))
     found, lonely = differences(one, other)
     assert found == []
     assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
 
 
-def test_what_was_not_compared_is_not_passed(
-    tmp_path: Path,
-    refusal: Refusal,
-    two: Two,
-) -> None:
+def test_what_was_not_compared_is_not_passed(tmp_path: Path, refusal: Refusal, two: Two) -> None:
     path = tmp_path / "s.nc"
     write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]))
     told = "harness: nothing to compare: no case has a scalar result in either"
@@ -81,9 +71,7 @@ def without(dataset: xr.Dataset, name: str) -> xr.Dataset:
     return dataset.drop_vars(name)
 
 
-def test_a_result_from_before_a_parameter_is_compared_at_its_default(
-    two: Two,
-) -> None:
+def test_a_result_from_before_a_parameter_is_compared_at_its_default(two: Two) -> None:
     one, other = two(*FACTORS)
     older = without(one, "friction_coefficient")
     assert differences(older, other) == differences(one, other)
@@ -125,17 +113,13 @@ def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
     ]
 
 
-def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(
-    two: Two,
-) -> None:
+def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(two: Two) -> None:
     one, other = two(*FACTORS, settings=("friction_coefficient=0.1",))
     with pytest.raises(NothingToCompareError):
         differences(without(one, "friction_coefficient"), other)
 
 
-def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(
-    two: Two,
-) -> None:
+def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(two: Two) -> None:
     varied = ("adhesion_factor=0.5", "friction_coefficient=[0.2, 0.1, 0]")
     one, other = two(10.0, 11.0, 11.11, settings=varied)
     found, lonely = differences(without(one, "friction_coefficient"), other)
@@ -154,11 +138,7 @@ def test_a_parameter_that_is_no_more_is_named(two: Two) -> None:
 
 @pytest.mark.parametrize(("tolerance", "code"), [("0", 1), ("0.005", 1), ("0.02", 0)])
 def test_two_files_beside_each_other(
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    tolerance: str,
-    code: int,
-    two: Two,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], tolerance: str, code: int, two: Two
 ) -> None:
     paths = [str(tmp_path / "one.nc"), str(tmp_path / "other.nc")]
     for path, dataset in zip(paths, two(10.0, 11.11, 12.0), strict=True):
@@ -237,10 +217,7 @@ def test_what_is_not_there_is_missed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("limit", "code"), [(0.02, 0), (0.011, 1)])
 def test_compare_ends_with_1_where_a_tolerance_is_missed(
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    limit: float,
-    code: int,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], limit: float, code: int
 ) -> None:
     dataset = collected(tmp_path).assign_attrs(design="full")
     write_study(tmp_path / "s.nc", with_tolerances(dataset, {"error": limit}))

@@ -134,7 +134,6 @@ def test_cases_of_one_scene_of_several(tmp_path: Path) -> None:
     assert str(found).startswith("cell_count = 10: error 1.00% and 2 s at most, over 1 case of")
     assert recommend("sliding_block", 0.02, [file]) is None
     other = recommend("sliding_block", 0.5, [file])
-    assert other is not None
     assert other.settings == {"cells_per_length": 10}
 
 
@@ -143,11 +142,9 @@ def test_recommended_are_the_cheapest_settings_good_for_every_soil(
 ) -> None:
     file = written(tmp_path, two_soils)
     found = recommend("cone_penetration", 0.05, [file])
-    assert found is not None
     assert found.settings == {"cells_per_radius": 2.0}
     assert (found.error, found.run_time) == (pytest.approx(0.02), 2.5)
     cheap = recommend("cone_penetration", 0.5, [file])
-    assert cheap is not None
     assert cheap.settings == {"cells_per_radius": 1.5}
 
 
@@ -182,7 +179,6 @@ def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:
     for name, dataset in {"verify": strange, "case": case}.items():
         write_netcdf(dataset, tmp_path / f"{name}.nc")
     found = recommend("thick_cylinder", 0.02, sorted(tmp_path.glob("*.nc")))
-    assert found is not None
     assert found.file == file
 
 
@@ -191,7 +187,6 @@ def test_values_that_the_scene_derives_are_alike(tmp_path: Path) -> None:
     dataset = dataset.assign_coords(domain_radius=("case", [np.nan, np.nan, 20.0, 20.0]))
     file = written(tmp_path, dataset.assign_attrs(scene="cone_penetration"))
     found = recommend("cone_penetration", 0.1, [file])
-    assert found is not None
     assert (found.settings, found.case_count) == ({"domain_radius": DERIVED}, 2)
 
 
@@ -218,7 +213,6 @@ def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
 ) -> None:
     dataset = two_soils.assign(error_floor=0.04 + 0.0 * two_soils.error_finest)
     found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
-    assert found is not None
     assert found.error == pytest.approx(0.04)
     assert recommend("cone_penetration", 0.03, [written(tmp_path, dataset)]) is None
 
@@ -228,7 +222,6 @@ def test_fixed_settings_that_are_not_as_by_default_are_told(
 ) -> None:
     dataset = two_soils.assign(cell_growth=((), 0.8, {"role": "parameter"}))
     found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
-    assert found is not None
     assert found.settings == {"cell_growth": 0.8, "cells_per_radius": 2.0}
 
 
@@ -249,12 +242,10 @@ def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Pat
         attrs=two_scenes().attrs | {"scene": "cone_penetration"},
     )
     found = recommend("cone_penetration", 0.01, [written(tmp_path, dataset)])
-    assert found is not None
     assert found.settings["cells_per_radius"] == 3.0
     assert found.error == pytest.approx(0.08 / 11.3), "no less than the half width it states"
     silent = dataset.drop_vars("cone_factor_uncertainty")
     found = recommend("cone_penetration", 0.01, [written(tmp_path, silent)])
-    assert found is not None
     assert found.settings["cells_per_radius"] == 1.5
 
 

@@ -21,11 +21,7 @@ def study(values: np.ndarray, half_width: float, **inputs: np.ndarray) -> xr.Dat
     dataset = xr.Dataset(
         {
             "factor": (case, values, {"role": "headline"}),
-            "factor_uncertainty": (
-                case,
-                np.full(len(values), half_width),
-                {"role": "uncertainty"},
-            ),
+            "factor_uncertainty": (case, np.full(len(values), half_width), {"role": "uncertainty"}),
             "status": (case, np.full(len(values), COMPLETED)),
         },
         {name: (case, it, {DISTRIBUTION: "low 0, high 1"}) for name, it in inputs.items()},

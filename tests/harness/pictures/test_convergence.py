@@ -17,7 +17,6 @@ WIDTHS = 1.0 / np.array(CELLS)
 @pytest.mark.parametrize("order", [0.5, 1.0, 2.0])
 def test_order_and_limit_are_found_again(order: float) -> None:
     found = approach(WIDTHS, 10.0 + 3.0 * WIDTHS**order)
-    assert found is not None
     # The order is interpolated between two 0.01 apart, of a function that curves by order 1:
     # so it is off by some 0.01**2 / 8 of it.
     assert found.order == pytest.approx(order, abs=2e-5)
@@ -88,11 +87,7 @@ def timed(
 
 def test_each_soil_has_a_front_of_its_own(two_soils: xr.Dataset) -> None:
     figure = study_figure(two_soils)
-    assert legend(figure) == [
-        r"$I_{\mathrm{r}}$ = 50",
-        r"$I_{\mathrm{r}}$ = 100",
-        "not completed",
-    ]
+    assert legend(figure) == [r"$I_{\mathrm{r}}$ = 50", r"$I_{\mathrm{r}}$ = 100", "not completed"]
     first, second = fronts(figure)
     np.testing.assert_allclose(first, [[1.0, 0.1], [2.0, 0.02]], rtol=1e-12)
     np.testing.assert_allclose(second, [[1.0, 11.0 / 10.1 - 1.0]], rtol=1e-12)

@@ -36,9 +36,7 @@ def tested() -> xr.Dataset:
     return made.assign_attrs(study="demo", title="A demonstration", scene="element_test")
 
 
-def test_curves_are_drawn_in_kilopascals_to_where_they_come_to_rest(
-    tested: xr.Dataset,
-) -> None:
+def test_curves_are_drawn_in_kilopascals_to_where_they_come_to_rest(tested: xr.Dataset) -> None:
     assert "element_tests" in figures(tested)
     shear, path, water = element_tests_figure(tested).axes
     np.testing.assert_allclose(shear.lines[1].get_ydata()[-1], 40.0)

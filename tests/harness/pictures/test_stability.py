@@ -302,10 +302,7 @@ def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic:
     ("message", "short"),
     [
         (VELOCITY, "velocity of particle 12"),
-        (
-            STRESS,
-            "stress of particle 7, outside the yield surface by 0.02 of the strength",
-        ),
+        (STRESS, "stress of particle 7, outside the yield surface by 0.02 of the strength"),
         ("worker killed by SIGSEGV, at 45% of the case", "worker killed by SIGSEGV"),
         ("ended after 200 s, at 4% of the case", "ended after 200 s"),
         ("", ""),

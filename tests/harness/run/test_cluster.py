@@ -93,9 +93,7 @@ def twenty(tmp_path: Path) -> Study:
 
 
 def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
-    cluster: Cluster,
-    twenty: Study,
-    tmp_path: Path,
+    cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
     worker, _ = cluster.add_workers(2)
@@ -117,9 +115,7 @@ def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
 
 
 def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
-    cluster: Cluster,
-    twenty: Study,
-    tmp_path: Path,
+    cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     cluster.add_workers(2)

@@ -70,7 +70,6 @@ def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
 ) -> None:
     """Set-up takes up to half of it besides."""
     size, plan = scene.run_size(), scene.plan()
-    assert size is not None
     taken = sum(array.byte_count for array in plan.arrays.values())
     in_grid = size.byte_count - size.curve_bytes
     assert 0.2 * in_grid < taken < in_grid
@@ -84,7 +83,6 @@ def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
 def test_the_size_of_every_scene_is_predicted(name: str) -> None:
     scene = scene_class(name)()
     size, plan = scene.run_size(), scene.plan()
-    assert size is not None
     assert size.particle_count >= plan.particle_count
     # Small runs have little but the numbers that a run has whatever its size.
     few = 50e3
@@ -183,7 +181,6 @@ def test_the_costliest_case_is_first_and_equal_ones_stay_in_their_order(mixed: S
     assert lengths == [(3, 0), (3, 1), (1, 0), (1, 1)]
     # A predicted time is that of points times steps, at the speed that is told of everywhere.
     size = mixed.parts[0].scene(**ordered[0].parameters).run_size()
-    assert size is not None
     assert predicted_time(ordered[0]) == size.particle_count * size.step_count / UPDATE_RATE
 
 

@@ -50,10 +50,7 @@ def test_results_of_other_sources_are_kept_and_told(
 
 
 def test_fresh_computes_them_anew(
-    small: Study,
-    tmp_path: Path,
-    done: Callable[..., list[str]],
-    capsys: pytest.CaptureFixture[str],
+    small: Study, tmp_path: Path, done: Callable[..., list[str]], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", *done("earlier", "earlier", "earlier"), "--fresh"]) == 0
     assert "sources" not in capsys.readouterr().err

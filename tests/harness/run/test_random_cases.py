@@ -110,6 +110,5 @@ def test_the_size_of_a_random_case_is_predicted_at_once(name: str) -> None:
     source = random.Random(name)
     for _ in range(20):
         size = random_scene(source, name).run_size()
-        assert size is not None
         assert 0.0 < size.byte_count < math.inf
         assert 0.0 <= size.step_count < math.inf

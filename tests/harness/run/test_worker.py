@@ -155,7 +155,6 @@ def test_an_exception_of_the_scene_is_the_outcome(
     outcome = run_case(case, tmp_path)
     assert (outcome.status, outcome.message) == (status, message)
     result = case_files.read_case(tmp_path, case)
-    assert result is not None
     assert result.attrs["message"] == message
     # An end that has a name needs no place in the program.
     assert ("traceback" in result.attrs) == (status == "failed")
@@ -175,7 +174,6 @@ def test_a_headline_that_is_no_number_is_no_result_and_is_kept(
     assert outcome.status == "unfinished"
     assert outcome.message.startswith("cone factor is not a finite number: ")
     kept = case_files.read_case(tmp_path, case)
-    assert kept is not None
     assert float(kept.work) == 3.0
     assert not case_files.is_complete(tmp_path, case)
 
@@ -192,8 +190,6 @@ def test_an_unfinished_case_keeps_its_scalars_and_is_not_collected(
     study = load_study(str(small_file), settings[1::2])
     folder = case_files.case_folder(out, study)
     finished, unfinished = (case_files.read_case(folder, case) for case in study.cases)
-    assert finished is not None
-    assert unfinished is not None
     assert unfinished.attrs["status"] == "unfinished"
     assert float(unfinished.cone_factor) == float(finished.cone_factor)
     with xr.open_dataset(out / "small.nc") as collected:

@@ -44,8 +44,6 @@ def test_uniform_clay_has_no_array_for_it(cone: Scene) -> None:
 def test_points_carry_the_properties_of_their_depth(cone: Scene) -> None:
     plan = make_plan(varied(cone, TWO_LAYERS))
     position, properties = (plan.arrays[name].initial for name in ("particle.position", PROPERTIES))
-    assert position is not None
-    assert properties is not None
     below = position[:, 1] <= 1.0
     stiff, strength = cone.material.properties[:2], 2
     ratio = np.where(below, 1.0, 0.25)

@@ -78,8 +78,6 @@ def test_a_layer_brings_every_array_of_the_particles_along(cone: Scene) -> None:
         assert launch.arrays == ("layer.slots", f"layer.{word}", name)
     mass, cell = plan.arrays["layer.mass"].initial, plan.arrays["layer.cell"].initial
     lowest = cone.grid.cell_volumes[: cone.grid.column_count]
-    assert mass is not None
-    assert cell is not None
     # One layer of two: a half of each cell of the lowest row.
     assert mass.sum() == pytest.approx(0.5 * soil.density * lowest.sum(), rel=1e-12)
     np.testing.assert_array_equal(cell[:, 1], 0)

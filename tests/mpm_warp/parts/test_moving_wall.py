@@ -74,7 +74,6 @@ def test_a_wall_that_squeezes_its_cells_to_a_half(cavity: Scene) -> None:
     simulation = Simulation(cavity)
     simulation.advance_to(end)
     plan = simulation.plan
-    assert plan.control is not None
     assert plan.time_step < 0.7 * plan.control.first
     critical = plan.control.critical(simulation.array)
     assert plan.control.first > 1.2 * critical

@@ -67,8 +67,6 @@ def test_the_window_stops_at_the_first_step_beyond_a_distance(
     """And takes its steps in one go wherever its speed is the final one."""
     simulation = Simulation(hurried)
     window = hurried[Window]
-    assert window is not None
-    assert window.approach is not None
     goes: list[int] = []
     advance = simulation.advance
     monkeypatch.setattr(simulation, "advance", lambda count: (goes.append(count), advance(count)))

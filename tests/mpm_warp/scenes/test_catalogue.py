@@ -266,7 +266,6 @@ def test_curves_up_to_the_failure_are_those_of_the_whole_run(
     with pytest.raises(SimulationDiverged) as end:
         scene.run(diverge)
     kept_curves = end.value.curves
-    assert kept_curves is not None
     assert kept_curves.sizes[axis] == KEPT
     curves = [str(curve) for curve, values in whole.items() if values.dims == (axis,)]
     kept = [curve for curve in curves if curve in kept_curves]

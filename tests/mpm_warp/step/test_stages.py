@@ -22,8 +22,6 @@ def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) 
     """The empty ones at its end, outside every cell and without mass."""
     plan = make_plan(cone)
     cell, mass = (plan.arrays[f"particle.{name}"].initial for name in ("cell", "mass"))
-    assert cell is not None
-    assert mass is not None
     empty = cell[:, 0] < 0
     assert empty.sum() == round(cone[Window].spare_fraction * plan.particle_count)
     np.testing.assert_array_equal(cell[empty], -1)

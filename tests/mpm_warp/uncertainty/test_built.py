@@ -127,8 +127,6 @@ def of_the_page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType
     file = tmp_path_factory.mktemp("reader") / "hardening_of_a_reader.py"
     file.write_text(script)
     specification = importlib.util.spec_from_file_location(file.stem, file)
-    assert specification is not None
-    assert specification.loader is not None
     module = importlib.util.module_from_spec(specification)
     sys.modules[file.stem] = module
     specification.loader.exec_module(module)

@@ -64,7 +64,6 @@ def test_adhesion_is_that_of_the_soil_beside_it() -> None:
     kappa = 2.0
     scene = ConeBearing(cells_per_radius=4, adhesion_factor=0.5, strength_gradient_ratio=kappa)
     adhesion = make_plan(scene.build()).arrays["contact.adhesion"].initial
-    assert adhesion is not None
     mean_strength = STRENGTH * (1.0 + kappa / 3.0 * math.sqrt(3.0))
     assert adhesion.sum() == pytest.approx(0.5 * mean_strength * 0.5 * RADIUS**2 / 0.5)
 

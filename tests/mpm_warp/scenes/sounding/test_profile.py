@@ -129,7 +129,6 @@ def test_means_and_stresses_are_exact_integrals(profile: Profile) -> None:
 
 def test_ratios_are_those_to_the_strongest_and_the_stiffest(profile: Profile) -> None:
     variation = profile.variation(origin_depth=3.0)
-    assert variation is not None
     place = np.array([[1.0, 0.0], [1.0, 2.0]])  # 3 m and 1 m deep
     np.testing.assert_allclose(variation.at(place, variation.strength_ratio), [25.0 / 40.0] * 2)
     np.testing.assert_allclose(

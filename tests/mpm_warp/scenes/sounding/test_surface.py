@@ -45,8 +45,6 @@ def test_only_the_stretches_near_the_surface_start_there() -> None:
 def test_soil_is_below_the_surface_only_and_fills_the_window_in_the_end() -> None:
     near, deep = (make_plan(changed(from_depth=it).build()) for it in (0.0, 12.0))
     cell, height = near.arrays["particle.cell"].initial, near.arrays["particle.position"].initial
-    assert cell is not None
-    assert height is not None
     assert height[cell[:, 0] >= 0, 1].max() < 0.0
     # As many slots as the full window has.
     assert len(cell) == deep.arrays["particle.cell"].shape[0]
