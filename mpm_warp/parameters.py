@@ -181,9 +181,7 @@ def check_own(owner: Any) -> None:
             definition_of(type(owner), field).checked(getattr(owner, field.name))
 
 
-@functools.cache
-def _type_hints(owner: type) -> Mapping[str, Any]:
-    return typing.get_type_hints(owner)
+_type_hints = functools.cache(typing.get_type_hints)
 
 
 def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:

@@ -178,7 +178,11 @@ class Simulation:
             ValueError: `time` is not finite.
         """
         check_number("time", time, unit="s", error=ValueError)
-        while (left := self._steps_until(time)) > 0:
+        while True:
+            since_change = round((time - self._changed_time) / self.plan.time_step)
+            left = self._changed_step + since_change - self.step_count
+            if left <= 0:
+                return
             check_number("time: steps until then", left, STEP_COUNTS, error=ValueError)
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
@@ -217,7 +221,3 @@ class Simulation:
         if control is not None and time_step != self.plan.time_step:
             self._changed_step, self._changed_time = self.step_count, self.time
             self._run.change_time_step(make_plan(self.scene, self._share_count, time_step))
-
-    def _steps_until(self, time: float) -> int:
-        since_change = round((time - self._changed_time) / self.plan.time_step)
-        return self._changed_step + since_change - self.step_count

@@ -64,29 +64,18 @@ def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str,
     N_ke needs the effective stress of the ground, which a law of total stress does not have.
     """
     net, excess = float(results.cone_factor), float(results.pore_pressure_factor_shoulder)
-    factors = {"cone_factor": results.cone_factor.variable} | labelled(
-        N_du=(excess, "1", "pore pressure factor N_du", "(u2 - u0) / su")
-    )
-    vertical = _effective_vertical_stress(test)
-    if vertical is not None:
-        of_effective = net + vertical / test.undrained_shear_strength - excess
-        factors |= labelled(
-            N_ke=(of_effective, "1", "effective cone factor N_ke", "(qt - u2) / su")
-        )
-    found = by_mode(test, **factors)
-    ratio = labelled(
-        Bq=(excess / net, "1", "pore pressure ratio Bq", "(u2 - u0) / (qt - sigma_v0)")
-    )
-    return found | ratio if found else {}
-
-
-def _effective_vertical_stress(test: FieldClayScene) -> float | None:
-    """Of the ground before [Pa]; None of a law without effective stress."""
+    of_excess = (excess, "1", "pore pressure factor N_du", "(u2 - u0) / su")
+    factors = {"cone_factor": results.cone_factor.variable} | labelled(N_du=of_excess)
     clay, stress = test.clay, test.stress_at_rest
-    if EFFECTIVE_STRESS not in clay.state:
-        return None
-    mean = clay.state_at(stress, np.zeros(2))[clay.state.index(EFFECTIVE_STRESS)]
-    return float(mean + 2.0 / 3.0 * (stress[0] - stress[1]))
+    if EFFECTIVE_STRESS in clay.state:
+        mean = clay.state_at(stress, np.zeros(2))[clay.state.index(EFFECTIVE_STRESS)]
+        vertical = float(mean + 2.0 / 3.0 * (stress[0] - stress[1]))
+        factor = net + vertical / test.undrained_shear_strength - excess
+        of_effective = (factor, "1", "effective cone factor N_ke", "(qt - u2) / su")
+        factors |= labelled(N_ke=of_effective)
+    found = by_mode(test, **factors)
+    ratio = (excess / net, "1", "pore pressure ratio Bq", "(u2 - u0) / (qt - sigma_v0)")
+    return found | labelled(Bq=ratio) if found else {}
 
 
 def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:

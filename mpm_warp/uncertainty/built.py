@@ -135,14 +135,13 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
     if _names(in_order) == _names(others_in_order):
         # The order counts among parts that act at one place of a step, and among no others.
         for place in PLACES:
-            one, other = (_names(_acting_at(place, them)) for them in (parts, others))
+            one, other = (
+                _names([it for it in them if getattr(type(it), place) is not getattr(Part, place)])
+                for them in (parts, others)
+            )
             yield one, other, "the order of its parts"
         parts, others = tuple(in_order), tuple(others_in_order)
     yield from ((*pair, "part") for pair in zip(parts, others, strict=True))
-
-
-def _acting_at(place: str, parts: Sequence[Part]) -> list[Part]:
-    return [it for it in parts if getattr(type(it), place) is not getattr(Part, place)]
 
 
 def _names(parts: Sequence[Part]) -> str:

@@ -160,31 +160,15 @@ class Bearing(CatalogueScene):
 
     def _limit_beside_exact(self, limit: float) -> dict[str, xr.Variable]:
         """The limit load over area and su, and the exact one with the error where one is known."""
-        computed = labelled(
-            role="headline",
-            bearing_capacity=(limit, "1", "limit load over area and su", PLATEAU_IS),
-        )
+        meaning = "limit load over area and su"
+        found = labelled(role="headline", bearing_capacity=(limit, "1", meaning, PLATEAU_IS))
         if self.exact is None:
-            return computed
+            return found
         exact, source = self.exact
-        error = (
-            abs(limit / exact - 1),
-            "1",
-            "error of the limit load",
-            "relative error of the plateau",
-        )
-        return (
-            labelled(role="error", error=error)
-            | computed
-            | labelled(
-                bearing_capacity_exact=(
-                    exact,
-                    "1",
-                    "limit load over area and su, exact",
-                    source,
-                )
-            )
-        )
+        relative = "relative error of the plateau"
+        error = (abs(limit / exact - 1), "1", "error of the limit load", relative)
+        found |= labelled(bearing_capacity_exact=(exact, "1", f"{meaning}, exact", source))
+        return found | labelled(role="error", error=error)
 
 
 def load_curve(reached: Floats, load: Floats) -> xr.Dataset:

@@ -191,8 +191,5 @@ class ElementTest(ClayScene):
         if exact is None:
             return found
         error = (abs(strength / exact - 1.0), "1", "error of the strength")
-        return (
-            found
-            | labelled(strength_exact=(exact, "Pa", "shear strength, exact"))
-            | labelled(role="error", error=error)
-        )
+        found |= labelled(strength_exact=(exact, "Pa", "shear strength, exact"))
+        return found | labelled(role="error", error=error)

@@ -124,13 +124,9 @@ class MaterialPoint(ClayScene):
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         if not self._is_known:
             shear = 0.5 * np.hypot(stress[:, 0] - stress[:, 1], 2.0 * stress[:, 2]).max()
-            shown = {
-                **labelled(dims=("path", "component"), stress=(stress, "1", "stress over su")),
-                **labelled(
-                    role="headline",
-                    shear_stress=(shear, "1", "greatest shear stress in the plane over su"),
-                ),
-            }
+            greatest = (shear, "1", "greatest shear stress in the plane over su")
+            shown = labelled(dims=("path", "component"), stress=(stress, "1", "stress over su"))
+            shown |= labelled(role="headline", shear_stress=greatest)
             return xr.Dataset(shown, coords=axes)
         exact = np.array([path.exact for path in paths])
         error = (
@@ -145,13 +141,10 @@ class MaterialPoint(ClayScene):
             "stress beyond the yield surface",
             "greatest shear stress over strength, less 1, on any path at any step",
         )
-        variables = {
-            **labelled(
-                dims=("path", "component"),
-                stress=(stress, "1", "stress over su"),
-                stress_exact=(exact, "1", "stress over su, exact"),
-            ),
-            **labelled(role="headline", error=error),
-            **labelled(yield_excess=excess),
-        }
-        return xr.Dataset(variables, coords=axes)
+        shown = labelled(
+            dims=("path", "component"),
+            stress=(stress, "1", "stress over su"),
+            stress_exact=(exact, "1", "stress over su, exact"),
+        )
+        shown |= labelled(role="headline", error=error) | labelled(yield_excess=excess)
+        return xr.Dataset(shown, coords=axes)
