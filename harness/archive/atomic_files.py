@@ -11,10 +11,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from harness.errors import HarnessError
+from harness.errors import HarnessError, printable
 
 PARTIAL = ".part"
 """Ending of a file that is being written; such a file is nobody's result."""
+
+FORMULA = ("=", "+", "-", "@")
+"""What a cell begins with that a spreadsheet takes for a formula."""
+SIGNED_NUMBER = r"[-+]\d+(\.\d+)?(e[-+]\d+)?%?"
+"""A number that begins as a formula, as a pattern."""
 
 
 class ArchiveError(HarnessError):
@@ -52,8 +57,14 @@ def write_whole(content: bytes | memoryview, path: Path) -> None:
 def write_csv(rows: Iterable[Iterable[str]], path: Path) -> None:
     """Write a table as CSV, whole or not at all."""
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
+    csv.writer(text, lineterminator="\n").writerows(map(_as_text, row) for row in rows)
     write_whole(text.getvalue().encode(), path)
+
+
+def _as_text(cell: str) -> str:
+    """A cell of one line that is no formula: a spreadsheet would run what a file is called."""
+    is_formula = cell.startswith(FORMULA) and not re.fullmatch(SIGNED_NUMBER, cell)
+    return f"'{printable(cell)}" if is_formula else printable(cell)
 
 
 def discard_partial(folder: Path, process_id: int) -> None:

@@ -18,8 +18,8 @@ from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 
-LONGEST_WAIT = 3600.0
-"""Seconds to wait for news at a time: the system takes no more than some weeks."""
+LONGEST_WAIT = 1.0
+"""Seconds to wait for news at a time."""
 
 
 class Watcher(Protocol):
@@ -113,8 +113,14 @@ def cases_at_once(threads: int | None) -> int:
 
 
 def _with_news(workers: Sequence[WorkerProcess]) -> list[WorkerProcess]:
-    """Wait for workers that have something to say or have taken too long."""
-    deadline = min((worker.deadline for worker in workers), default=0.0)
-    left = min(max(0.0, deadline - time.monotonic()), LONGEST_WAIT)
-    wait([worker.connection for worker in workers], left)
+    """Wait for workers that have something to say or have taken too long.
+
+    While this process is stopped, as by Ctrl-Z, so are its workers: that is no time of theirs.
+    """
+    begin = time.monotonic()
+    left = min((worker.deadline - begin for worker in workers), default=0.0)
+    wait([worker.connection for worker in workers], min(max(0.0, left), LONGEST_WAIT))
+    waited = time.monotonic() - begin
+    for worker in workers if waited > 2.0 * LONGEST_WAIT else ():
+        worker.began += waited
     return [it for it in workers if it.has_news]

@@ -5,6 +5,7 @@ Progress is a bar on a terminal, and a line for each case that has ended.
 
 import os
 import sys
+import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -57,6 +58,8 @@ class Display(AbstractContextManager["Display"]):
             smoothing=0,  # the time left follows from the mean speed so far
             bar_format="{bar:24} {desc}after {elapsed}, {remaining} left",
         )
+        self.bar._time = time.monotonic  # by its own clock it would stand still if that is set back
+        self.bar.start_t = self.bar.last_print_t = time.monotonic()
 
     def __exit__(self, *_: object) -> None:
         self.bar.close()

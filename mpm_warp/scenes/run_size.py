@@ -71,8 +71,12 @@ def size_in_grid(scene: Scene, duration: float) -> RunSize:
     )
 
 
-size_of_bodies = partial(RunSize, bytes_per_cell=80.0, bytes_per_particle=450.0)
-"""The size of a run of bodies: memory from peaks of up to 380,000 cells and 55,000 points."""
+size_of_body = partial(RunSize, bytes_per_cell=53.0, bytes_per_particle=260.0)
+size_of_bodies = partial(RunSize, bytes_per_cell=210.0, bytes_per_particle=260.0)
+"""The size of a run of one body, and of bodies in contact.
+
+The memory is from peaks of up to 7 million cells and 114,000 points.
+"""
 
 
 def of_several(sizes: Sequence[RunSize]) -> RunSize:

@@ -7,12 +7,15 @@ from typing import NoReturn
 
 import numpy as np
 
+from mpm_warp.bodies.body import MARGIN
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 
+BASE_CELLS = 3
+"""Cells of the base: its thickness, and its length beside the way of the block on each side."""
 SAMPLE_COUNT = 100
 """Samples of the curves, after the moment when the driving force begins."""
 
@@ -189,15 +192,17 @@ class BlockOnBase(CatalogueScene):
             self._refuse("interface_radius", "", f": {why}")
 
     def run_size(self) -> RunSize:
-        """Cells of a square around block and base, and their material points, at most about."""
-        along = self.cells_per_length * (1.0 + self.travel) + 8
-        across = self.cells_per_length * self.height_ratio + 8
-        block_count = self.cells_per_length**2 * self.height_ratio * self.particles_per_cell
+        """Cells around the base and the block on its way, and their material points."""
+        way = self.travel if self.motion.slides else 0.0
+        along = self.cells_per_length * (1.0 + way) + 2 * BASE_CELLS
+        height = self.cells_per_length * self.height_ratio
+        cos, sin = (abs(turned(math.radians(self.grid_angle))) for turned in (math.cos, math.sin))
+        across, margin = height + BASE_CELLS, 2 * MARGIN + 1
+        columns, rows = along * cos + across * sin + margin, along * sin + across * cos + margin
+        block_count = self.cells_per_length * height * self.particles_per_cell
         return size_of_bodies(
-            cell_count=round(along + across) ** 2 if self.grid_angle else round(along * across),
-            particle_count=round(
-                (self.cells_per_length * across + 4 * along) * self.particles_per_cell
-            ),
+            cell_count=round(columns * rows),
+            particle_count=round(block_count + along * BASE_CELLS * self.particles_per_cell),
             # Places of the points of the block: kept, stacked, and three arrays of that shape.
             curve_bytes=5.0 * 16.0 * (SAMPLE_COUNT + 1) * block_count,
         )

@@ -15,7 +15,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, variable
 from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.run_size import RunSize, size_of_bodies
+from mpm_warp.scenes.run_size import RunSize, size_of_body
 from mpm_warp.simulation import Simulation
 
 SIDE = 1.0
@@ -60,7 +60,7 @@ class FlyingBlock(CatalogueScene):
         """Cells along the flight of the block, and its material points."""
         columns, rows = self._cell_counts
         count = 4 * self.cells_per_side**2
-        return size_of_bodies(
+        return size_of_body(
             cell_count=columns * rows,
             particle_count=count,
             step_count=self.step_count,

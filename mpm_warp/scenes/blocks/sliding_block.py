@@ -13,13 +13,11 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import Value
 from mpm_warp.sampling import evenly, follow
-from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, BlockOnBase
+from mpm_warp.scenes.blocks.block_on_base import BASE_CELLS, SAMPLE_COUNT, BlockOnBase
 from mpm_warp.scenes.blocks.curves import SlidingCurves
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.simulation import Simulation
 
-BASE_CELLS = 3
-"""Thickness of the base in cells."""
 VIOLENT: dict[str, Value] = {"height_ratio": 0.5, "drive": 2e4, "travel": 0.01}
 LONG: dict[str, Value] = {"height_ratio": 0.5, "friction": 0.8, "rest_time": 860.0}
 """Of checks on a coarse grid."""
@@ -52,7 +50,7 @@ class SlidingBlock(BlockOnBase):
         frame = self._frame
         block_material, base_material = self._materials
         block = frame.body((0.0, self.length), (0.0, self.height), self.spacing, block_material)
-        margin, thickness = 3.0 * self.cell_size, BASE_CELLS * self.cell_size
+        margin = thickness = BASE_CELLS * self.cell_size
         travel = self.travel * self.length if self.motion.slides else 0.0
         end = self.length + travel + margin
         base = frame.body((-margin, end), (-thickness, 0.0), self.spacing, base_material)

@@ -15,7 +15,7 @@ from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.run_size import RunSize, size_of_bodies
+from mpm_warp.scenes.run_size import RunSize, size_of_body
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
@@ -94,7 +94,7 @@ class StretchedBar(CatalogueScene):
         crossing = self.cell_size / wave_speed
         damping_ratio = self.retardation_time / crossing
         time_step = TIME_STEP_FRACTION * crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
-        return size_of_bodies(
+        return size_of_body(
             cell_count=12 * self._half_count,
             particle_count=POINTS_PER_CELL * len(self.lattice),
             step_count=self.duration / time_step,

@@ -1,5 +1,6 @@
 """Files that are whole under their name or not there, whoever writes them."""
 
+import csv
 import os
 import signal
 import subprocess
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.archive import atomic_files
-from harness.archive.atomic_files import ArchiveError, abandoned, prepare, write_whole
+from harness.archive.atomic_files import ArchiveError, abandoned, prepare, write_csv, write_whole
 
 KILLED_AS_IT_WRITES = """
 import os, sys
@@ -62,3 +63,14 @@ def test_names_of_half_written_files_are_not_to_be_guessed(
     umask = os.umask(0)
     os.umask(umask)
     assert (tmp_path / "1.nc").stat().st_mode & 0o777 == 0o666 & ~umask
+
+
+def test_no_cell_of_a_table_is_a_formula_of_a_spreadsheet(tmp_path: Path) -> None:
+    numbers = ["-0.5", "+1.2%", "-1e-05", "-3", "1", ""]
+    formulas = ["=1+1", "=cmd|'/c calc'!A0", "@SUM(A1)", "+1+1", "-2+3"]
+    lines = ["a\n=1", "\r=1", "\t=1"]
+    write_csv([numbers, formulas, lines], tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open(newline="") as file:
+        rows = list(csv.reader(file))
+    escaped = ["a\\n=1", "\\r=1", "\\t=1"]
+    assert rows == [numbers, [f"'{it}" for it in formulas], escaped]

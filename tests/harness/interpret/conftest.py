@@ -44,13 +44,18 @@ def measured_rows(depth: Floats, net: Floats, friction: Floats) -> str:
     return "\n".join(["depth [m],qc [MPa],fs [kPa],u2 [kPa]", *lines]) + "\n"
 
 
+def write_site(folder: Path) -> Path:
+    """Write a measured test whose factor is that of the table, and its site file."""
+    factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
+    (folder / "test.csv").write_text(measured_rows(DEPTH, factor * STRENGTH, 0.4 * STRENGTH))
+    (folder / "site.toml").write_text(SITE + LAYER)
+    return folder
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with a measured test whose factor is that of the table, and its site file."""
-    factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
-    (tmp_path / "test.csv").write_text(measured_rows(DEPTH, factor * STRENGTH, 0.4 * STRENGTH))
-    (tmp_path / "site.toml").write_text(SITE + LAYER)
-    return tmp_path
+    return write_site(tmp_path)
 
 
 def changed(folder: Path, *changes: tuple[str, str], file: str = "site.toml") -> Path:

@@ -79,6 +79,16 @@ def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
         assert size.step_count == pytest.approx(bound, abs=1.0)
 
 
+@pytest.mark.parametrize("angle", [0.0, 20.0, 90.0, -135.0])
+@pytest.mark.parametrize("friction", [0.3, 0.8])
+def test_the_size_of_a_block_on_a_base_is_that_of_its_grid(angle: float, friction: float) -> None:
+    """It slides, or stays where it is. The corners of base and block fill no rectangle."""
+    scene = SlidingBlock(cells_per_length=40, grid_angle=angle, friction=friction)
+    size, (columns, rows) = scene.run_size(), scene.build().grid.cell_counts
+    assert (columns - 1) * (rows - 1) < size.cell_count < 1.25 * columns * rows
+    assert size.particle_count == scene.plan().particle_count
+
+
 @pytest.mark.parametrize("name", scene_names())
 def test_the_size_of_every_scene_is_predicted(name: str) -> None:
     scene = scene_class(name)()

@@ -21,6 +21,7 @@ from harness.archive.case_files import Outcome, case_folder
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
+from harness.run import pool
 from harness.run.pool import cases_at_once, run_cases, share_of_cores
 from harness.run.resources import RunOptions
 from harness.run.worker_process import WorkerProcess, end_all
@@ -218,6 +219,27 @@ def test_the_time_of_a_case_begins_with_its_computation(tmp_path: Path, small: S
         worker.connection.poll(60)
         assert worker.news() == [(small.cases[0], 0.0)]
         assert worker.deadline <= time.monotonic() + 1.0
+    finally:
+        end_all([worker])
+
+
+def test_while_all_processes_are_stopped_no_time_of_a_case_passes(
+    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by Ctrl-Z; a limit of 10 s, of which 5 are gone, and an hour's stop."""
+    worker = WorkerProcess(prepared(small, tmp_path), RunOptions(time_limit=10.0))
+    try:
+        worker.begin(small.cases[:1])
+        worker.began, clock = 1000.0, [1005.0]
+        with monkeypatch.context() as patched:
+            patched.setattr(worker.connection, "poll", lambda: False)
+            patched.setattr(time, "monotonic", lambda: clock[-1])
+            patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left + 3600.0))
+            assert pool._with_news([worker]) == []
+            patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left))
+            assert pool._with_news([worker]) == []
+            clock.append(clock[-1] + 5.0)
+            assert pool._with_news([worker]) == [worker]
     finally:
         end_all([worker])
 

@@ -1,5 +1,6 @@
 import io
 import re
+import time
 
 import pytest
 
@@ -30,7 +31,7 @@ def test_the_bar_shows_cases_done_running_and_time_left(
     small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = [100.0]
-    monkeypatch.setattr("tqdm.std.time", lambda: clock[0])
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
     stream = Terminal()
     with Display(4, stream) as display:
         first, second, third = small.cases
@@ -42,6 +43,19 @@ def test_the_bar_shows_cases_done_running_and_time_left(
     line = "1/4 cases, 2 running, at 50%, after 01:00, 01:00 left"
     bar = "█" * 12 + " " * 12
     assert any(it.startswith(f"{bar} {line}") for it in shown)
+
+
+def test_the_bar_moves_on_where_the_clock_of_the_machine_is_set_back(
+    small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now, clock = time.time(), [100.0]
+    monkeypatch.setattr("tqdm.std.time", lambda: now - 86400.0)
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    stream = Terminal()
+    with Display(2, stream) as display:
+        clock[0] += 60
+        display.advanced(small.cases[0], 0.5)
+        assert "1 running, at 50%, after 01:00, 03:00 left" in stream.getvalue()
 
 
 def test_a_case_is_being_set_up_until_it_computes_and_the_line_is_left_clean(small: Study) -> None:
