@@ -31,8 +31,7 @@ def by_ngl_tools(depth: Floats, net: Floats) -> Floats:
         from ngl_tools.smt import cpt_inverse_filter
     except ImportError:
         return np.full_like(net, np.nan)
-    found: Floats = 1e3 * cpt_inverse_filter(net / 1e3, depth, dc=2.0 * RADIUS)
-    return found
+    return 1e3 * cpt_inverse_filter(net / 1e3, depth, dc=2.0 * RADIUS)
 
 
 METHODS: dict[str, Callable[[Floats, Floats], Floats]] = {

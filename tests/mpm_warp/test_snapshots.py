@@ -48,8 +48,7 @@ def test_the_traction_integrates_to_the_resistance(
 
     def integral(values: np.ndarray) -> np.ndarray:
         weights = np.stack([2 * r[:-1] + r[1:], r[:-1] + 2 * r[1:]]) * length / 6.0
-        total: np.ndarray = values[:, :-1] @ weights[0] + values[:, 1:] @ weights[1]
-        return total
+        return values[:, :-1] @ weights[0] + values[:, 1:] @ weights[1]
 
     normal, shear = (fields[f"{it}_traction"].values for it in ("normal", "shear"))
     force = sine * integral(normal) + np.cos(np.radians(30)) * integral(shear)

@@ -63,14 +63,12 @@ def block_on_base(
 def momentum(simulation: Simulation, body: int) -> Floats:
     of_body = simulation.array("particle.body") == body
     mass, velocity = simulation.array("particle.mass"), simulation.array("particle.velocity")
-    total: Floats = mass[of_body] @ velocity[of_body]
-    return total
+    return mass[of_body] @ velocity[of_body]
 
 
 def mean_position(simulation: Simulation) -> Floats:
     block = simulation.array("particle.body") == 0
-    mean: Floats = simulation.array("particle.position")[block].mean(axis=0)
-    return mean
+    return simulation.array("particle.position")[block].mean(axis=0)
 
 
 @pytest.mark.parametrize("angle", [0.0, math.radians(25.0)])

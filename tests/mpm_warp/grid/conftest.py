@@ -8,5 +8,4 @@ from mpm_warp.grid.fitted import Grid
 @pytest.fixture(params=["fitted", "partly_upright", "rectilinear"])
 def grid(request: pytest.FixtureRequest) -> Grid:
     """Each of the grids with horizontal rows."""
-    value: Grid = request.getfixturevalue(request.param)
-    return value
+    return request.getfixturevalue(request.param)

@@ -240,8 +240,7 @@ def located(grid: Grid, i: int, j: int, x: Floats) -> Floats:
     found = wp.zeros(2, dtype=wp.vec2d, device="cpu")
     arguments = [wp.vec2d(*x), column, row, grid.fitted_radius, found]
     wp.launch(make_locate(grid.polar), 1, arguments, device="cpu")
-    values: Floats = found.numpy()
-    return values
+    return found.numpy()
 
 
 @pytest.fixture

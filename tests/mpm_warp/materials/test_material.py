@@ -82,8 +82,7 @@ def nearest_on_hexagon(values: Floats) -> Floats:
     side = (1.0 - share) * corners[0] + share * corners[1]
     mean = values.mean(axis=1, keepdims=True)
     distances = np.sum(((values - mean)[:, None, :] - side) ** 2, axis=2)
-    nearest: Floats = side[np.argmin(distances, axis=1)] + mean
-    return nearest
+    return side[np.argmin(distances, axis=1)] + mean
 
 
 def test_tresca_returns_to_the_nearest_point() -> None:

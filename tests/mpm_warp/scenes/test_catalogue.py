@@ -103,8 +103,7 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
 
 
 def _role(values: xr.Variable | xr.DataArray) -> str | None:
-    role: str | None = values.attrs.get("role")
-    return role
+    return values.attrs.get("role")
 
 
 def test_a_parameter_that_shares_its_name_with_a_result_is_there_too() -> None:

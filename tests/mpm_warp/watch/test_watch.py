@@ -76,8 +76,7 @@ def composition(name: str) -> Any:
 @pytest.fixture(params=SMALL)
 def small(request: pytest.FixtureRequest) -> Scene:
     """A small scene."""
-    value: Scene = request.getfixturevalue(request.param)
-    return value
+    return request.getfixturevalue(request.param)
 
 
 @pytest.fixture(params=[*SMALL, *(pytest.param(it, marks=pytest.mark.slow) for it in SOIL_SCENES)])
@@ -87,8 +86,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
 
 
 def scene_of(name: str, request: pytest.FixtureRequest) -> Scene:
-    value: Scene = request.getfixturevalue(name) if name in SMALL else composition(name)
-    return value
+    return request.getfixturevalue(name) if name in SMALL else composition(name)
 
 
 def started(scene: Scene | BodyScene) -> Simulation:

@@ -138,10 +138,7 @@ def test_adhesion_factors_by_depth_are_those_of_the_soil_beside() -> None:
 
     def ratio(tip_depth: float) -> Floats:
         simulation.travel_to(tip_depth - by_depth.start_depth)
-        beside: Floats = (
-            simulation.array("contact.adhesion") / scene[SurfaceContact].adhesion_forces
-        )
-        return beside
+        return simulation.array("contact.adhesion") / scene[SurfaceContact].adhesion_forces
 
     height = scene.grid.node_positions[scene[SurfaceContact].nodes, 1]
     # Soil beside the surface is dragged down by some radii at most.
