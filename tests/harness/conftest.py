@@ -4,9 +4,10 @@ import contextlib
 import itertools
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import numpy as np
 import pytest
@@ -95,6 +96,20 @@ def small(small_file: Path) -> Study:
     return load_study(str(small_file))
 
 
+def as_collected(
+    made: xr.Dataset, dims: str | Sequence[str], status: Any, **attributes: object
+) -> xr.Dataset:
+    """A made-up dataset with what the result of every study has; the status is over the cases."""
+    values = np.asarray(status)
+    keys = np.char.add("key ", np.arange(values.size).astype(str)).reshape(values.shape)
+    known = {"scene": "cone_penetration", "scene_version": 1, "study": "made", "title": "Made <up>"}
+    return made.assign(
+        status=(dims, values, {"long_name": "outcome of the case"}),
+        message=(dims, np.where(values == COMPLETED, "", "velocity of <particle 3>")),
+        case_key=(dims, keys),
+    ).assign_attrs(known, format_version=FORMAT_VERSION, **attributes)
+
+
 @pytest.fixture
 def two_soils() -> xr.Dataset:
     """Two soils on three meshes with errors; the finest case of the second soil has failed."""
@@ -108,9 +123,6 @@ def two_soils() -> xr.Dataset:
             "run_time": (shape, seconds),
             "case_time": (shape, np.nan_to_num(seconds, nan=3.0)),
             "particle_updates": (shape, 1e6 * seconds),
-            "status": (shape, status),
-            "message": (shape, np.where(status == "completed", "", "velocity of <particle 3>")),
-            "case_key": (shape, np.char.add("key ", status)),
             "adhesion_factor": ((), 0.0, {"role": "parameter", "units": "1"}),
             "apex_angle": 60.0,
             "poissons_ratio": 0.49,
@@ -120,15 +132,8 @@ def two_soils() -> xr.Dataset:
             "rigidity_index": ("rigidity_index", [50.0, 100.0], {"role": "parameter"}),
             "cells_per_radius": ("cells_per_radius", [1.5, 2.0, 4.0], {"role": "parameter"}),
         },
-        attrs={
-            "scene": "cone_penetration",
-            "scene_version": 1,
-            "study": "made",
-            "title": "Made <up>",
-            "format_version": FORMAT_VERSION,
-        },
     )
-    return with_finest_error(made, ["cells_per_radius"])
+    return with_finest_error(as_collected(made, shape, status), ["cells_per_radius"])
 
 
 @pytest.fixture

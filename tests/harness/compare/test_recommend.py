@@ -16,7 +16,7 @@ from harness.compare.costs import DERIVED, recommend
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.errors import HarnessError
 from harness.study.compared import ERROR_FINEST
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Refusal, as_collected
 
 
 def test_error_is_against_the_costliest_case_of_the_same_soil(two_soils: xr.Dataset) -> None:
@@ -97,13 +97,10 @@ CELLS = [5.0, 10.0, np.nan, np.nan]
 
 def two_scenes() -> xr.Dataset:
     """Two cases of each scene; the other scene's cells are not this one's."""
-    return xr.Dataset(
+    made = xr.Dataset(
         {
             "error": ("case", [0.05, 0.01, 0.5, 0.3]),
             "run_time": ("case", [1.0, 2.0, 0.1, 0.2]),
-            "status": ("case", [COMPLETED] * 4),
-            "message": ("case", [""] * 4),
-            "case_key": ("case", list("abcd")),
         },
         coords={
             "case": range(4),
@@ -112,13 +109,8 @@ def two_scenes() -> xr.Dataset:
             "cells_per_length": ("case", CELLS[::-1]),
             "damping_ratio": ("case", [np.nan, np.nan, 0.05, 0.05]),
         },
-        attrs={
-            "scene": "thick_cylinder sliding_block",
-            "scene_version": 1,
-            "study": "made",
-            "format_version": FORMAT_VERSION,
-        },
     )
+    return as_collected(made, "case", [COMPLETED] * 4, scene="thick_cylinder sliding_block")
 
 
 def written(folder: Path, dataset: xr.Dataset) -> Path:
@@ -234,13 +226,10 @@ def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Pat
             "cone_factor": ("case", [11.4, 11.3, 11.35], {"role": "headline"}),
             "cone_factor_uncertainty": ("case", [np.nan, 0.08, 0.06], {"role": "uncertainty"}),
             "run_time": ("case", [0.5, 5.0, 40.0]),
-            "status": ("case", [COMPLETED] * 3),
-            "message": ("case", [""] * 3),
-            "case_key": ("case", list("abc")),
         },
         coords={"case": range(3), "cells_per_radius": (*cells, {"role": "parameter"})},
-        attrs=two_scenes().attrs | {"scene": "cone_penetration"},
     )
+    dataset = as_collected(dataset, "case", [COMPLETED] * 3)
     found = recommend("cone_penetration", 0.01, [written(tmp_path, dataset)])
     assert found.settings["cells_per_radius"] == 3.0
     assert found.error == pytest.approx(0.08 / 11.3), "no less than the half width it states"

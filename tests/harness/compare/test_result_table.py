@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.conventions import FORMAT_VERSION, uncertainty_of, varied_names
+from harness.archive.conventions import uncertainty_of, varied_names
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.compare.compared import NothingToCompareError
@@ -16,6 +16,7 @@ from harness.compare.least_squares import fit, least_squares_table
 from harness.compare.result_table import result_table
 from mpm_warp.results import labelled
 from mpm_warp.uncertainty.laws import mesh_error
+from tests.harness.conftest import as_collected
 
 
 def footings(status: list[str]) -> xr.Dataset:
@@ -230,16 +231,14 @@ def cases() -> xr.Dataset:
         for case, row in zip(table, rows, strict=True)
     ]
     simulated = table["cone_factor_simulated"]
-    return xr.Dataset(
+    made = xr.Dataset(
         {
             "cone_factor_simulated": ("case", simulated),
             "cone_factor": ("case", simulated - errors),
-            "status": ("case", ["completed"] * len(table)),
-            "message": ("case", [""] * len(table)),
-            "case_key": ("case", [str(it) for it in range(len(table))]),
         },
         coords={"case": np.arange(len(table))} | {name: ("case", table[name]) for name in names},
     )
+    return as_collected(made, "case", ["completed"] * len(table))
 
 
 def test_on_the_meshes_of_the_project_it_has_the_same_limits_and_takes_no_order() -> None:
@@ -262,7 +261,6 @@ def test_three_meshes_are_too_few() -> None:
 def test_the_table_from_the_command_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    attributes = {"study": "s", "scene": "cone_penetration", "scene_version": 1}
-    write_study(tmp_path / "s.nc", cases().assign_attrs(attributes, format_version=FORMAT_VERSION))
+    write_study(tmp_path / "s.nc", cases())
     assert main(["compare", str(tmp_path / "s.nc"), "--standards"]) == 0
     assert "least squares: Eca & Hoekstra" in capsys.readouterr().out

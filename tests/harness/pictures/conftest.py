@@ -10,10 +10,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from harness.archive.conventions import FORMAT_VERSION
 from harness.compare.compared import with_references
 from harness.pictures.pictures import rendered
 from harness.references.registry import cone_factor_reference
+from tests.harness.conftest import as_collected
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 SOIL = {"rigidity_index": 100.0, "adhesion_factor": 0.5, "friction_coefficient": 0.0}
@@ -54,14 +54,6 @@ def result(
     made = xr.Dataset(
         fixed,
         coords=coords if full else coords | {"case": np.arange(shape[0])},
-        attrs={
-            "study": "demo",
-            "title": "A demonstration",
-            "scene": "cone_penetration",
-            "scene_version": 1,
-            "design": design,
-            "format_version": FORMAT_VERSION,
-        },
     )
     count = int(np.prod(shape, dtype=int))
     values: NDArray[np.float64] = np.reshape(
@@ -72,9 +64,8 @@ def result(
     if uncertainty is not None:
         made["cone_factor_uncertainty"] = dims, np.full(shape, uncertainty), {"role": "uncertainty"}
     status = np.where(np.isfinite(values), "completed", "diverged")
-    made["status"] = dims, status, {"long_name": "outcome of the case"}
-    made["message"] = dims, np.where(np.isfinite(values), "", "velocity of particle 3")
-    made["case_key"] = dims, np.reshape([f"key {it}" for it in range(count)], shape)
+    said = {"study": "demo", "title": "A demonstration", "design": design}
+    made = as_collected(made, dims, status, **said)
     made["undrained_shear_strength"] = (
         (),
         STRENGTH,

@@ -10,12 +10,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.stability import short_reason, stability_rows
 from harness.pictures.stability_map import stability_figure
+from tests.harness.conftest import as_collected
 from tests.harness.pictures.conftest import figures, legend
 
 BAD_VELOCITY = (
@@ -44,27 +44,11 @@ OUTCOMES: Sequence[tuple[dict[str, object], str]] = (
 
 def made(design: str, statuses: Sequence[str], **parameters: Sequence[object]) -> xr.Dataset:
     """A result as it is collected."""
+    columns = {name: ("case", np.array(values)) for name, values in parameters.items()}
+    bare = xr.Dataset(coords={"case": range(len(statuses)), **columns})
+    asked = {"design": design, "stability_map": 1}
     messages = [MESSAGES.get(status, "") for status in statuses]
-    return xr.Dataset(
-        {
-            "status": ("case", np.array(statuses)),
-            "message": ("case", np.array(messages)),
-            "case_key": ("case", np.array([f"key {place}" for place in range(len(statuses))])),
-        },
-        coords={
-            "case": range(len(statuses)),
-            **{name: ("case", np.array(values)) for name, values in parameters.items()},
-        },
-        attrs={
-            "design": design,
-            "scene": "cone_penetration",
-            "scene_version": 1,
-            "study": "made",
-            "title": "Made up",
-            "stability_map": 1,
-            "format_version": FORMAT_VERSION,
-        },
-    )
+    return as_collected(bare, "case", statuses, **asked).assign(message=("case", messages))
 
 
 def one_at_a_time(outcomes: Sequence[tuple[dict[str, object], str]] = OUTCOMES) -> xr.Dataset:

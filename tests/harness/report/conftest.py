@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.conventions import FORMAT_VERSION
 from harness.compare.compared import with_references
 from harness.references.registry import cone_factor_reference
 from harness.report.report import write_report
+from tests.harness.conftest import as_collected
 
 TITLE = "Nc < 12 & <script>document.title = 'changed'</script>"
 
@@ -29,24 +29,14 @@ def study(name: str, cells_per_radius: float, shift: float) -> xr.Dataset:
             "run_time": (dim, [1.0, 10.0, 9.0, np.nan], measured),
             "peak_memory": (dim, [3e8] * 4, {"units": "byte", "long_name": "peak memory"}),
             "particle_updates": (dim, [1e6, 1e6, 1e6, np.nan]),
-            "status": (dim, status),
-            "message": (dim, np.where(status == "completed", "", "velocity of <particle 3>")),
-            "case_key": (dim, [f"{name} {it}" for it in range(4)]),
             "adhesion_factor": ((), 0.5, parameter),
             "cells_per_radius": ((), cells_per_radius, parameter),
         },
         coords={dim: (dim, index, parameter | {"long_name": "rigidity index"})},
-        attrs={
-            "scene": "cone_penetration",
-            "scene_version": 1,
-            "study": name,
-            "title": TITLE,
-            "design": "full",
-            "commit": "<b>unknown</b>",
-            "format_version": FORMAT_VERSION,
-        },
     )
-    return with_references(made, [cone_factor_reference("lu_2004")])
+    said = {"study": name, "title": TITLE, "design": "full", "commit": "<b>unknown</b>"}
+    collected = as_collected(made, dim, status, **said)
+    return with_references(collected, [cone_factor_reference("lu_2004")])
 
 
 @pytest.fixture(scope="session")
