@@ -30,11 +30,7 @@ low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
 
 @dataclass(frozen=True, kw_only=True)
 class UniformGrid:
-    """A grid of square cells.
-
-    Raises:
-        SceneError: a value is not allowed.
-    """
+    """A grid of square cells."""
 
     lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
     cell_size: float  # side of a cell [m], > 0

@@ -86,13 +86,7 @@ class Batch(Execution):
     _idle: _IdleTime = field(default_factory=_IdleTime, init=False)
 
     def run(self, works: Sequence[Callable[[], Result]]) -> list[Result]:
-        """Run functions that simulate with this execution.
-
-        Args:
-            works: the functions, one for each case.
-
-        Returns:
-            What each function returned.
+        """Run functions, one for each case, that simulate with this; gives what each returned.
 
         Raises:
             BaseException: the first that a function raised; the other functions are then ended.

@@ -118,15 +118,8 @@ WEIGHT = 0.25
 class DeviceRun:
     """The arrays of a plan on a device, filled, and its launches, compiled and recorded.
 
-    Args:
-        plan: it is for this run alone.
-        device: name of the device.
-        stream: of a GPU, on which steps are taken; default: that of the device.
-
-    Attributes:
-        plan: its arrays and launches.
-        arrays: on the device, by the names of the plan.
-        compile_time: wall-clock time to compile the kernels or to load them from the cache [s].
+    The plan is for this run alone. On a GPU steps are taken on the stream, by default that of the
+    device. `compile_time` is the wall-clock time to compile kernels or to load them [s].
     """
 
     @in_turn

@@ -100,9 +100,8 @@ class WorkerThreads:
     def run(self, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
         """Do a work: every thread calls ``part(number)``, the caller's with 0; wait for all.
 
-        Args:
-            part: one thread's part of the work; parts may wait for each other.
-            leave: called as ``leave(number)`` where a part raised: no other part is to wait for it.
+        Parts may wait for each other; ``leave(number)`` is called where one raised: no other part
+        is to wait for it.
 
         Raises:
             BaseException: the first that a part raised, or one that reached the caller, as by

@@ -268,11 +268,7 @@ def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
 
     1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
     frequency of a uniform-strain cell (Flanagan & Belytschko 1984, J. Appl. Mech. 51:35-40).
-    Infinite where nothing of the cell is open.
-
-    Args:
-        gradient_integrals: see `Grid`, shape [cell_count, 4, 3].
-        cell_volumes: see `Grid`, shape [cell_count].
+    Infinite where nothing of the cell is open. Of integrals and volumes see `Grid`.
     """
     gradients = gradient_integrals[..., :2] / cell_volumes[:, None, None]
     with np.errstate(divide="ignore"):

@@ -107,11 +107,7 @@ def fixed(
 
 @dataclass(frozen=True, kw_only=True)
 class RadialMotion(Part):
-    """All nodes of a polar grid move along their rays.
-
-    Raises:
-        SceneError: when a scene is made whose grid is not polar.
-    """
+    """All nodes of a polar grid, which it has to be, move along their rays."""
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has rays."""

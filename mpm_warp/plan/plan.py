@@ -82,11 +82,7 @@ class Array:
 
 @dataclass(kw_only=True, eq=False)
 class Plan:
-    """All arrays and launches of a run.
-
-    Raises:
-        SceneError: the time step is not > 0, or there is no share.
-    """
+    """All arrays and launches of a run."""
 
     time_step: float  # length of every step [s], of the first ones where there is a control
     longest_time_step: float  # beyond which a run is not stable [s]

@@ -83,10 +83,8 @@ def why_not_as_measured(
 ) -> list[str]:
     """Why the error was not measured for what was built, as "word: sentence"; nothing where it was.
 
-    Args:
-        built: the scene of the run.
-        expected: what the catalogue builds of the same parameters; None where it allows none.
-        laws: the laws that it was measured with.
+    Expected is what the catalogue builds of the same parameters, None where it allows none; the
+    error was measured with the laws.
     """
     if expected is None:
         return ["scene: no scene of the catalogue has these parameters"]

@@ -82,7 +82,7 @@ class ConeGrid:
     domain_radius: float = parameter(
         None,
         "radius of the grid over cone radius, to the nearest cell "
-        "(default: 4 sqrt(Ir), 40 at least)",
+        "(default: 4 sqrt(Ir), 40 at least, Ir the greatest in the ground)",
         minimum=5,
         maximum=1000,
     )

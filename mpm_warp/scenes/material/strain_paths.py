@@ -31,11 +31,7 @@ NOWHERE = np.full(2, np.nan)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StrainPaths:
-    """Material points, each strained and turned at a constant velocity gradient for one second.
-
-    Raises:
-        SceneError: a value is not allowed.
-    """
+    """Material points, each strained and turned at a constant velocity gradient for one second."""
 
     material: Material  # of all points, with or without memory
     gradient: Floats  # velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5]

@@ -34,9 +34,8 @@ VERTICAL, HORIZONTAL = "vertical", "horizontal"
 def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mapping[str, Floats]:
     """The columns of a ground, with strength and stiffness where these are of its law.
 
-    Args:
-        test: a sounding, whose parameters hold where there is no column.
-        columns: by name, in SI units, each of shape [row_count].
+    They are in SI units, each of shape [row_count]. Where there is none the parameters of the
+    sounding hold.
 
     Raises:
         ParameterError: a column is of another law, or not beside this one, or a row is no clay.

@@ -112,23 +112,6 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     cells_per_radius: float = parameter(
         3.0, "cells per cone radius at the cone, about", minimum=1, maximum=100
     )
-    domain_radius: float = redefined(
-        ConeGrid,
-        "domain_radius",
-        meaning="radius of the grid over cone radius (default: as for cone_penetration, by the "
-        "greatest rigidity index)",
-    )
-    domain_above: float = redefined(
-        ConeGrid,
-        "domain_above",
-        meaning="extent of the grid above the shoulder over cone radius (default: likewise)",
-    )
-    domain_below: float = redefined(
-        ConeGrid,
-        "domain_below",
-        meaning="extent of the grid below the tip over cone radius (default: likewise)",
-    )
-
     uncertainty: str = parameter(
         "known",
         "how the error of the resistance is found: known from other cases, or measured by further "

@@ -198,13 +198,9 @@ class Profile:
     ) -> Variation | None:
         """Strength, stiffness and adhesion over the greatest of them, and the horizontal stress.
 
-        There is none in uniform ground.
-
-        Args:
-            origin_depth: depth of z = 0 in the grid [m].
-            elsewhere: stress anisotropy where it is not of the ground.
-            strength: that of the material [Pa]; default: the greatest.
-            rows: the material of each row, of a law whose parameters vary.
+        There is none in uniform ground. z = 0 in the grid is at the origin's depth [m]. Elsewhere
+        is the stress anisotropy where it is not of the ground. Strength is that of the material
+        [Pa], by default the greatest; a law whose parameters vary has a material in each row.
         """
         if self.is_uniform:
             return None
