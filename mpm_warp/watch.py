@@ -16,8 +16,7 @@ from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import MovingGrid
-from mpm_warp.plan.plan import Run
-from mpm_warp.plan.time_step import check_time_step
+from mpm_warp.plan.plan import Run, check_time_step
 from mpm_warp.scene import Scene
 
 LOOKED_AT_ONCE = 4_000

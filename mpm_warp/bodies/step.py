@@ -40,8 +40,7 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.kernel_types import half, kernel, mat22, one, real, vec2, vec3, vec4, vec5, zero
 from mpm_warp.materials.elasticity import elastic_increment, motion_of, rotated
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.time_step import TimeStepControl
+from mpm_warp.plan.plan import Plan, TimeStepControl
 from mpm_warp.planning import make_plan
 
 four = wp.constant(real(4.0))

@@ -27,8 +27,7 @@ from mpm_warp.grid.fitted import cell_lengths
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import half, kernel, one, quarter, real, third, vec2, vec3, vec4, vec5
 from mpm_warp.parts.window import MovingGrid, RampedMotion
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.time_step import TimeStepControl
+from mpm_warp.plan.plan import Plan, TimeStepControl
 from mpm_warp.scene import Scene, refuse_together
 
 sixth = wp.constant(real(1.0 / 6.0))

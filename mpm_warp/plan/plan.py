@@ -4,6 +4,7 @@ It can be printed, compared and tested. Nothing here knows of a scene.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -20,16 +21,20 @@ from mpm_warp.arguments import (
     check_number,
     check_whole,
 )
-from mpm_warp.errors import SceneError
+from mpm_warp.errors import Fault, SceneError
 from mpm_warp.kernel_types import mat22, real, vector
 from mpm_warp.parameters import nearest_name
 from mpm_warp.plan.launch import OFFSET, Launch
-from mpm_warp.plan.time_step import TimeStepControl
 
 AUDIT_INTERVAL = 16
 """One of so many steps is audited, where a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers."""
+
+SLACK = 1.05
+"""Ratio of the time step to the wanted one up to which it stays: a change takes some time."""
+SURPRISE = 1.1
+"""What the critical time step may fall by between two looks, where none is beyond it before."""
 
 Floats = NDArray[np.float64]
 
@@ -78,6 +83,42 @@ class Array:
                 check_array(
                     f"{name}: index", part, part.shape, within, kinds="iu", error=ValueError
                 )
+
+
+@dataclass(kw_only=True, eq=False)
+class TimeStepControl:
+    """Keeps the time step at a fraction of the critical one, which the watch finds anew.
+
+    Where the critical one has fallen from one look to the next it is expected to fall on as much.
+    """
+
+    first: float  # the first time step, which none exceeds [s]
+    fraction: float  # time step over the critical one, > 0
+    # the critical time step [s], by a function that gives arrays of the run by name
+    critical: Callable[[Callable[[str], NDArray[Any]]], float]
+
+    def __post_init__(self) -> None:
+        self._critical_before = self.first / self.fraction
+
+    def following(self, time_step: float, array: Callable[[str], NDArray[Any]]) -> float:
+        """The time step to go on with [s]; it stays what it is while it is nearly right.
+
+        Raises:
+            Fault: the time step is beyond the critical one by now.
+        """
+        critical = self.critical(array)
+        longest = max(1.0, SURPRISE * self.fraction) * critical
+        check_time_step(time_step=time_step, longest=longest)
+        fall = min(1.0, critical / self._critical_before)
+        self._critical_before = critical
+        wanted = min(self.first, self.fraction * critical * fall)
+        return time_step if wanted / SLACK <= time_step <= wanted * SLACK else wanted
+
+
+def check_time_step(*, time_step: float, longest: float) -> None:
+    """Raise `Fault` where the time step is beyond the longest that is stable [s]."""
+    if not time_step <= longest:
+        raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")
 
 
 @dataclass(kw_only=True, eq=False)

@@ -34,9 +34,9 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
     ResistanceSamples,
+    RoundBody,
     TBar,
 )
-from mpm_warp.scenes.full_flow.round_body import RoundBody
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 

@@ -20,7 +20,7 @@ from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearin
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
-from mpm_warp.scenes.full_flow.round_body import upward_force
+from mpm_warp.scenes.full_flow.penetrometer import upward_force
 from mpm_warp.simulation import Simulation
 
 OUTER_RADIUS = 6.0

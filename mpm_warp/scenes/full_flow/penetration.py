@@ -23,9 +23,9 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
     ResistanceSamples,
+    RoundBody,
     TBar,
 )
-from mpm_warp.scenes.full_flow.round_body import RoundBody
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
 from mpm_warp.simulation import Simulation

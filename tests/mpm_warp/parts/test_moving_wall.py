@@ -8,7 +8,7 @@ import pytest
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.plan.time_step import SLACK
+from mpm_warp.plan.plan import SLACK
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 

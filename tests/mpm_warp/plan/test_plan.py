@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SceneError
 from mpm_warp.plan.launch import OFFSET
-from mpm_warp.plan.plan import Plan
-from mpm_warp.plan.time_step import TimeStepControl
+from mpm_warp.plan.plan import Plan, TimeStepControl
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.execution.execution import Batch
-from mpm_warp.plan.time_step import SLACK
+from mpm_warp.plan.plan import SLACK
 from mpm_warp.scenes.elastic import stretched_bar
 from mpm_warp.scenes.elastic.impact import TRAVEL, Impact, Shock, StruckBar, StruckColumn
 from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
