@@ -38,7 +38,13 @@ from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.bearing.on_ground import CircularFooting, ConeBearing, StripFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.scenes.catalogue import CatalogueScene, Verification, scene_class, scene_names
+from mpm_warp.scenes.catalogue import (
+    CatalogueScene,
+    Verification,
+    compared,
+    scene_class,
+    scene_names,
+)
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar

@@ -43,21 +43,16 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class SlipLines:
-    """The net of slip lines below a cone with its shoulder at the surface, or below a footing.
+    """The net of slip lines below a cone with its shoulder at the surface, or below a footing."""
 
-    Attributes:
-        half_angle: between axis and face [rad], pi/2 for a disc or a strip.
-        adhesion_factor: adhesion of the face over the strength beside it, 0 to 1. The net of a
-            footing is that of a smooth one: a rough one has a rigid wedge below it.
-        strength_gradient_ratio: kappa = k R / su0, >= 0.
-        planar: whether strain is plane; the body is then a wedge or a strip of width 2 R.
-        spacing: of slip lines at the surface, over R. The error of the load falls with its square.
-    """
-
-    half_angle: float
+    half_angle: float  # between axis and face [rad], pi/2 for a disc or a strip
+    # adhesion of the face over the strength beside it, 0 to 1. The net of a footing is that of a
+    # smooth one: a rough one has a rigid wedge below it
     adhesion_factor: float = 0.0
-    strength_gradient_ratio: float = 0.0
+    strength_gradient_ratio: float = 0.0  # kappa = k R / su0, >= 0
+    # whether strain is plane; the body is then a wedge or a strip of width 2 R
     planar: bool = False
+    # of slip lines at the surface, over R. The error of the load falls with its square
     spacing: float = 0.03
 
     @property

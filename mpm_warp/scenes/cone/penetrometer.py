@@ -107,20 +107,13 @@ class PenetrometerContact(SurfaceContact):
     surface, so that on the whole no soil flows through (Engelman, Sani & Gresho 1982, Int. J.
     Numer. Meth. Fluids 2:225-238). It matters at the shoulder: at 3 cells per radius a smooth cone
     has Nc 10.61 with it, 10.84 with the normal of the face alone, 9.99 with the shaft's.
-
-    Attributes:
-        face_areas: integrals of N r along the face for each node [m2], shape [node_count].
-        shaft_areas: the same along the shaft [m2], shape [node_count].
-        face_adhesion: adhesion of the cone's face [Pa], >= 0.
-        shaft_adhesion: adhesion of the shaft [Pa], >= 0.
-        half_angle: half the angle of the cone [rad].
     """
 
-    face_areas: Floats
-    shaft_areas: Floats
-    face_adhesion: float
-    shaft_adhesion: float
-    half_angle: float
+    face_areas: Floats  # integrals of N r along the face for each node [m2], shape [node_count]
+    shaft_areas: Floats  # the same along the shaft [m2], shape [node_count]
+    face_adhesion: float  # adhesion of the cone's face [Pa], >= 0
+    shaft_adhesion: float  # adhesion of the shaft [Pa], >= 0
+    half_angle: float  # half the angle of the cone [rad]
 
     @classmethod
     def of(
