@@ -52,12 +52,7 @@ POINTS, FEW_POINTS = 0.002, 0.012
 class FullFlowRun(TestRun):
     """A run of a ball or T-bar, as far as its error goes.
 
-    Attributes:
-        cells_per_radius: of the body.
-        relative_speed: over sqrt(su / rho).
-        extent: of the window, over the radius.
-        has_few_points: whether it is a bar with the fewest points that are allowed.
-        recorded: `resistance_factor`, `resistance_factor_change` and `empty_cells`.
+    It has recorded `resistance_factor`, `resistance_factor_change` and `empty_cells`.
     """
 
     name = "resistance_factor"
@@ -65,10 +60,10 @@ class FullFlowRun(TestRun):
     differences = DIFFERENCES
     left_open = LEFT_OPEN
 
-    cells_per_radius: int
-    relative_speed: float
-    extent: float
-    has_few_points: bool
+    cells_per_radius: int  # of the body
+    relative_speed: float  # over sqrt(su / rho)
+    extent: float  # of the window, over the radius
+    has_few_points: bool  # whether it is a bar with the fewest points that are allowed
 
     @property
     def factor(self) -> float:
