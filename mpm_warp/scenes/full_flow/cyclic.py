@@ -34,7 +34,6 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
     ResistanceSamples,
-    RoundBody,
     TBar,
 )
 from mpm_warp.simulation import Simulation
@@ -116,13 +115,7 @@ class CyclicPenetration(FullFlowPenetrometer):
         Raises:
             InaccurateRun: the transfers took too much of the work of the body.
         """
-        loops = ResistanceLoops(
-            simulation,
-            self.body,
-            stroke=self.stroke,
-            cycle_count=self.cycle_count,
-            strength=self.undrained_shear_strength,
-        )
+        loops = ResistanceLoops(simulation, self)
         moments = [self.window.time_to(way) for way in loops.ways]
         recorded = follow(simulation, moments, simulation.advance_to, [loops], progress)
         results = recorded.assign(self._ratio(recorded))
@@ -134,15 +127,9 @@ class CyclicPenetration(FullFlowPenetrometer):
         """What is left of the resistance, and what that says of the clay."""
         factor = recorded.cyclic_resistance_factor
         first, last = float(factor[0]), float(factor[-2:].mean())
-        ratio = labelled(
-            role="headline",
-            resistance_ratio=(
-                last / first,
-                "1",
-                "resistance left in the last cycle",
-                "mean of penetration and extraction, over that of the first passage",
-            ),
-        )
+        what = "mean of penetration and extraction, over that of the first passage"
+        left = (last / first, "1", "resistance left in the last cycle", what)
+        ratio = labelled(role="headline", resistance_ratio=left)
         if str(recorded.built_law.values) in CRITERIA:
             error = abs(last / first - 1.0)
             what = "of perfectly plastic clay, which does not degrade"
@@ -156,7 +143,10 @@ class CyclicPenetration(FullFlowPenetrometer):
     def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
         """The fit of practice; what lies beyond the end of the test is not a number."""
         known = fit.cycles <= self.cycle_count
-        cycles, remoulded = (fit.cycles, fit.remoulded_share) if known else (math.nan, math.nan)
+        cycles, remoulded, intact = (
+            it if known else math.nan for it in (fit.cycles, fit.remoulded_share, fit.intact)
+        )
+        of_intact = "resistance factor of intact clay, fitted"
         return labelled(
             fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
             fitted_remoulded_ratio=(
@@ -165,12 +155,7 @@ class CyclicPenetration(FullFlowPenetrometer):
                 "remoulded over intact resistance, fitted",
                 f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0",
             ),
-            fitted_resistance_factor=(
-                fit.intact if known else np.nan,
-                "1",
-                "resistance factor of intact clay, fitted",
-                BEYOND,
-            ),
+            fitted_resistance_factor=(intact, "1", of_intact, BEYOND),
             fit_misfit=(
                 fit.misfit,
                 "1",
@@ -205,36 +190,22 @@ class CyclicTBar(TBar, CyclicPenetration):
     def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
         """The fit of practice, and the ductility that it tells."""
         fitted = super().fitted(fit)
-        return fitted | labelled(
-            fitted_ductility=(
-                2.0 * T_BAR_STRAIN * float(fitted["fitted_cycles"]),
-                "1",
-                "ductility xi_95, fitted",
-                f"by a plastic shear strain of {T_BAR_STRAIN:g} in a passage of a T-bar; {BEYOND}",
-            )
-        )
+        ductility = 2.0 * T_BAR_STRAIN * float(fitted["fitted_cycles"])
+        how = f"by a plastic shear strain of {T_BAR_STRAIN:g} in a passage of a T-bar; {BEYOND}"
+        return fitted | labelled(fitted_ductility=(ductility, "1", "ductility xi_95, fitted", how))
 
 
 class ResistanceLoops(ResistanceSamples):
     """The same at even distances of the way, of about as many radii, down and up again.
 
-    The body starts at the upper end of its stroke, the way from turn to turn over its radius. A
-    cycle has two passages. Strength is su [Pa].
+    The body starts at the upper end of its stroke. A cycle has two passages.
     """
 
-    def __init__(
-        self,
-        simulation: Simulation,
-        body: RoundBody,
-        *,
-        stroke: float,
-        cycle_count: int,
-        strength: float,
-    ) -> None:
-        super().__init__(simulation, body)
-        self._stroke = stroke
-        self._strength = strength
-        self._shape = 2 * cycle_count, round(stroke / SAMPLE_SPACING)
+    def __init__(self, simulation: Simulation, test: CyclicPenetration) -> None:
+        super().__init__(simulation, test.body)
+        self._stroke = test.stroke
+        self._strength = test.undrained_shear_strength
+        self._shape = 2 * test.cycle_count, round(test.stroke / SAMPLE_SPACING)
 
     @property
     def ways(self) -> list[float]:
