@@ -8,7 +8,7 @@ import xarray as xr
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, SlidingMotion
+from mpm_warp.scenes.blocks.block_on_base import SAMPLE_COUNT, BlockOnBase
 from mpm_warp.simulation import Simulation
 
 Variables = dict[str, xr.Variable]
@@ -21,13 +21,12 @@ class SlidingCurves:
     once, at the start of the drive [s]; `along` is the unit vector along the interface.
     """
 
-    def __init__(self, simulation: Simulation, *, start: float, along: Floats) -> None:
-        scene = simulation.scene
-        assert isinstance(scene, BodyScene)
+    def __init__(self, simulation: Simulation, scene: BlockOnBase, along: Floats) -> None:
+        built = simulation.scene
+        assert isinstance(built, BodyScene)
         self._simulation = simulation
-        self._block = scene.bodies[0]
-        self._axisymmetric = scene.grid.axisymmetric
-        self._start = start
+        self._scene = scene
+        self._block = built.bodies[0]
         self._along = along
         self._samples: list[dict[str, float | Floats]] = []
         self.sample()
@@ -75,7 +74,7 @@ class SlidingCurves:
         load_work = np.concatenate([[0.0], np.cumsum(work)])
         given -= given[0]
         lack = given - change["contact_impulse"] - change["momentum"]
-        balanced = slice(1 if self._axisymmetric else 0, 2)
+        balanced = slice(0 if self._scene.interface_radius is None else 1, 2)
         stored = change["kinetic_energy"] + change["elastic_energy"]
         taken = change["slip_work"] + change["viscous_work"]
         displacement = np.einsum("p,tpi->ti", mass, change["position"]) / mass.sum()
@@ -95,7 +94,7 @@ class SlidingCurves:
     @property
     def _since(self) -> Floats:
         """Times since the beginning of the drive [s], shape [sample_count]."""
-        return np.array([sample["time"] for sample in self._samples]) - self._start
+        return np.array([sample["time"] for sample in self._samples]) - self._scene.start
 
     def dataset(self) -> xr.Dataset:
         """The computed curves so far."""
@@ -136,13 +135,9 @@ class SlidingCurves:
             energy_error=(np.abs(energy).max(), "1", "greatest error of the energy balance"),
         )
 
-    def comparison(self, motion: SlidingMotion, *, length: float, settled_time: float) -> Variables:
-        """Exact curves of a whole run, and scalars over its second half.
-
-        A block of that length [m] that sticks is at rest again a settled time [s] after the
-        beginning of the drive.
-        """
-        since, run = self._since, self._recorded
+    def comparison(self) -> Variables:
+        """Exact curves of a whole run, and scalars over its second half."""
+        since, run, motion = self._since, self._recorded, self._scene.motion
         exact_velocity, exact_displacement, exact_shear = motion.at(since)
         exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
         half = len(exact_shear) // 2
@@ -158,8 +153,8 @@ class SlidingCurves:
             acceleration_error = abs(acceleration / exact_acceleration - 1.0)
         else:
             moved = run["displacement"]
-            settled = np.flatnonzero(since >= settled_time)[0]
-            creep = float(abs(moved[-1] - moved[settled])) / length
+            settled = np.flatnonzero(since >= self._scene.settled_time)[0]
+            creep = float(abs(moved[-1] - moved[settled])) / self._scene.length
         if exact_base_shear > 0.0:
             shear_error = abs(base_shear / exact_base_shear - 1.0)
         error = (

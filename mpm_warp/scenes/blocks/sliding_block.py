@@ -76,12 +76,10 @@ class SlidingBlock(BlockOnBase):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the block come to rest under its normal load, then drive it."""
         simulation.advance_to(self.start)
-        sampler = SlidingCurves(simulation, start=self.start, along=self._frame.along)
+        sampler = SlidingCurves(simulation, self, self._frame.along)
         moments = [self.start + since for since in evenly(self.duration, SAMPLE_COUNT)]
         curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
-        return curves.assign(sampler.balances()).assign(
-            sampler.comparison(self.motion, length=self.length, settled_time=self.settled_time)
-        )
+        return curves.assign(sampler.balances()).assign(sampler.comparison())
 
     @property
     def _frame(self) -> InterfaceFrame:
