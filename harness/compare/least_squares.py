@@ -15,7 +15,7 @@ of 95 % is
 Source: L. Eca, M. Hoekstra, J. Comput. Phys. 262 (2014) 104-130.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,7 +65,13 @@ def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
     """The fit of values on meshes whose cells are h = `sizes`, four at least, all > 0."""
     size, value = np.array(sizes), np.array(values)
     weights = [np.ones(size.size), size.size / size / (1.0 / size).sum()]
-    free = [min(_fits(size, value, weight), key=lambda it: it[1]) for weight in weights]
+    free = [
+        min(
+            ((order, *_line([size**order], value, weight, 3)) for order in ORDERS.tolist()),
+            key=lambda it: it[1],
+        )
+        for weight in weights
+    ]
     taken = [it for it in free if LEAST <= it[0] <= GREATEST]
     order = float(np.mean([it[0] for it in free]))
     if taken:
@@ -81,14 +87,6 @@ def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
     else:
         half = DOUBTED * scatter / spread * (error + scatter + residual)
     return Fit(order, bool(taken), limit, half)
-
-
-def _fits(
-    size: np.ndarray, value: np.ndarray, weight: np.ndarray
-) -> Iterator[tuple[float, float, np.ndarray, float]]:
-    """Order, scatter, fit and limit of the fits of all orders."""
-    for order in ORDERS.tolist():
-        yield order, *_line([size**order], value, weight, 3)
 
 
 def _line(

@@ -72,7 +72,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
     figure, axes = empty_figure()
     if studied.headline == COMPARED:
         draw_experience(axes, dataset)
-    along = _values(studied, name)
+    along = studied.varied.get(name) or Values.of(dataset, name)
     groups = studied.groups(other)
     shown = chosen(len(groups), MOST_LABELS)
     ends: list[CurveEnd] = []
@@ -83,7 +83,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
         x, y = along.numbers[ordered], studied.computed[ordered]
         label = studied.label(cases[0], other)
         if studied.headline == COMPARED and (rank == 0 or not shared):
-            ends += _literature(axes, studied, name, ordered, None if shared else colour)
+            ends += _literature(axes, studied, along, ordered, None if shared else colour)
         axes.errorbar(
             x,
             y,
@@ -119,10 +119,6 @@ def _axis_and_series(studied: Studied) -> tuple[str, list[str]]:
     return name, [it for it in studied.varied if it != name]
 
 
-def _values(studied: Studied, name: str) -> Values:
-    return studied.varied.get(name) or Values.of(studied.dataset, name)
-
-
 def _depends_on(dataset: xr.Dataset, name: str) -> bool:
     """Whether the references, the literature's or the study's own, depend on a parameter."""
     try:
@@ -140,11 +136,10 @@ def _depends_on(dataset: xr.Dataset, name: str) -> bool:
 
 
 def _literature(
-    axes: Axes, studied: Studied, name: str, cases: np.ndarray, colour: str | None
+    axes: Axes, studied: Studied, along: Values, cases: np.ndarray, colour: str | None
 ) -> list[CurveEnd]:
-    along = _values(studied, name)
-    dataset = studied.dataset
-    follows = [name for name in with_role(dataset, Role.PARAMETER) if name in dataset.data_vars]
+    name, dataset = along.name, studied.dataset
+    follows = [it for it in with_role(dataset, Role.PARAMETER) if it in dataset.data_vars]
     # What the scene derives from a varied parameter goes along with it: it is left to be derived.
     one = studied.case(int(cases[0])).drop_vars([it for it in follows if dataset[it].ndim])
     if along.categories:

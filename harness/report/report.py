@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
     COMPLETED,
@@ -63,7 +62,10 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
 
 def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
     """The page as text, and the errors of the pictures that could not be drawn."""
-    drawn = [rendered(dataset, _in_two_sizes) for dataset in datasets]
+    drawn = [
+        rendered(dataset, lambda it: (image(it, dpi=SMALL_DPI), image(it, dpi=PICTURE_DPI)))
+        for dataset in datasets
+    ]
     numbered = enumerate(zip(datasets, drawn, strict=True), start=1)
     sections = [_section(place, dataset, *pictures) for place, (dataset, pictures) in numbered]
     text = TEMPLATES.get_template("page.html").render(
@@ -132,11 +134,6 @@ def _summary(dataset: xr.Dataset) -> str:
         unit = words.unit(dataset, studied.headline)
         parts.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())
     return "; ".join(parts)
-
-
-def _in_two_sizes(figure: Figure) -> tuple[bytes, bytes]:
-    """The images of a picture: that of the summary, and that of its own section."""
-    return image(figure, dpi=SMALL_DPI), image(figure, dpi=PICTURE_DPI)
 
 
 def embedded(name: str, png: bytes) -> Picture:

@@ -38,11 +38,7 @@ def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(floating: Scene) -
     load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
     viscous = dataclasses.replace(floating, bulk_viscosity=0.1)
     for scene, kernel, words in (
-        (
-            floating.with_parts(axis_and_ends(grid)),
-            {"fixed"},
-            {"fixed.nodes", "fixed.free"},
-        ),
+        (floating.with_parts(axis_and_ends(grid)), {"fixed"}, {"fixed.nodes", "fixed.free"}),
         (
             floating.with_parts(FarField.around(grid, material)),
             {"far_field"},

@@ -63,8 +63,7 @@ def test_returns_keep_pressure_directions_and_what_is_inside(clay: Material) -> 
 
 @pytest.mark.parametrize(("clay", "measured"), [(TRESCA, greatest_shear), (VON_MISES, root_of_j2)])
 def test_what_is_returned_is_on_the_surface_that_the_law_itself_measures(
-    clay: Material,
-    measured: Callable[[Floats], Floats],
+    clay: Material, measured: Callable[[Floats], Floats]
 ) -> None:
     trial = trials(20.0)
     before, strength = yield_measures(clay, trial).T

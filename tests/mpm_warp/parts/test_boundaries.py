@@ -156,9 +156,7 @@ def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(cavity: Scene) 
     # So short a step that no stress acts.
     simulation = Simulation(
         dataclasses.replace(
-            cavity.without(Fixed, FarField, MovingWall),
-            grid=grid,
-            time_step_fraction=1e-6,
+            cavity.without(Fixed, FarField, MovingWall), grid=grid, time_step_fraction=1e-6
         ).with_parts(RadialMotion(), cavity[MovingWall])
     )
     simulation.array("particle.velocity")[:] = [3.0, 7.0]

@@ -112,9 +112,7 @@ def test_the_mass_of_the_ground_is_that_of_grid_and_stroke(travelling: Scene) ->
     assert mass == pytest.approx(travelling.material.density * per_radian, rel=ROUNDING)
 
 
-def test_what_does_not_go_with_a_cyclic_window_is_refused(
-    travelling: Scene,
-) -> None:
+def test_what_does_not_go_with_a_cyclic_window_is_refused(travelling: Scene) -> None:
     far_field = FarField.around(travelling.grid, travelling.material)
     refused(lambda: travelling.with_parts(far_field), SceneError, "FarField")
     for values, word in (

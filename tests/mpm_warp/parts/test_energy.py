@@ -167,10 +167,7 @@ def test_a_scene_without_balance_has_none_of_it_and_the_same_run(
 
 
 @pytest.mark.parametrize("kind", [Window, SurfaceContact, EnergyAudit])
-def test_a_balance_needs_what_it_is_a_balance_of(
-    balanced: Scene,
-    kind: type[Part],
-) -> None:
+def test_a_balance_needs_what_it_is_a_balance_of(balanced: Scene, kind: type[Part]) -> None:
     refused(lambda: balanced.without(kind), SceneError, "EnergyBalance: not without a")
 
 

@@ -154,9 +154,7 @@ def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
 def test_in_plane_strain_it_is_that_far_from_the_axis(fitted: Grid) -> None:
     far = 1e7
     distant = dataclasses.replace(
-        fitted,
-        surface_radius=far + fitted.surface_radius,
-        fitted_radius=far + fitted.outer_radius,
+        fitted, surface_radius=far + fitted.surface_radius, fitted_radius=far + fitted.outer_radius
     )
     planar = interpolation_weights(dataclasses.replace(fitted, planar=True))
     np.testing.assert_allclose(planar, interpolation_weights(distant), atol=10 / far)

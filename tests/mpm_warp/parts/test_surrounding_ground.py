@@ -122,9 +122,7 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
         simulation.array("layer.stress"), ground.stress(scene, position, travel), rtol=ROUNDING
     )
     np.testing.assert_allclose(
-        simulation.array("layer.velocity"),
-        speed * ground.source.velocity(position),
-        rtol=ROUNDING,
+        simulation.array("layer.velocity"), speed * ground.source.velocity(position), rtol=ROUNDING
     )
 
 

@@ -132,10 +132,7 @@ def test_a_law_without_a_constant_stiffness_has_that_of_its_element_test() -> No
     test = cone_test(material="modified_cam_clay")
     found = rigidity_of_law(test)
     element: Any = scene_class("element_test")
-    known = element(
-        material="modified_cam_clay",
-        test="simple_shear",
-    ).run()
+    known = element(material="modified_cam_clay", test="simple_shear").run()
     for name, variable in found.items():
         assert float(variable) == pytest.approx(float(known[name]), rel=1e-2)
     assert float(found["half_strength_rigidity_index"]) < float(

@@ -18,10 +18,7 @@ def still(grid: Grid, particles_per_side: int) -> Simulation:
     """Soil in which nothing moves by much in a step."""
     return Simulation(
         Scene(
-            grid=grid,
-            material=SOFT,
-            particles_per_side=particles_per_side,
-            time_step_fraction=1e-9,
+            grid=grid, material=SOFT, particles_per_side=particles_per_side, time_step_fraction=1e-9
         )
     )
 

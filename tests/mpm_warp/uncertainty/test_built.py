@@ -112,9 +112,7 @@ class ConeOnUprightColumns(ConePenetration):
         fitted = positions[np.argmin(np.abs(positions - 4.0 * self.cone_radius))]
         beyond = positions > fitted
         columns = np.where(
-            beyond,
-            (self.cone_radius + positions) / (self.cone_radius + fitted),
-            positions / fitted,
+            beyond, (self.cone_radius + positions) / (self.cone_radius + fitted), positions / fitted
         )
         return replace(grid, columns=columns, fitted_radius=self.cone_radius + float(fitted))
 

@@ -39,10 +39,7 @@ def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) 
     resistance[:-20] -= rise
     return xr.Dataset(
         {
-            "penetration_resistance": (
-                "penetration",
-                test.undrained_shear_strength * resistance,
-            ),
+            "penetration_resistance": ("penetration", test.undrained_shear_strength * resistance),
             "cone_factor_simulated": factor,
             "cone_factor_shear": 0.0,
             "penetration_reached": test.penetration,
@@ -200,10 +197,7 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ({"speed_ratio": 0.2}, "speed: it is too high"),
         ({"domain_below": 7.0}, "window: its bottom is too near"),
         ({"cells_per_radius": 1.2}, "mesh: the cells are too wide"),
-        (
-            {"penetration": 14.0},
-            "settling: soil that the cone has not passed is still beside it",
-        ),
+        ({"penetration": 14.0}, "settling: soil that the cone has not passed is still beside it"),
     ],
 )
 def test_where_nothing_is_known_nothing_is_stated(changes: dict[str, object], why: str) -> None:

@@ -44,10 +44,7 @@ def check(error: object, series: tuple[float, float, Series]) -> None:
     stated = []
     for rows, reading in readings.items():
         correction, half_width = error(  # type: ignore[operator]
-            reading,
-            cell_size=math.sqrt(3.0) / rows,
-            adhesion_factor=adhesion,
-            rigidity_index=index,
+            reading, cell_size=math.sqrt(3.0) / rows, adhesion_factor=adhesion, rigidity_index=index
         )
         stated.append((reading + float(correction), float(half_width)))
     best, of_best = stated[-1]

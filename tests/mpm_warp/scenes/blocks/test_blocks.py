@@ -89,10 +89,7 @@ def test_sliding_on_a_base_of_another_stiffness(stiffness_ratio: float) -> None:
 @pytest.mark.parametrize("grid_angle", [0.0, 20.0])
 @pytest.mark.parametrize(
     "held",
-    [
-        {"friction": 0.8},
-        {"friction": 0.0, "adhesion": 4000.0, "slope": 0.0, "drive": 2000.0},
-    ],
+    [{"friction": 0.8}, {"friction": 0.0, "adhesion": 4000.0, "slope": 0.0, "drive": 2000.0}],
 )
 def test_block_at_rest_does_not_creep(held: dict[str, Value], grid_angle: float) -> None:
     """A share of the 1e-4 of its length that it may creep in a million steps."""

@@ -89,9 +89,7 @@ def test_pore_pressure_around_a_sphere(sphere: xr.Dataset) -> None:
 
 
 @pytest.mark.parametrize("anisotropy", [-0.4, 0.4])
-def test_pressure_of_a_cylinder_is_the_same_whatever_the_vertical_stress(
-    anisotropy: float,
-) -> None:
+def test_pressure_of_a_cylinder_is_the_same_whatever_the_vertical_stress(anisotropy: float) -> None:
     """While that stays between the others: p - sigma_h0 = su (1 + ln Ir) in the limit."""
     small = {"cells_per_radius": 2, "rigidity_index": 20.0, "expansion": 2.0}
     expected = CavityCylinder(**small).run()

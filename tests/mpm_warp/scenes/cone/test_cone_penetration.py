@@ -188,8 +188,7 @@ def shortest() -> tuple[ConePenetration, xr.Dataset]:
     ],
 )
 def test_cone_factor_does_not_depend_on_units(
-    other: dict[str, float],
-    shortest: tuple[ConePenetration, xr.Dataset],
+    other: dict[str, float], shortest: tuple[ConePenetration, xr.Dataset]
 ) -> None:
     """Strength, stress, length and mass only scale the problem: equal but for rounding.
 

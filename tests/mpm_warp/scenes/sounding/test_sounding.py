@@ -141,10 +141,7 @@ def test_two_stretches_agree_where_they_overlap() -> None:
             "must be >= 11.23, or",
         ),
         ({"stretch_number": 2}, "stretch_number = 2 is not allowed: must be <= stretch_count = 1"),
-        (
-            {"profile": "depth [m], strength [kPa]; 0, 1; 14, 1"},
-            "ends at 14 m, must reach to_",
-        ),
+        ({"profile": "depth [m], strength [kPa]; 0, 1; 14, 1"}, "ends at 14 m, must reach to_"),
         ({"layer_top": 13.0, "layer_thickness": 0.1}, "is 0.1 m thick, must be >= a cell, 0.5774"),
         (
             {"profile": "depth [m], strength [kPa]; 0, 1; 9, 1; 9, 2; 9.1, 2; 9.1, 1; 19, 1"},
