@@ -11,6 +11,12 @@ from harness.pictures.drawing.plot_parts import STYLED, series_colour, shade
 from mpm_warp.grid.fitted import Floats
 
 KILO = 1e3
+MEASURED = {
+    "net_resistance": "$q_{\\mathrm{net}}$",
+    "sleeve_friction": "$f_{\\mathrm{s}}$",
+    "pore_pressure": "$u_2$",
+}
+"""Symbols of what is measured."""
 SIZE = 9.0, 6.0
 """Of the figure [inch]: depth needs room."""
 NOT_READ = "0.92"
@@ -42,19 +48,13 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     figure = Figure(figsize=SIZE, layout="constrained")
     test, factor, strength, shares = figure.subplots(1, 4, sharey=True)
     depth = found.depth.values
-    for place, (name, label) in enumerate(
-        (
-            ("net_resistance", "$q_{\\mathrm{net}}$"),
-            ("sleeve_friction", "$f_{\\mathrm{s}}$ x 10"),
-            ("pore_pressure", "$u_2$"),
-        )
-    ):
-        scale = 10.0 if name == "sleeve_friction" else 1.0
-        colour = series_colour(place, 3)
-        test.plot(scale * found[name] / KILO, depth, color=colour, lw=0.8, label=label)
+    for place, (name, label) in enumerate(MEASURED.items()):
+        scale, text = (10.0, f"{label} x 10") if name == "sleeve_friction" else (1.0, label)
+        colour = series_colour(place, len(MEASURED))
+        test.plot(scale * found[name] / KILO, depth, color=colour, lw=0.8, label=text)
     if "sharpened_resistance" in found:
-        sharp = found.sharpened_resistance / KILO
-        test.plot(sharp, depth, "k--", lw=0.8, label="$q_{\\mathrm{net}}$ sharpened")
+        sharp, text = found.sharpened_resistance / KILO, f"{MEASURED['net_resistance']} sharpened"
+        test.plot(sharp, depth, "k--", lw=0.8, label=text)
     test.set_xlabel("[kPa]")
     here = found.reason.values == 0
     if not here.any():
@@ -81,17 +81,11 @@ def check_figure(found: xr.Dataset) -> Figure:
     figure = Figure(figsize=SIZE, layout="constrained")
     *panels, misfit = figure.subplots(1, 4, sharey=True)
     depth = found.depth.values
-    for axes, measured, simulated, label in zip(
-        panels,
-        ("net_resistance", "sleeve_friction", "pore_pressure"),
-        ("simulated_net_resistance", "simulated_sleeve_friction", "simulated_pore_pressure"),
-        ("$q_{\\mathrm{net}}$ [kPa]", "$f_{\\mathrm{s}}$ [kPa]", "$u_2$ [kPa]"),
-        strict=True,
-    ):
-        axes.plot(found[measured] / KILO, depth, "k", lw=1.0, label="measured")
-        colour = series_colour(0, 2)
-        axes.plot(found[simulated] / KILO, depth, color=colour, lw=0.8, label="simulated")
-        axes.set_xlabel(label)
+    for axes, (name, label) in zip(panels, MEASURED.items(), strict=True):
+        axes.plot(found[name] / KILO, depth, "k", lw=1.0, label="measured")
+        simulated, colour = found[f"simulated_{name}"] / KILO, series_colour(0, 2)
+        axes.plot(simulated, depth, color=colour, lw=0.8, label="simulated")
+        axes.set_xlabel(f"{label} [kPa]")
     panels[0].plot(found.expected_resistance / KILO, depth, "k--", lw=0.8, label="expected")
     panels[0].legend(frameon=False, fontsize=7)
     net, error = found.net_resistance, found.total_resistance_error
@@ -120,7 +114,7 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
         own = one.net_resistance.where(one.reason == 0) / KILO
         test.plot(own, one.depth, color=colour, lw=0.8, label=one.attrs["title"])
         _band(strength, one.depth.values, one.strength.values / KILO, "", colour)
-    test.set_xlabel("$q_{\\mathrm{net}}$ [kPa]")
+    test.set_xlabel(f"{MEASURED['net_resistance']} [kPa]")
     strength.set_xlabel("$s_{\\mathrm{u}}$ [kPa]")
     for axes in (test, strength):
         axes.autoscale(axis="x")
