@@ -30,7 +30,7 @@ from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED
 from harness.report import words
-from harness.report.tables import columns_of, comparisons, parameters_of
+from harness.report.tables import case_columns, case_parameters, comparisons
 
 PICTURE_DPI, SMALL_DPI = 150, 75
 """Points an inch of the pictures, and of the small ones of the summary."""
@@ -82,7 +82,7 @@ def _section(
     place: int, dataset: xr.Dataset, drawn: Mapping[str, tuple[bytes, bytes]], failed: Failures
 ) -> dict[str, Any]:
     """What the page says of a study, by the names that stand in page.html."""
-    columns, parameters = columns_of(dataset), parameters_of(dataset)
+    columns, parameters = case_columns(dataset), case_parameters(dataset)
     completed = (over_cases(dataset, "status") == COMPLETED).tolist()
     small, large = ([embedded(name, sizes[it]) for name, sizes in drawn.items()] for it in (0, 1))
     return {

@@ -46,18 +46,13 @@ class Column:
     unit: str
     cells: list[Cell]
 
-    @property
-    def is_number(self) -> bool:
-        """Whether there are numbers to be sorted."""
-        return any(cell.value for cell in self.cells)
 
-
-def columns_of(dataset: xr.Dataset) -> list[Column]:
+def case_columns(dataset: xr.Dataset) -> list[Column]:
     """What varies, how each case ended, and what came out."""
     return [_column(dataset, name) for name in _names(dataset)]
 
 
-def parameters_of(dataset: xr.Dataset) -> dict[str, list[Any]]:
+def case_parameters(dataset: xr.Dataset) -> dict[str, list[Any]]:
     """The parameters of a result, as the page's script shows them of a case.
 
     Returns:

@@ -12,7 +12,7 @@ import xarray as xr
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.report.report import page, write_report
-from harness.report.tables import columns_of, comparisons
+from harness.report.tables import case_columns, comparisons
 from tests.harness.conftest import Refusal
 
 LARGEST_PAGE = 5_000_000
@@ -73,7 +73,7 @@ def test_the_same_results_give_the_same_page(results: list[xr.Dataset], page_fil
 
 
 def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:
-    columns = {column.title: column for column in columns_of(results[0])}
+    columns = {column.title: column for column in case_columns(results[0])}
     assert [cell.text for cell in columns["cone factor"].cells] == ["9", "10.5", "12", "-"]
     assert (columns["peak memory"].unit, columns["peak memory"].cells[0].text) == ("MB", "300")
     assert str(columns["rigidity index"].symbol) == "I<sub>r</sub>"
