@@ -1,5 +1,6 @@
 """Cases on a Dask cluster. Their results come back and are written here, to the same archive."""
 
+import importlib.util
 import logging
 import threading
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ from distributed.security import Security
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, FAILED
 from harness.archive.provenance import provenance
-from harness.errors import HarnessError, in_one_line
+from harness.errors import HarnessError, in_one_line, tell
 from harness.run.pool import Watcher
 from harness.run.resources import costliest_first
 from harness.run.worker import Result, compute
@@ -25,6 +26,7 @@ NO_CERTIFICATE = (
     "there is no certificate: set DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
     "DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT and DASK_DISTRIBUTED__COMM__TLS__CLIENT__KEY"
 )
+ONE_AUTHORITY = "; valid certificates of one authority are needed on both sides"
 
 _TURN = threading.Lock()
 
@@ -39,7 +41,11 @@ def compute_in_turn(case: Case) -> Result:
 
 
 def connect(address: str) -> Client:
-    """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed."""
+    """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed.
+
+    Raises:
+        HarnessError: nobody answers there, or one of its workers has not this package.
+    """
     # What they remark would run into the progress display; what matters is in the error.
     for name in logging.root.manager.loggerDict:
         if name.startswith(("asyncio", "distributed", "tornado")):
@@ -52,10 +58,21 @@ def connect(address: str) -> Client:
         ):
             raise HarnessError(f"--dask {address}: {NO_CERTIFICATE}")
         get_address_host_port(address)  # a client would take 20 s to give up a malformed one
-        return Client(address, security=security, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, security=security, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         reason = " ".join(str(error).split())
-        raise HarnessError(f"--dask {address}: cannot be reached: {reason}") from None
+        remedy = ONE_AUTHORITY if address.startswith("tls:") else ""
+        raise HarnessError(f"--dask {address}: cannot be reached: {reason}{remedy}") from None
+    # A worker without this package dies of its first case, and the case would wait for another.
+    packages = client.run(importlib.util.find_spec, "harness")
+    if lacking := [worker for worker, package in packages.items() if package is None]:
+        client.close()
+        raise HarnessError(
+            f"--dask {address}: worker {lacking[0]} has no mpm-warp; install it there"
+        )
+    if not packages:
+        tell(f"--dask {address}: there is no worker yet; the cases wait for one")
+    return client
 
 
 def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher: Watcher) -> None:

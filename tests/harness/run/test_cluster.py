@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import dask.config
 import pytest
+from distributed import Client
 
 from harness.archive import case_files, netcdf_files, study_files
 from harness.cli.main import main
@@ -41,9 +43,9 @@ poissons_ratio = {[0.4 * i / CASE_COUNT for i in range(CASE_COUNT)]}
 class Cluster:
     """A scheduler and workers of one thread each, in processes of their own."""
 
-    def __init__(self, folder: Path, processes: ExitStack) -> None:
+    def __init__(self, folder: Path, processes: ExitStack, *options: str) -> None:
         self.folder, self.processes = folder, processes
-        self.scheduler = self.start("scheduler", "--port", "0")
+        self.scheduler = self.start("scheduler", "--port", "0", *options)
         wait_until((folder / "scheduler.json").exists)
         self.address = json.loads((folder / "scheduler.json").read_text())["address"]
 
@@ -157,6 +159,34 @@ def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
     assert "crashed: each of 4 workers that ran the case died" in told
 
 
+def test_a_worker_without_the_package_is_told_before_a_case_is_given_to_it(
+    cluster: Cluster, twenty: Study, tmp_path: Path
+) -> None:
+    """It would die of the first case, and the case wait for another worker without a word."""
+    without = tmp_path / "without.py"
+    without.write_text("import sys\nsys.modules['harness'] = None\n")
+    cluster.add_workers(1, "--preload", str(without))
+    with Client(cluster.address) as client:
+        client.wait_for_workers(1, timeout=LIMIT)
+    run = cluster.run(twenty, tmp_path / "out")
+    (line,) = run.communicate(timeout=LIMIT)[1].splitlines()
+    assert run.returncode == 2
+    assert line.startswith(f"harness: --dask {cluster.address}: worker tcp://")
+    assert line.endswith(" has no mpm-warp; install it there")
+    assert not (tmp_path / "out").exists()
+
+
+def test_cases_wait_for_the_first_worker_and_one_line_says_so(
+    cluster: Cluster, twenty: Study, tmp_path: Path
+) -> None:
+    run = cluster.run(twenty, tmp_path / "out", "--set", "poissons_ratio=0.3")
+    assert run.stderr is not None
+    assert run.stderr.readline().endswith(": there is no worker yet; the cases wait for one\n")
+    cluster.add_workers(1)
+    told = run.communicate(timeout=LIMIT)[1]
+    assert run.returncode == 0, told
+
+
 REFUSED = {
     "--dask=tcp://127.0.0.1:9": "cannot be reached: Timed out trying to connect to tcp://127.0.0.1:9",
     "--dask=nonsense://x": "cannot be reached: unknown address scheme 'nonsense'",
@@ -215,3 +245,27 @@ def test_tls_without_certificates_is_one_line(small_file: Path, refusal: Refusal
     settings = {f"distributed.comm.tls.{name}": "/nowhere/cert.pem" for name in names}
     with dask.config.set(settings):
         assert "cannot be reached: " in refusal(run)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the certificates")
+def test_tls_with_certificates_of_another_authority_is_one_line(
+    tmp_path: Path, small_file: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Valid ones, each its own authority: the scheduler's is refused here, or ours is there."""
+    for name in ("ours", "theirs"):
+        files = ["-keyout", f"{tmp_path}/{name}.key", "-out", f"{tmp_path}/{name}.pem"]
+        make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}"]
+        subprocess.run([*make, *files], check=True, capture_output=True)
+    ours = {"CA_FILE": "ours.pem", "SCHEDULER__CERT": "ours.pem", "SCHEDULER__KEY": "ours.key"}
+    for key, file in ours.items():
+        monkeypatch.setenv(f"DASK_DISTRIBUTED__COMM__TLS__{key}", str(tmp_path / file))
+    with ExitStack() as processes:
+        cluster = Cluster(tmp_path, processes, "--protocol", "tls")
+        for authority in ("theirs", "ours"):
+            files = {"client.cert": "theirs.pem", "client.key": "theirs.key"}
+            files["ca-file"] = f"{authority}.pem"
+            paths = {f"distributed.comm.tls.{it}": str(tmp_path / files[it]) for it in files}
+            with dask.config.set(paths):
+                line = refusal(["run", str(small_file), "--dask", cluster.address])
+            assert f"--dask {cluster.address}: cannot be reached: " in line
+            assert line.endswith("valid certificates of one authority are needed on both sides")
