@@ -18,8 +18,8 @@ and ground_water [m], the depth of the water table. At each row they give
 
     Delta = (1 - K0) (sigma_v0 - u0) / (2 su),   u0 = 9.81 kN/m3 below the table
 
-and its effective stress is linear between rows: one of them should be at the water table. A law of
-effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
+and its effective stress is linear between rows; where the water table lies between two rows, a row
+is added there. A law of effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
 """
 
 import math
@@ -308,11 +308,29 @@ def columns_of(text: str) -> dict[str, Floats]:
     columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
     if not columns.keys() & {*OF_EFFECTIVE_STRESS}:
         return columns
+    columns = _with_row_at_water_table(columns)
     vertical = effective_vertical_stress(columns)
     if "strength" not in columns:  # of a law that has its own; see `with_strength`
         return columns
     _check_rows("strength", columns["strength"], POSITIVE)
     return with_anisotropy(columns, (1.0 - columns["K0"]) * vertical)
+
+
+def _with_row_at_water_table(columns: dict[str, Floats]) -> dict[str, Floats]:
+    """Columns with a row where the water begins, as the effective stress has a kink there."""
+    depth, water = columns["depth"], columns.get("ground_water", np.zeros(len(columns["depth"])))
+    if "rigidity_index" in columns and "strength" in columns:  # what is linear between rows is G
+        modulus = columns["rigidity_index"] * columns["strength"]
+        columns = {name: it for name, it in columns.items() if name != "rigidity_index"}
+        columns["shear_modulus"] = modulus
+    between = (depth[:-1] < water[:-1]) & (water[:-1] == water[1:]) & (water[1:] < depth[1:])
+    for row in np.flatnonzero(between)[:1]:  # a level table is at one depth
+        ends = slice(row, row + 2)
+        return {
+            name: np.insert(it, row + 1, np.interp(water[row], depth[ends], it[ends]))
+            for name, it in columns.items()
+        }
+    return columns
 
 
 def effective_vertical_stress(columns: Mapping[str, Floats]) -> Floats:

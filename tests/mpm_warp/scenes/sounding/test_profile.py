@@ -106,10 +106,22 @@ def test_k0_and_ground_water_give_the_stress_anisotropy() -> None:
     ground = Profile.read(
         f"{head}; 0, 25, 16.5, 0.6, 1; 0.5, 25, 16.5, 0.6, 1; 5, 25, 16.5, 0.6, 1"
     )
-    expected = 0.4 * np.array([0.0, 0.5 * 16.5, 5 * 16.5 - 4 * 9.81]) / 50.0
+    expected = 0.4 * np.array([0.0, 0.5 * 16.5, 16.5, 5 * 16.5 - 4 * 9.81]) / 50.0
     np.testing.assert_allclose(ground.stress_anisotropy, expected)
     again = Profile.read(ground.text)
     np.testing.assert_array_equal(again.stress_anisotropy, ground.stress_anisotropy)
+
+
+def test_a_water_table_between_two_rows_is_a_row() -> None:
+    """Whose stiffness is linear between them, though the rigidity index is not."""
+    head = "depth [m], strength [kPa], rigidity_index [1], K0 [1], ground_water [m]"
+    ground = Profile.read(f"{head}; 0, 10, 50, 0.5, 2; 6, 40, 200, 0.8, 2")
+    np.testing.assert_array_equal(ground.depth, [0.0, 2.0, 6.0])
+    np.testing.assert_allclose(ground.strength, [10e3, 20e3, 40e3])
+    np.testing.assert_allclose(ground.shear_modulus, [0.5e6, 3e6, 8e6])
+    vertical = np.array([0.0, 2 * 17e3, 6 * 17e3 - 4 * 9.81e3])
+    delta = np.array([0.5, 0.4, 0.2]) * vertical / (2.0 * ground.strength)
+    np.testing.assert_allclose(ground.stress_anisotropy, delta)
 
 
 def test_arrays_of_different_lengths_are_refused(profile: Profile) -> None:
