@@ -19,8 +19,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.step.cells import add_cell_rates, add_cell_stress
 from mpm_warp.step.grid_to_particles import add_grid_to_particles
 from mpm_warp.step.momentum import add_momentum
-from mpm_warp.step.particles_to_grid import add_particles_to_grid
-from mpm_warp.step.points import add_points
+from mpm_warp.step.points import add_particles_to_grid, add_points
 
 SHARE_COUNT = 4
 """Shares of a launch on processors: as many threads may take part in a step."""

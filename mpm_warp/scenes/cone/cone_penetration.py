@@ -19,14 +19,18 @@ from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.parameters import ConeTest, slowing_penetration, unsteady_penetration
-from mpm_warp.scenes.cone.penetration import PenetrationCurves, steady_values
+from mpm_warp.scenes.cone.penetration import (
+    AXIS,
+    PenetrationCurves,
+    PenetrationSnapshots,
+    steady_values,
+)
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import (
     pore_pressure_curves,
     pore_pressure_factors,
     stated_beside_shaft,
 )
-from mpm_warp.scenes.cone.snapshots import AXIS, PenetrationSnapshots
 from mpm_warp.scenes.cone.soundness import (
     check_balance,
     check_bound,
