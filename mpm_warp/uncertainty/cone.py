@@ -30,6 +30,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.further_runs import ALONE, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
+    APEX_ANGLE,
     LARGEST_CELL,
     LARGEST_INERTIA,
     WIDEST_CELL,
@@ -38,14 +39,10 @@ from mpm_warp.uncertainty.laws import (
 )
 from mpm_warp.uncertainty.steadiness import ALL_PASSED, left_to_come
 
-BOUND = 0.4
-"""Half width of what a bound of Poisson's ratio changes, over Nc and over what it takes off."""
 POINTS, NOISE = 0.001, 0.015
 """Half widths: of what more points change, over Nc; of the noise of a run."""
 APPROACH = 0.001
 """Half width of what the approach leaves, over Nc."""
-APEX_ANGLE = 60.0
-"""Of the cones that the laws were measured with [degree]."""
 
 FINER, GROWING, SLOWER, WIDER = 1.6, 2.0, 0.5, 1.4
 """Cells per radius, growth of the cells, speed and extents of the window in the further runs, over
@@ -77,7 +74,6 @@ class ConeRun(TestRun):
     Attributes:
         laws: of its error, at its end.
         strength: undrained shear strength su [Pa].
-        bounded: what a bound of Poisson's ratio takes off it.
         recorded: the curve `penetration_resistance`, and the scalars `cone_factor_simulated` and
             `cone_factor_shear`.
     """
@@ -91,7 +87,6 @@ class ConeRun(TestRun):
 
     laws: ErrorLaws
     strength: float
-    bounded: float
 
     @property
     def factor(self) -> float:
@@ -171,7 +166,6 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
     laws = run.laws
     parts = {name: float(it) for name, it in laws.half_widths(run.factor).items()}
     parts["speed"] += APPROACH * run.factor
-    parts["bound"] = BOUND * run.factor * run.bounded
     reasons = [
         *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_laws_do_not_hold(built)),
         *those_that_hold(laws.why_none_holds(largest_cell=WIDEST_CELL)),

@@ -9,6 +9,7 @@ simulated:
     u1    error  A h          half width  0.6 h, 0.01 F
     u2    error  w S(a) v h F half width  1.5 h^2, 0.018 F, w S(a) v h F / 2, 0.8 w (1 - w) v F
 
+Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
 The parts of a half width add up as squares. A follows the rigidity index; S is 0.43 where a is
 0.5 and 0.12 where it is 1. v tells how deep the wedge is: 1 up to a rigidity index of 100, 0 from
 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the pressure at the filter
@@ -29,6 +30,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
+from mpm_warp.uncertainty.laws import BOUND_ERROR
 from mpm_warp.uncertainty.steadiness import left_to_come
 
 Value = Floats | float
@@ -50,6 +52,8 @@ SMEARED, SHAFT_LEFT = 1.5, 0.018
 """Half widths of u2: over h^2, and over F."""
 WEDGE, THIN_WEDGE = 0.5, 0.8
 """Half widths of u2: over its correction, and over w (1 - w) v F."""
+BOUND = {"face": 1.5, "shoulder": 4.0}
+"""Half widths of P, of u1 and u2."""
 RANGE = 0.3
 """Half width per ln(Ir) beyond the rigidity indices measured."""
 
@@ -103,13 +107,15 @@ def stated_pressures(
     cell_size: float,
     adhesion_factor: float,
     rigidity_index: float,
+    bounded: float,
     is_known: bool,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, is added to the half widths. Strength
-    is su [Pa]; of the others see `shoulder_error`. Where these laws do not hold (`is_known`) there
-    is no correction, and the uncertainties are not numbers.
+    is su [Pa], `bounded` what a bound takes off Poisson's ratio; of the others see
+    `shoulder_error`. Where these laws do not hold (`is_known`) there is no correction, and the
+    uncertainties are not numbers.
     """
     stated = {}
     for place in ("face", "shoulder"):
@@ -125,8 +131,9 @@ def stated_pressures(
                 rigidity_index=rigidity_index,
             )
             curve = recorded[f"excess_pore_pressure_{place}"].values / strength
-            correction = float(off)
-            half_width = math.hypot(float(of_laws), left_to_come(curve))
+            correction = float(off) + BOUND_ERROR * bounded
+            of_bound = BOUND[place] * bounded
+            half_width = math.hypot(float(of_laws), left_to_come(curve), of_bound)
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
             half_width,
@@ -137,7 +144,8 @@ def stated_pressures(
         stated[f"{name}_correction"] = variable(
             correction,
             meaning=f"correction of the {spoken}",
-            description="what is known of the error of the mesh, taken off; 0 where nothing is",
+            description="what is known of the error of mesh and bound, taken off; 0 where "
+            "nothing is",
         )
     return stated
 

@@ -73,7 +73,7 @@ class ConePenetration(ConeTest):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 14
+    version = 15
     comparable = "cone_factor"
     snapshots_over = AXIS
 
@@ -209,11 +209,9 @@ class ConePenetration(ConeTest):
 
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """A run of the test, as far as its error goes."""
-        simulated = min(self.poissons_ratio, self.poissons_ratio_bound)
         return cone.ConeRun(
             laws=self._laws(way=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
-            bounded=self.poissons_ratio - simulated,
             recorded=recorded,
         )
 
@@ -223,7 +221,8 @@ class ConePenetration(ConeTest):
             rigidity_index=self.rigidity_index,
             adhesion_factor=self.adhesion_factor,
             stress_anisotropy=self.stress_anisotropy,
-            poissons_ratio=min(self.poissons_ratio, self.poissons_ratio_bound),
+            poissons_ratio=self.poissons_ratio - self.bounded,
+            bounded=self.bounded,
             inertia=self.rigidity_index * self.speed_ratio * self.speed_ratio,
             cell_size=self.relative_cell_size,
             cell_growth=self.cell_growth,

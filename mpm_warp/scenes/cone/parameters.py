@@ -17,6 +17,7 @@ from mpm_warp.parameters import Derived, parameter
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.uncertainty.laws import APEX_ANGLE
 from mpm_warp.uncertainty.steadiness import forgetting, steady_penetration
 
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
@@ -24,6 +25,13 @@ WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Cells per cone radius, extents of the window over those of `default_extents`, and speed over that
 of shear waves in stiff clay, by accuracy."""
+SOFT_CELLS_PER_RADIUS = 2.31
+"""The same where accuracy is quick, below the rigidity index `STIFF`: four rows, not three."""
+BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
+"""Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
+the lower it is."""
+COMPRESSIBLE, INCOMPRESSIBLE = 0.45, 0.4999
+"""Poisson's ratios that the bound of it is by default at least and at most."""
 STIFF, SOFT_SPEED_RATIO = 100.0, 0.05
 """Rigidity index below which the speed follows the inertia rho V^2 / su, and up to what speed."""
 SPARE = 4.5
@@ -205,21 +213,25 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         "standard",
         "what cells, window and speed are by default: fine halves the cells and widens the "
         "window by 1.3, takes some ten times as long, and has half of the uncertainty; quick "
-        "takes an eighth of the time, and has twice the uncertainty",
+        "takes a fifth to a tenth of the time, and has up to twice the uncertainty",
         choices=tuple(CELLS_PER_RADIUS),
     )
     cells_per_radius: float = parameter(
         None,
         "cells per cone radius at the cone, about: they are square, and a whole number of "
-        "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick)",
+        "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick, "
+        "2.31 below Ir 100 in clay as above)",
         minimum=1,
         maximum=100,
     )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16, 25))
     poissons_ratio_bound: float = parameter(
-        0.4999,
-        "greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps",
+        None,
+        "greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps (default: "
+        "0.4999; in perfectly plastic Tresca clay, apex 60 degrees, no friction, that of a bulk "
+        "modulus of 5000 su, 10000 su where accuracy is fine, 250 su where it is quick, but 0.45 "
+        "at least)",
         minimum=0,
         maximum=0.4999,
     )
@@ -256,13 +268,50 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         approach = above + 1.0 if self.approach is None else self.approach
         by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
         return extents | {
-            "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
+            "cells_per_radius": self._cells_per_radius,
             "speed_ratio": self._speed_ratio,
+            "poissons_ratio_bound": self._poissons_ratio_bound,
             "shaft_adhesion_factor": self.adhesion_factor,
             "approach_speed_ratio": min(SPEED_RATIO_OF_APPROACH, by_inertia),
             "approach": approach,
             "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }
+
+    @property
+    def _poissons_ratio_bound(self) -> float:
+        """Greatest Poisson's ratio simulated by default: that of a bulk modulus over su.
+
+        Stiff clay hardly changes its volume even so, and what it changes is known; not so where no
+        law of the error takes it off, or where further runs of the same bound measure the error.
+        """
+        if not self._error_is_known:
+            return INCOMPRESSIBLE
+        over_shear = BULK_MODULUS[self.accuracy] / self.rigidity_index
+        of_bulk_modulus = (3.0 * over_shear - 2.0) / (6.0 * over_shear + 2.0)
+        return min(INCOMPRESSIBLE, max(COMPRESSIBLE, of_bulk_modulus))
+
+    @property
+    def bounded(self) -> float:
+        """What the bound takes off Poisson's ratio."""
+        return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)
+
+    @property
+    def _cells_per_radius(self) -> float:
+        """Cells per radius by default: more in quick tests in soft clay, whose factor is small."""
+        if self.accuracy == "quick" and self.rigidity_index < STIFF and self._error_is_known:
+            return SOFT_CELLS_PER_RADIUS
+        return CELLS_PER_RADIUS[self.accuracy]
+
+    @property
+    def _error_is_known(self) -> bool:
+        """Whether laws take the error off, and not further runs of the same method."""
+        is_as_measured = self.apex_angle == APEX_ANGLE and self.friction_coefficient == 0.0
+        return self._is_plain_tresca and is_as_measured and self.uncertainty == "known"
+
+    @property
+    def _is_plain_tresca(self) -> bool:
+        """Whether the clay is one whose error is known: perfectly plastic, Tresca."""
+        return self.material == "tresca" and not self.strength_changes
 
     @property
     def _speed_ratio(self) -> float:
@@ -272,7 +321,7 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         quick tests, which would gain little, and fine ones, whose uncertainty is small.
         """
         ratio = SPEED_RATIO[self.accuracy]
-        if self.accuracy != "standard" or self.material != "tresca" or self.strength_changes:
+        if self.accuracy != "standard" or not self._is_plain_tresca:
             return ratio
         of_same_inertia = ratio * math.sqrt(STIFF / self.rigidity_index)
         return max(ratio, min(of_same_inertia, SOFT_SPEED_RATIO))

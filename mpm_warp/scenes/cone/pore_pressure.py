@@ -136,6 +136,7 @@ def stated_beside_shaft(
         cell_size=test.relative_cell_size,
         adhesion_factor=test.adhesion_factor,
         rigidity_index=test.rigidity_index,
+        bounded=test.bounded,
         is_known=is_known and shaft == test.adhesion_factor,
     ) | stated_sleeve(
         results, remoulded=shaft * test.remoulded_strength_ratio if is_bounded else math.nan

@@ -130,6 +130,7 @@ def error_of_samples(
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         poissons_ratio=sounding.poissons_ratio,
+        bounded=0.0,
         inertia=sounding.dynamic_pressure / around,
         cell_size=cell / radius,
         cell_growth=sounding.cell_growth,

@@ -10,6 +10,7 @@ import xarray as xr
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.laws import (
+    BOUND_ERROR,
     GROWTH,
     GROWTH_ERROR,
     GROWTH_SHARE,
@@ -70,6 +71,13 @@ def test_the_half_width_is_made_of_its_parts() -> None:
     parts = [float(known[f"cone_factor_uncertainty_{name}"]) for name in PARTS]
     assert min(parts) >= 0.0
     assert float(known.cone_factor_uncertainty) == pytest.approx(math.hypot(*parts), rel=1e-12)
+
+
+def test_what_a_bound_takes_off_is_given_back() -> None:
+    bounded = dataclasses.replace(TEST, poissons_ratio_bound=TEST.poissons_ratio - 0.01)
+    own, given_back = (known_error(test, recorded(test)) for test in (TEST, bounded))
+    difference = float(given_back.cone_factor - own.cone_factor)
+    assert difference == pytest.approx(0.01 * BOUND_ERROR, rel=1e-9)
 
 
 def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:

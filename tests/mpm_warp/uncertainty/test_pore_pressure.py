@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp.uncertainty.laws import BOUND_ERROR
 from mpm_warp.uncertainty.pore_pressure import (
+    BOUND,
     face_error,
     share_of_wedge,
     shoulder_error,
@@ -90,7 +92,10 @@ def test_share_of_the_wedge() -> None:
 
 @pytest.mark.parametrize("is_known", [True, False])
 def test_stated_pressures(is_known: bool) -> None:
-    """What is still to come is 1.5 times the last change; without a law nothing is corrected."""
+    """What is still to come is 1.5 times the last change; without a law nothing is corrected.
+
+    What a bound of Poisson's ratio takes off is that of the cone factor.
+    """
     curve = ("penetration", np.append(np.full(20, 5.2e4), np.full(20, 5.0e4)))
     places = ("face", "shoulder")
     recorded = xr.Dataset(
@@ -103,17 +108,19 @@ def test_stated_pressures(is_known: bool) -> None:
         cell_size=0.2,
         adhesion_factor=1.0,
         rigidity_index=100.0,
+        bounded=0.02,
         is_known=is_known,
     )
     for place, error in zip(places, (face_error, shoulder_error), strict=True):
         off, of_laws = error(5.0, cell_size=0.2, adhesion_factor=1.0, rigidity_index=100.0)
+        off += 0.02 * BOUND_ERROR
         name = f"pore_pressure_factor_{place}"
         value, correction, half_width = (
             float(stated[it].values) for it in (name, f"{name}_correction", f"{name}_uncertainty")
         )
         assert value == pytest.approx(5.0 + (off if is_known else 0.0))
         assert correction == pytest.approx(off if is_known else 0.0)
-        expected = math.hypot(of_laws, 1.5 * 0.2) if is_known else math.nan
+        expected = math.hypot(of_laws, 1.5 * 0.2, 0.02 * BOUND[place]) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
 
 

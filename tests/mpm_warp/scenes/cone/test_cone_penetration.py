@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -151,6 +152,53 @@ def test_soft_clay_whose_error_is_known_is_penetrated_with_the_inertia_of_stiffe
 ) -> None:
     """Ir V^2 over the square of the shear wave's speed is that at Ir 100, 0.09."""
     assert ConePenetration(**changes).speed_ratio == pytest.approx(ratio, rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("changes", "bulk_modulus"),
+    [
+        ({"rigidity_index": 200.0}, 5e3),
+        ({"rigidity_index": 20.0, "accuracy": "quick"}, 250.0),
+        ({"rigidity_index": 400.0, "accuracy": "fine"}, 1e4),
+    ],
+)
+def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
+    changes: dict[str, Any], bulk_modulus: float
+) -> None:
+    """K / G = 2 (1 + nu) / (3 (1 - 2 nu)), and K is given over su."""
+    test = ConePenetration(**changes)
+    bound = test.poissons_ratio_bound
+    over_shear = 2.0 * (1.0 + bound) / (3.0 * (1.0 - 2.0 * bound))
+    assert over_shear * test.rigidity_index == pytest.approx(bulk_modulus, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"material": "von_mises"},
+        {"remoulded_strength_ratio": 0.5, "ductility": 10.0},
+        {"apex_angle": 90.0},
+        {"friction_coefficient": 0.1},
+        {"uncertainty": "measured"},
+    ],
+)
+def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_known(changes: dict[str, Any]) -> None:
+    assert ConePenetration(rigidity_index=400.0, **changes).poissons_ratio_bound == 0.4999
+
+
+def test_quick_tests_in_soft_clay_have_four_rows_beside_the_face() -> None:
+    soft, stiff = (
+        ConePenetration(accuracy="quick", rigidity_index=index) for index in (99.0, 100.0)
+    )
+    assert soft.relative_cell_size == pytest.approx(math.sqrt(3.0) / 4.0, rel=ROUNDING)
+    assert stiff.relative_cell_size == pytest.approx(math.sqrt(3.0) / 3.0, rel=ROUNDING)
+
+
+def test_the_bound_by_default_takes_nothing_off_up_to_ir_100_and_has_a_least_value() -> None:
+    assert ConePenetration().poissons_ratio_bound > ConePenetration().poissons_ratio
+    assert ConePenetration(rigidity_index=2000.0).poissons_ratio_bound == 0.45
+    soft = ConePenetration(rigidity_index=2.0, accuracy="fine")
+    assert soft.poissons_ratio_bound == 0.4999
 
 
 @pytest.mark.parametrize(
