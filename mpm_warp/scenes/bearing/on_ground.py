@@ -43,11 +43,6 @@ class OnGround(Bearing):
 
     @property
     @abstractmethod
-    def exact_if_uniform(self) -> Exact | None:
-        """That on uniform soil."""
-
-    @property
-    @abstractmethod
     def slip_lines(self) -> SlipLines | None:
         """The slip lines of the problem; none where theirs is not the exact load."""
 
@@ -64,8 +59,6 @@ class OnGround(Bearing):
     @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
-        if self.is_uniform:
-            return self.exact_if_uniform
         return None if self.slip_lines is None else (self.slip_lines.limit_load, SLIP_LINE_SOURCE)
 
     @property
@@ -105,6 +98,16 @@ class Footing(OnGround):
     )
 
     adhesion_factor: float = parameter(0.0, "adhesion factor of the footing", choices=(0.0, 1.0))
+
+    @property
+    @abstractmethod
+    def exact_if_uniform(self) -> Exact:
+        """That on uniform soil."""
+
+    @property
+    def exact(self) -> Exact | None:
+        """See `Bearing`; over su0."""
+        return self.exact_if_uniform if self.is_uniform else super().exact
 
     @property
     def slip_lines(self) -> SlipLines | None:
@@ -186,23 +189,28 @@ class StripFooting(Footing):
         return 2.0 + math.pi, source
 
 
-EXACT = {0.0: 4.443, 0.25: 5.089, 0.5: 5.679, 0.75: 6.218, 1.0: 6.690}
-"""Load over (base area times su) by adhesion factor, for an apex angle of 60 degrees."""
+RIM, GROWTH = 0.25, 3.0
+"""Width of the cells at the rim of a cone over that one radius away, and their growth with the
+distance from it: from one to the other."""
+UPWARD = 1e-12
+"""Rounding of the angle of the greatest stress at the face [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConeBearing(OnGround):
     """A cone that is pressed on from where its shoulder is at the surface.
 
-    In uniform soil the exact load is known for 60 degrees and the adhesion factors of `EXACT`.
+    The face is R / sin long, sin that of half the apex angle, and moves into the soil by sin times
+    the displacement: at the same ratio of the two cones of any angle are as near their limit loads.
     """
 
     summary = "limit load of a cone with its shoulder at the surface"
-    version = 3
+    version = 4
     verifications = compared(
         "cells_per_radius",
-        (4, 8, 16),
-        *({"adhesion_factor": adhesion_factor} for adhesion_factor in EXACT),
+        (2, 4, 8),
+        *({"adhesion_factor": adhesion_factor} for adhesion_factor in (0.0, 0.25, 0.5, 0.75, 1.0)),
+        *({"apex_angle": apex_angle} for apex_angle in (30.0, 90.0, 120.0)),
         error=0.02,
         least_order=1.0,
     )
@@ -211,16 +219,17 @@ class ConeBearing(OnGround):
         ConeTest, "adhesion_factor", meaning="adhesion factor of the cone"
     )
     apex_angle: float = redefined(ConeTest, "apex_angle")
-
-    @property
-    def exact_if_uniform(self) -> Exact | None:
-        """Of the cones of `EXACT`."""
-        if self.apex_angle != 60.0 or self.adhesion_factor not in EXACT:
-            return None
-        return EXACT[self.adhesion_factor], (
-            "slip lines with the hypothesis of Haar and von Karman, integrated for this project; "
-            "the same integration gives 5.689 and 6.049 for the smooth and the rough disc"
-        )
+    cells_per_radius: int = redefined(
+        OnGround,
+        "cells_per_radius",
+        meaning="cells per radius of the cone, one radius from its rim; at the rim 4 times as many",
+    )
+    displacement: float = redefined(
+        OnGround,
+        "displacement",
+        meaning="displacement over radius times G/su, of a cone of 60 degrees; that of others "
+        "goes with 1 / sin^2 of half the apex angle",
+    )
 
     @property
     def slip_lines(self) -> SlipLines | None:
@@ -230,7 +239,13 @@ class ConeBearing(OnGround):
             adhesion_factor=self.adhesion_factor,
             strength_gradient_ratio=self.strength_gradient_ratio,
         )
-        return lines if lines.face_psi >= 0.0 else None
+        return lines if lines.face_psi >= -UPWARD else None
+
+    @property
+    def final_displacement(self) -> float:
+        """How far the cone is pressed [m]."""
+        ratio = math.sin(math.radians(30.0)) / math.sin(0.5 * self._penetrometer.apex_angle)
+        return ratio**2 * super().final_displacement
 
     @property
     def surface_height(self) -> float:
@@ -238,13 +253,22 @@ class ConeBearing(OnGround):
         return self._penetrometer.cone_height
 
     def grid(self) -> Grid:
-        """A grid fitted to the cone, that ends at its shoulder."""
-        size = RADIUS / self.cells_per_radius
-        return self._penetrometer.fitted_grid(
-            rows_on_face=self._penetrometer.rows_on_face(size),
-            columns=graded(size, 4.0 * RADIUS, 1.0 + 0.3 * size / RADIUS),
-            depth_below=2.0 * RADIUS,
-            height_above=0.0,
+        """A grid fitted to the cone, that ends at its shoulder: fine at the rim.
+
+        Rows beside a blunt face are flat, so that its nodes are as near to each other as columns.
+        """
+        size, height = RADIUS / self.cells_per_radius, self.surface_height
+        edge = RIM * size
+        growth = 1.0 + GROWTH * edge / RADIUS
+        face = graded(edge * min(1.0, height / RADIUS), height, growth)
+        below = graded(min(size, face[-1] - face[-2]), 2.0 * RADIUS, growth)
+        rows = np.append(height - face, -below[1:])[::-1]
+        columns = graded(edge, 4.0 * RADIUS, growth)
+        return Grid(
+            columns=columns / columns[-1],
+            rows=rows,
+            surface_radius=self._penetrometer.surface_radius(rows),
+            fitted_radius=RADIUS + float(columns[-1]),
         )
 
     def contact(self, grid: Grid) -> PenetrometerContact:
