@@ -20,7 +20,6 @@ from harness.pictures.drawing.plot_parts import (
     FAILED,
     INK,
     MARKERS,
-    MOST_LABELS,
     SHADES,
     STYLED,
     CurveEnd,
@@ -74,7 +73,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
         draw_experience(axes, dataset)
     along = studied.varied.get(name) or Values.of(dataset, name)
     groups = studied.groups(other)
-    shown = chosen(len(groups), MOST_LABELS)
+    shown = chosen(len(groups))
     ends: list[CurveEnd] = []
     shared = not any(_depends_on(dataset, one) for one in other)
     for rank, cases in enumerate(groups[place] for place in shown):

@@ -12,13 +12,7 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import by_case, case_dims
 from harness.pictures.drawing.caption import captioned, left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import (
-    MOST_LABELS,
-    STYLED,
-    chosen,
-    legend_above,
-    series_colour,
-)
+from harness.pictures.drawing.plot_parts import STYLED, chosen, legend_above, series_colour
 from harness.pictures.studied import Studied
 
 RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
@@ -99,7 +93,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     figure.set_figheight(HEIGHT)
     strength, resistance, factor = figure.subplots(1, 3, sharey=True)
     count = soundings.sizes["sounding"]
-    shown = chosen(count, MOST_LABELS)
+    shown = chosen(count)
     # The stretches of a sounding, each to a depth, are one curve.
     names = [it for it in (studied.varied if studied else ()) if it not in (STRETCH, "to_depth")]
     for rank, number in enumerate(shown):

@@ -20,7 +20,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.pictures.drawing.caption import left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import MARKERS, MOST_LABELS, chosen, series_colour
+from harness.pictures.drawing.plot_parts import MARKERS, chosen, series_colour
 from harness.pictures.drawing.quantities import Floats, Texts, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study import scene_part
@@ -147,7 +147,7 @@ def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
     The curves have the shape [case, :].
     """
     drawn = np.flatnonzero(np.isfinite(curves).any(axis=1))
-    shown = drawn[chosen(drawn.size, MOST_LABELS)].tolist()
+    shown = drawn[chosen(drawn.size)].tolist()
     series = [
         Series(case, series_colour(rank, len(shown)), MARKERS[rank], label_of(dataset, case))
         for rank, case in enumerate(shown)
