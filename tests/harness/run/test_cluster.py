@@ -262,9 +262,9 @@ def test_tls_with_certificates_of_another_authority_is_one_line(
     with ExitStack() as processes:
         cluster = Cluster(tmp_path, processes, "--protocol", "tls")
         for authority in ("theirs", "ours"):
-            files = {"client.cert": "theirs.pem", "client.key": "theirs.key"}
-            files["ca-file"] = f"{authority}.pem"
-            paths = {f"distributed.comm.tls.{it}": str(tmp_path / files[it]) for it in files}
+            own = {"client.cert": "theirs.pem", "client.key": "theirs.key"}
+            own["ca-file"] = f"{authority}.pem"
+            paths = {f"distributed.comm.tls.{it}": str(tmp_path / own[it]) for it in own}
             with dask.config.set(paths):
                 line = refusal(["run", str(small_file), "--dask", cluster.address])
             assert f"--dask {cluster.address}: cannot be reached: " in line
