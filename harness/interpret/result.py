@@ -1,42 +1,48 @@
 """The result of an interpretation: a dataset, and sentences to be quoted."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from harness.interpret.measured import REASONS, Measured
 from harness.interpret.site import Layer, Site
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
 
 PERCENTILES = (5.0, 50.0, 95.0)
+GROUND: Mapping[str, tuple[str, str]] = {
+    "ground_strength": ("Pa", "strength su, the same in all modes"),
+    "ground_rigidity_index": ("1", "rigidity index"),
+    "ground_adhesion_factor": ("1", "adhesion factor"),
+    "ground_stress_anisotropy": ("1", "stress anisotropy Delta"),
+    "ground_resistance_ratio": ("1", "net resistance of this ground over the measured one"),
+}
+"""What a simulation of the ground needs by depth, all at the strain rate of the table; and which
+resistance is taken for that of the ground, without the errors of test, table and model that the
+draws have. It is the measured one unless sleeve or pore pressure tell of these errors."""
 FEWEST_DRAWS = 50
 """Draws that count after weighing below which the measured values contradict the inputs."""
 
 
-def as_dataset(
-    site: Site,
-    test: Measured,
-    reason: np.ndarray,
-    causes: list[str],
-    strength: Floats,
-    factor: Floats,
-    share: Floats,
-    inputs: tuple[Floats, Floats],
-    counted: Floats,
-) -> xr.Dataset:
-    """What was found, over depth, layers, causes and percentiles.
+def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Dataset:
+    """What was measured over depth, and what is to be found, not a number yet.
 
-    Args:
-        site: it is of.
-        test: as measured.
-        reason: numbers of `REASONS`, shape [depths].
-        causes: names of all causes.
-        strength: percentiles of su [Pa], shape [depths, percentiles].
-        factor: percentiles of Nkt, likewise.
-        share: of each cause in the variance of ln su, shape [depths, causes].
-        inputs: percentiles before and after the test tells of them, [layers, causes, percentiles].
-        counted: draws of each layer that count.
+    That is over depth, layers, percentiles, and the `causes` of an error.
     """
+    layers = [it.title for it in site.layers]
+    places: dict[str, Any] = {
+        "depth": test.depth,
+        "layer": layers,
+        "cause": causes,
+        "percentile": PERCENTILES,
+    }
+
+    def unknown(*dims: str, **quantities: tuple[str, str]) -> dict[str, xr.Variable]:
+        shape = tuple(len(places[dim]) for dim in dims)
+        told: dict[str, Any] = {k: (np.full(shape, np.nan), *it) for k, it in quantities.items()}
+        return labelled(dims=dims, **told)
+
     by_depth = curves(
         "depth",
         (test.depth, "m", "depth of the tip"),
@@ -57,27 +63,25 @@ def as_dataset(
         "flag_values": np.arange(len(REASONS), dtype=np.int8),
         "flag_meanings": " ".join(it.replace(" ", "_") for it in REASONS),
     }
-    by_depth["reason"] = xr.Variable("depth", reason, flags)
-    over = ("depth", "percentile")
-    by_depth = by_depth.assign(
-        labelled(
-            dims=over,
-            strength=(strength, "Pa", "undrained shear strength su"),
-            resistance_factor=(factor, "1", "resistance factor Nkt = qnet / su"),
+    by_depth["reason"] = xr.Variable("depth", test.reason.copy(), flags)
+    found = by_depth.assign(
+        unknown(
+            *("depth", "percentile"),
+            strength=("Pa", "undrained shear strength su"),
+            resistance_factor=("1", "resistance factor Nkt = qnet / su"),
         )
-        | labelled(
-            dims=("depth", "cause"), error_share=(share, "1", "share of the variance of ln su")
+        | unknown("depth", "cause", error_share=("1", "share of the variance of ln su"))
+        | unknown(
+            *("layer", "cause", "percentile"),
+            input_before=("1", "inputs as given"),
+            input_after=("1", "inputs by what the test tells of them"),
         )
-        | labelled(
-            dims=("layer", "cause", "percentile"),
-            input_before=(inputs[0], "1", "inputs as given"),
-            input_after=(inputs[1], "1", "inputs by what the test tells of them"),
-        )
-        | labelled(dims=("layer",), draws=(counted, "1", "draws that count after weighing"))
+        | unknown("layer", draws=("1", "draws that count after weighing"))
+        | unknown("depth", **GROUND)
     )
     modes = "; ".join(f"{it.title}: {it.strength}" for it in site.layers)
-    return by_depth.assign_coords(
-        percentile=list(PERCENTILES), cause=causes, layer=[it.title for it in site.layers]
+    return found.assign_coords(
+        percentile=list(PERCENTILES), cause=causes, layer=layers
     ).assign_attrs(
         title=site.title,
         site=site.name,

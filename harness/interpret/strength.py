@@ -25,7 +25,7 @@ import xarray as xr
 from harness.interpret.borders import near_border, without_borders
 from harness.interpret.factors import NUMERICAL_ERROR, RANGES, Along, at_table_rate, factors
 from harness.interpret.measured import REASONS, Measured, measured
-from harness.interpret.result import PERCENTILES, as_dataset
+from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.study.distributions import normal, sampled
 from harness.study.tables import StudyError
@@ -53,18 +53,6 @@ MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_we
 """Causes of an error that are no inputs of a layer."""
 TOGETHER = "together"
 """The share that no single input has."""
-
-
-GROUND = {
-    "ground_strength": "strength su, the same in all modes",
-    "ground_rigidity_index": "rigidity index",
-    "ground_adhesion_factor": "adhesion factor",
-    "ground_stress_anisotropy": "stress anisotropy Delta",
-    "ground_resistance_ratio": "net resistance of this ground over the measured one",
-}
-"""What a simulation of the ground needs by depth, all at the strain rate of the table; and which
-resistance is taken for that of the ground, without the errors of test, table and model that the
-draws have. It is the measured one unless sleeve or pore pressure tell of these errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,46 +94,40 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     """
     test = measured(site.test)
     used = without_borders(test, site.borders, site.test.cone_radius) if sharpen else test
-    reason = test.reason.copy()
+    causes = _causes(site)
+    found = without_strength(site, test, causes)
+    arrays = {str(name): it.values for name, it in found.data_vars.items()}
+    reason, strength, share = (arrays[it] for it in ("reason", "strength", "error_share"))
     in_layer = np.full(len(test.depth), -1)
     for number, layer in enumerate(site.layers):
         in_layer[(test.depth >= layer.top) & (test.depth <= layer.bottom)] = number
     reason[in_layer < 0] = REASONS.index("no layer")
-    causes = _causes(site)
-    shape = (len(test.depth), len(PERCENTILES))
-    strength, factor = np.full(shape, np.nan), np.full(shape, np.nan)
-    share = np.full((len(test.depth), len(causes)), np.nan)
-    before, after = np.full((2, len(site.layers), len(causes), len(PERCENTILES)), np.nan)
-    counted = np.zeros(len(site.layers))
-    ground = {name: np.full(len(test.depth), np.nan) for name in GROUND}
     for number in range(len(site.layers)):
         here = np.flatnonzero((in_layer == number) & (reason == 0))
         if not len(here):
+            arrays["draws"][number] = 0.0
             continue
         drawn = draw(site, number, used, here)
-        chosen, counted[number] = _chosen(drawn.log_likelihood, site.seed)
+        chosen, arrays["draws"][number] = _chosen(drawn.log_likelihood, site.seed)
         kept = {name: it[chosen] for name, it in drawn.inputs.items()}
-        strength[here] = np.percentile(drawn.strength[:, chosen], PERCENTILES, axis=1).T
-        factor[here] = np.percentile(drawn.factor[:, chosen], PERCENTILES, axis=1).T
+        for name, draws in (("strength", drawn.strength), ("resistance_factor", drawn.factor)):
+            arrays[name][here] = np.percentile(draws[:, chosen], PERCENTILES, axis=1).T
         for name, draws in drawn.ground.items():
-            ground[name][here] = np.median(draws[:, chosen], axis=1)
+            arrays[name][here] = np.median(draws[:, chosen], axis=1)
         shares = error_shares(kept, np.log(drawn.strength[:, chosen]))
         for place, cause in enumerate(causes):
             if cause in shares:
                 share[here, place] = shares[cause]
             if cause in kept:
-                before[number, place] = np.percentile(drawn.inputs[cause], PERCENTILES)
-                after[number, place] = np.percentile(kept[cause], PERCENTILES)
+                before, after = drawn.inputs[cause], kept[cause]
+                arrays["input_before"][number, place] = np.percentile(before, PERCENTILES)
+                arrays["input_after"][number, place] = np.percentile(after, PERCENTILES)
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
-        strength[left] = factor[left] = share[left] = np.nan
-    found = as_dataset(
-        site, test, reason, causes, strength, factor, share, (before, after), counted
-    )
+        strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
     near = near_border(test.depth, test.net, site.borders, site.test.cone_radius)
-    units = dict.fromkeys(GROUND, "1") | {"ground_strength": "Pa"}
-    own: dict[str, Any] = {name: (ground[name], units[name], it) for name, it in GROUND.items()}
-    own["near_border"] = (near.astype(np.int8), "1", "1 where the resistance feels another layer")
+    meaning = "1 where the resistance feels another layer"
+    own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}
     if sharpen:
         told = "net resistance without the effect of borders"
         own["sharpened_resistance"] = (used.net, "Pa", told)
