@@ -71,11 +71,7 @@ not."""
 class ConeRun(TestRun):
     """A run of a cone test, as far as its error goes.
 
-    Attributes:
-        laws: of its error, at its end.
-        strength: undrained shear strength su [Pa].
-        recorded: the curve `penetration_resistance`, and the scalars `cone_factor_simulated` and
-            `cone_factor_shear`.
+    It has recorded `penetration_resistance`, `cone_factor_simulated` and `cone_factor_shear`.
     """
 
     name = "cone_factor"
@@ -85,8 +81,8 @@ class ConeRun(TestRun):
     largest_correction = LARGEST_CORRECTION
     approach = APPROACH
 
-    laws: ErrorLaws
-    strength: float
+    laws: ErrorLaws  # of its error, at its end
+    strength: float  # undrained shear strength su [Pa]
 
     @property
     def factor(self) -> float:

@@ -94,36 +94,22 @@ class ErrorLaws:
     """The laws, for one cone factor or for an array of them; lengths are over the cone's radius.
 
     All is as simulated.
-
-    Attributes:
-        rigidity_index: G/su, shape [...].
-        adhesion_factor: of the face, shape [...].
-        stress_anisotropy: of the ground, shape [...].
-        poissons_ratio: of the clay as simulated.
-        bounded: what a bound takes off the clay's own.
-        inertia: rho V^2 / su, shape [...].
-        cell_size: width of the cells at the cone.
-        cell_growth: growth of their width per distance from the penetrometer.
-        outer: radius of the window.
-        above: extent of the window above the shoulder.
-        below: extent of the window below the tip.
-        extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
-        way: of the cone since its start, shape [...].
     """
 
-    rigidity_index: Value
-    adhesion_factor: Value
-    stress_anisotropy: Value
-    poissons_ratio: float
-    bounded: float
-    inertia: Value
-    cell_size: float
-    cell_growth: float
-    outer: float
-    above: float
-    below: float
+    rigidity_index: Value  # G/su, shape [...]
+    adhesion_factor: Value  # of the face, shape [...]
+    stress_anisotropy: Value  # of the ground, shape [...]
+    poissons_ratio: float  # of the clay as simulated
+    bounded: float  # what a bound takes off the clay's own
+    inertia: Value  # rho V^2 / su, shape [...]
+    cell_size: float  # width of the cells at the cone
+    cell_growth: float  # growth of their width per distance from the penetrometer
+    outer: float  # radius of the window
+    above: float  # extent of the window above the shoulder
+    below: float  # extent of the window below the tip
+    # greatest ratio of an extent of the window that is by default to what it is
     extent_ratio: float
-    way: Value
+    way: Value  # of the cone since its start, shape [...]
 
     @property
     def correction(self) -> Value:
