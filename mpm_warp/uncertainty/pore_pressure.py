@@ -104,17 +104,15 @@ def stated_pressures(
     recorded: xr.Dataset,
     *,
     strength: float,
-    cell_size: float,
-    adhesion_factor: float,
-    rigidity_index: float,
     bounded: float,
     is_known: bool,
+    **of_cone: float,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, is added to the half widths. Strength
-    is su [Pa], `bounded` what a bound takes off Poisson's ratio; of the others see
-    `shoulder_error`. Where these laws do not hold (`is_known`) there is no correction, and the
+    is su [Pa], `bounded` what a bound takes off Poisson's ratio; `of_cone` are the other arguments
+    of `shoulder_error`. Where these laws do not hold (`is_known`) there is no correction, and the
     uncertainties are not numbers.
     """
     stated = {}
@@ -124,12 +122,7 @@ def stated_pressures(
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
         if is_known:
             error = face_error if place == "face" else shoulder_error
-            off, of_laws = error(
-                factor,
-                cell_size=cell_size,
-                adhesion_factor=adhesion_factor,
-                rigidity_index=rigidity_index,
-            )
+            off, of_laws = error(factor, **of_cone)
             curve = recorded[f"excess_pore_pressure_{place}"].values / strength
             correction = float(off) + BOUND_ERROR * bounded
             of_bound = BOUND[place] * bounded
