@@ -80,25 +80,14 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
     common = [identity for identity in ours if identity in theirs]
     if not common:
         raise NothingToCompareError("nothing to compare: no case has the same parameters in both")
-    labels = labels_of(first), labels_of(second)
-    lonely = [
-        f"only in the {which}: {text[place]}"
-        for which, text, mine, other in (
-            ("first", labels[0], ours, theirs),
-            ("second", labels[1], theirs, ours),
-        )
-        for identity, place in mine.items()
-        if identity not in other
-    ]
+    labels, of_second = labels_of(first), labels_of(second)
+    lonely = [f"only in the first: {labels[ours[it]]}" for it in ours if it not in theirs]
+    lonely += [f"only in the second: {of_second[theirs[it]]}" for it in theirs if it not in ours]
     here, there = [ours[identity] for identity in common], [theirs[identity] for identity in common]
+    statuses = over_cases(first, "status")[here], over_cases(second, "status")[there]
     lonely += [
-        f"{before} in the first, {after} in the second: {labels[0][place]}"
-        for place, before, after in zip(
-            here,
-            over_cases(first, "status")[here],
-            over_cases(second, "status")[there],
-            strict=True,
-        )
+        f"{before} in the first, {after} in the second: {labels[place]}"
+        for place, before, after in zip(here, *statuses, strict=True)
         if (before == COMPLETED) != (after == COMPLETED)
     ]
     measured = {*with_role(first, Role.MEASURED), *with_role(second, Role.MEASURED)}
@@ -109,7 +98,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         is_compared |= not (np.isnan(before) & np.isnan(after)).all()
         sizes = _relative(before, after)
         worst = int(np.argmax(sizes))
-        found.append(Difference(name, float(sizes[worst]), labels[0][here[worst]]))
+        found.append(Difference(name, float(sizes[worst]), labels[here[worst]]))
     if not is_compared and not lonely:
         raise NothingToCompareError("nothing to compare: no case has a scalar result in either")
     return found, lonely

@@ -188,30 +188,24 @@ def _mode_columns(dataset: xr.Dataset, factor: str) -> Iterable[Column]:
 
 
 def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
+    stored = (f"{role}_{reference.id}" for role in (Role.REFERENCE, Role.DEVIATION))
+    columns = (
+        over_cases(dataset, it) for it in (*stored, reference.applies(conditions_of(dataset)))
+    )
     texts = [
         _bracketed(_with_deviation(value, deviation), inside)
         if inside or np.isfinite(value)
         else "[outside]"
-        for value, deviation, inside in zip(
-            over_cases(dataset, f"{Role.REFERENCE}_{reference.id}"),
-            over_cases(dataset, f"{Role.DEVIATION}_{reference.id}"),
-            over_cases(dataset, reference.applies(conditions_of(dataset))),
-            strict=True,
-        )
+        for value, deviation, inside in zip(*columns, strict=True)
     ]
     return column(reference.id, texts)
 
 
 def _envelope_column(dataset: xr.Dataset) -> Column:
     conditions = conditions_of(dataset)
-    bounds = (over_cases(dataset, bound) for bound in envelope(conditions))
-    inside = over_cases(dataset, envelope_applies(conditions))
-    texts = [
-        _bracketed(_place(value, lower, upper), applies)
-        for value, lower, upper, applies in zip(
-            over_cases(dataset, COMPARED), *bounds, inside, strict=True
-        )
-    ]
+    told = (COMPARED, *envelope(conditions), envelope_applies(conditions))
+    rows = zip(*(over_cases(dataset, it) for it in told), strict=True)
+    texts = [_bracketed(_place(*numbers), applies) for *numbers, applies in rows]
     return column("in the_envelope", texts)
 
 
