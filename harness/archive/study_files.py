@@ -167,15 +167,9 @@ def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Vari
     coordinates: Variables = {}
     if CASE in axes:
         coordinates[CASE] = xr.Variable(CASE, np.arange(len(study.cases)), {"long_name": CASE})
-    if len(study.parts) > 1:
-        columns = {
-            "scene": [case.scene for case in study.cases],
-            "scene_version": [case.scene_version for case in study.cases],
-        }
-        coordinates |= {
-            name: xr.Variable(CASE, values, {"long_name": spoken(name)})
-            for name, values in columns.items()
-        }
+    for name in ("scene", "scene_version") if len(study.parts) > 1 else ():
+        values = [getattr(case, name) for case in study.cases]
+        coordinates[name] = xr.Variable(CASE, values, {"long_name": spoken(name)})
     return coordinates
 
 

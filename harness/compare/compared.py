@@ -193,13 +193,11 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
         return [f"{name}: is neither a reference nor a result here{did_you_mean(name, numbers)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
     size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
-    held = over_cases(dataset, applies)
+    sizes, held = over_cases(dataset, size), over_cases(dataset, applies)
     if not held.any():
         return [f"{name}: applies to no case"]
     return [
         f"{name}: {label}: {size:.3g} is beyond the tolerance {limit:g}"
-        for label, size, is_held in zip(
-            labels_of(dataset), over_cases(dataset, size), held, strict=True
-        )
+        for label, size, is_held in zip(labels_of(dataset), sizes, held, strict=True)
         if is_held and not size <= limit
     ]

@@ -101,15 +101,12 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     seconds = np.nan_to_num(over_cases(dataset, "case_time")).tolist()
     of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
     sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
+    reasons = np.where(np.isfinite(uncertainty_of(dataset)), "", reasons_of(dataset)).tolist()
+    texts = over_cases(dataset, "status"), over_cases(dataset, "message")
     return [
         Outcome(str(status), str(message), seconds=time, sources=str(digest), reason=reason)
         for status, message, time, digest, reason in zip(
-            over_cases(dataset, "status"),
-            over_cases(dataset, "message"),
-            seconds,
-            sources,
-            np.where(np.isfinite(uncertainty_of(dataset)), "", reasons_of(dataset)).tolist(),
-            strict=True,
+            *texts, seconds, sources, reasons, strict=True
         )
     ]
 
