@@ -23,7 +23,16 @@ ALIASES: dict[tuple[str, ...], dict[str, str]] = {
         "adhesion_factor": "adhesion over su, 0 smooth to 1 rough",
         "adhesion": "in Pa",
     },
-    ("k0",): {"K0": "", "stress_anisotropy": "(1 - K0) sigma_v0' / (2 su)"},
+    ("k0",): {
+        "K0": "",
+        "stress_anisotropy": "(1 - K0) sigma_v0' / (2 su)",
+        "earth_pressure_at_rest": "of modified_cam_clay",
+    },
+    ("ocr", "overconsolidation_ratio"): {
+        "vertical_overconsolidation_ratio": "by effective vertical stress",
+        "isotropic_overconsolidation_ratio": "p_c over p'",
+    },
+    ("m", "phi", "friction_angle"): {"critical_state_ratio": "6 sin(phi) / (3 - sin(phi))"},
     ("anisotropy",): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
     ("delta",): {
         "stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)",
