@@ -117,6 +117,18 @@ WIDTH = 100
 """Columns of the file."""
 
 
+OWN_GROUND = """\
+# Ground by depth, in place of strength, stiffness and stress above; two rows of one depth are a
+# border. In place of the arrays: file = "ground.csv".
+#[profile]
+#"depth [m]" = [0, 3, 3, 12]
+#"strength [kPa]" = [40, 15, 25, 45]
+#"rigidity_index [1]" = [100, 100, 150, 150]
+#"unit_weight [kN/m3]" = [18, 16, 17, 17]
+#"K0 [1]" = [1, 0.6, 0.6, 0.6]
+#"ground_water [m]" = [1, 1, 1, 1]
+"""
+"""What a new study says of the ground of a sounding."""
 OWN_REFERENCE = """\
 # A reference of your own: a formula of parameters, or of Ir, alpha_c, alpha_s, Delta.
 #[references.our_laboratory]
@@ -156,6 +168,8 @@ def study_text(name: str, scene_name: str) -> str:
     if others.keys() & set(method):
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
         parts += _commented(it for key, it in others.items() if key in method)
+    if PROFILE in parameters:
+        parts += ["", *OWN_GROUND.splitlines()]
     if takes_references(scene):
         ids = [reference.id for reference in ENVELOPE]
         parts += ["", "# The literature beside its cone factor:"]

@@ -85,7 +85,9 @@ def describe(options: argparse.Namespace) -> int:
         print(*site_rows(Path(options.subject)), sep="\n")
         return DONE
     if not is_scene(options.subject):
-        print(*study_rows(load_study(options.subject)), sep="\n")
+        study = load_study(options.subject)
+        print(*study_rows(study), sep="\n")
+        tell_of_unusual_values(study)
         return DONE
     print(*scene_rows(options.subject), sep="\n")
     if options.subject in study_names():

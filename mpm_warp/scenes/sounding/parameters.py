@@ -253,6 +253,18 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         return self.domain_above + LEAD
 
 
+REPLACED = (
+    "undrained_shear_strength",
+    "rigidity_index",
+    "unit_weight",
+    "strength_gradient",
+    "layer_top",
+    "layer_thickness",
+    "layer_strength_ratio",
+)
+"""Parameters whose place any profile takes."""
+
+
 def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
     """Check that a profile keeps to the limits of the parameters whose place its columns take."""
     rows = {parameter: columns[name] for name, parameter in LIMITED_AS.items() if name in columns}
@@ -300,8 +312,9 @@ def check_sounding(test: SoundingTest) -> None:
             "layer_thickness" if test.profile is None else PROFILE,
             f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
         )
-    for name in ("adhesion_factor", "stress_anisotropy"):
+    of_rows = ("adhesion_factor", "stress_anisotropy")
+    taken = [name for name in of_rows if getattr(ground, name) is not None]
+    for name in taken if test.profile is None else [*taken, *REPLACED]:
         value = getattr(test, name)
-        is_given = value != 0.0 and not isinstance(value, Derived)
-        if getattr(ground, name) is not None and is_given:
+        if value != parameters_of(type(test))[name].default and not isinstance(value, Derived):
             refuse(name, "the profile has it by depth; keep one of them")

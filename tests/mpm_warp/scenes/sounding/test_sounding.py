@@ -147,6 +147,10 @@ def test_two_stretches_agree_where_they_overlap() -> None:
             {"profile": "depth [m], strength [kPa]; 0, 1; 9, 1; 9, 2; 9.1, 2; 9.1, 1; 19, 1"},
             "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
         ),
+        (
+            {"profile": "depth [m], strength [kPa]; 0, 1; 19, 1", "rigidity_index": 50.0},
+            "rigidity_index = 50 is not allowed: the profile has it by depth; keep one",
+        ),
         ({"profile": "depth [m], strength [kPa]; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
         (
             {"profile": "depth [m], strength [kPa], adhesion_factor [1]; 0, 1, 0; 19, 1, 2"},
