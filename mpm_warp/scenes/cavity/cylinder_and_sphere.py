@@ -51,8 +51,7 @@ class CavityCylinder(Cavity):
 
     The axis is vertical. The pressure is that over the horizontal stress before. While the vertical
     stress stays between the others it does not matter to soil of Tresca, which is so for any stress
-    anisotropy that is allowed there. A sphere has no K0 start: soil would leave the rays, and no
-    exact pressure is known.
+    anisotropy that is allowed there.
     """
 
     summary = "pressure of an expanding cylindrical cavity in undrained clay"
