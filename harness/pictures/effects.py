@@ -183,7 +183,7 @@ def _explanations(studied: Studied, found: _Effects, shown: int) -> Sequence[str
         f"{count} cases; {failed} did not complete (crosses)." if failed else f"{count} cases.",
         "Each dot is a case, less the effects of all other parameters; the line is this "
         "parameter's effect, a parabola by least squares. The band is the standard deviation "
-        f"of what the fit leaves, {number(found.spread)}; the fit explains {explained:.0%} of "
+        f"of what the fit leaves, {found.spread:.2g}; the fit explains {explained:.0%} of "
         "the variance."
         if found.is_fitted
         else "Each dot is a case as it was computed: they are too few for a fit.",
