@@ -193,7 +193,7 @@ def _plan_text(plan: Plan, step_count_bound: int | None) -> str:
     if step_count_bound is not None:
         seconds = step_count_bound * plan.particle_count / UPDATE_RATE
         lines.append(
-            f"steps: {step_count_bound:,} at most, {seconds:.2g} s at "
+            f"steps: {step_count_bound:,} at most, {spoken_time(seconds)} at "
             f"{UPDATE_RATE / 1e6:.0f} million particle updates a second"
         )
     return "\n".join(lines)

@@ -44,6 +44,14 @@ HUGE = ConePenetration(
 )
 
 
+@pytest.mark.parametrize(
+    ("seconds", "told"),
+    [(0.123, "0.12 s"), (17.4, "17 s"), (110.0, "110 s"), (150.0, "2.5 min"), (9e3, "2.5 h")],
+)
+def test_a_time_is_told_in_a_unit_that_suits_it(seconds: float, told: str) -> None:
+    assert resources.spoken_time(seconds) == told
+
+
 def test_the_largest_grid_is_refused_before_anything_large_is_built() -> None:
     tracemalloc.start()
     with pytest.raises(TooLarge, match=r"needs about \d+ GB .* where a case may take 16 GB: try"):
