@@ -10,7 +10,7 @@ from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.scene import Scene
 
-POINT_BYTES, STATE_BYTES = 118.0, 19.0
+POINT_BYTES, STATE_BYTES = 118.0, 16.0
 """Memory of a material point, and of a number that its law remembers, set-up included [byte]."""
 
 
@@ -24,7 +24,8 @@ class RunSize:
         step_count: steps to the end of the run; 0 where they are not known beforehand.
         bytes_per_cell: memory of a cell with its share of nodes, what set-up takes included.
         bytes_per_particle: memory of a material point, likewise.
-        curve_bytes: memory of what is sampled on the way, and of curves made of it.
+        curve_bytes: memory of what is sampled on the way, of curves made of it, and of what
+            compares them.
     """
 
     cell_count: int

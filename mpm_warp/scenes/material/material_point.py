@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import Value, parameter, redefined
@@ -19,6 +20,8 @@ from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
+INTEGRATOR_BYTES = 20e6
+"""Memory of the integrators of SciPy that are loaded for clay that changes on its paths."""
 RANDOM_PATHS = 200
 """Paths in random directions, on which the stress must stay within the yield surface."""
 CHANGING: dict[str, Value] = {
@@ -69,7 +72,10 @@ class MaterialPoint(ClayScene):
     def run_size(self) -> RunSize:
         """A point on each path."""
         return RunSize(
-            cell_count=0, particle_count=PATH_COUNT + RANDOM_PATHS, step_count=self.step_count
+            cell_count=0,
+            particle_count=PATH_COUNT + RANDOM_PATHS,
+            step_count=self.step_count,
+            curve_bytes=INTEGRATOR_BYTES if isinstance(self.clay, EinavRandolph) else 0.0,
         )
 
     def build(self) -> StrainPaths:
