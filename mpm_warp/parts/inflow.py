@@ -45,19 +45,19 @@ SHARE_OF_WAVE, OVER_WINDOW = 0.5, 4.0
 sound runs points have up to 0.12 and 2.7 of it."""
 
 
-def add_inflow(plan: Plan, scene: Scene, *, window_speed: float) -> None:
+def add_inflow(plan: Plan, scene: Scene, *, stray_speed: float) -> None:
     """Add what lets a layer enter, when the plan has all arrays of its particles.
 
-    The greatest speed of the window is `window_speed` [m/s]. Of every array "particle.x" the plan
-    gets "layer.x", its values in a layer that enters, and the launch "enter.x" to be ordered
-    between steps, which writes them into the slots "layer.slots".
+    Beside the velocity of the soil a point has `stray_speed` at most [m/s]. Of every array
+    "particle.x" the plan gets "layer.x", its values in a layer that enters, and the launch
+    "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
     """
     plan.between_steps[VELOCITY_BOUND] = plan.launch(
         bound_velocity,
         len(plan.initial("particle.cell")),
         stride=scene.grid.column_count + 1,
         fitted_radius=scene.grid.fitted_radius,
-        W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed),
+        W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, stray_speed),
         speed_limit=plan.speed_limit,
     )
     plan.remedy += f", or {REMEDY}"

@@ -73,7 +73,7 @@ class ConePenetration(ConeTest):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 15
+    version = 16
     comparable = "cone_factor"
     snapshots_over = AXIS
 

@@ -376,11 +376,16 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
                 slowing_travel=SLOWING * self.cone_radius,
             )
         rubs = self.friction_coefficient > 0.0
+        # Beside a blunter face than the standard one points stay for long and gather velocities of
+        # their own, which must not push as the soil's strength does: rho w^2 is at most su.
+        is_blunt = self.apex_angle > APEX_ANGLE
+        strength = self.undrained_shear_strength
         return Window(
             speed=speed,
             ramp_travel=RAMP * self.cone_radius,
             approach=faster,
             spare_fraction=SPARE_SLOTS_WITH_FRICTION if rubs else SPARE_SLOTS,
+            stray_speed=math.sqrt(strength / self.density) if is_blunt else None,
         )
 
 

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp import Snapshots
-from mpm_warp.errors import InaccurateRun
+from mpm_warp.errors import InaccurateRun, SimulationDiverged
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import cone_penetration
@@ -113,6 +113,34 @@ def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
     assert [float(result.energy_error)] == expected
     assert -LARGEST_ENERGY_ERROR < expected[0] < 0.0
     assert result.energy_error.attrs["limit"] == LARGEST_ENERGY_ERROR
+
+
+def test_a_blunt_rough_cone_throws_no_soil_off() -> None:
+    """Points that rest before it are not as fast of their own as would push like the strength."""
+    blunt = ConePenetration(
+        apex_angle=120.0,
+        adhesion_factor=1.0,
+        cells_per_radius=12.0,
+        cell_growth=1.5,
+        domain_radius=8.0,
+        domain_above=2.0,
+        domain_below=4.0,
+        speed_ratio=0.25,
+        approach=0.0,
+        penetration=6.0,
+        steady_tolerance=0.0,
+    )
+    scene = blunt.build()
+    window = scene[Window]
+    assert window.stray_speed == pytest.approx(
+        math.sqrt(blunt.undrained_shear_strength / blunt.density)
+    )
+    loose = dataclasses.replace(window, stray_speed=None)
+    simulation = Simulation(scene.with_parts(loose))
+    with pytest.raises(SimulationDiverged, match="velocity of particle"):
+        simulation.travel_to(6.0 * blunt.cone_radius)
+    Simulation(scene).travel_to(6.0 * blunt.cone_radius)
+    assert ConePenetration().window.stray_speed is None
 
 
 def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
